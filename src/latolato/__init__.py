@@ -1,0 +1,1 @@
+"""Driven and colliding pendula: simulate, map, analyse, measure and play."""

@@ -1,0 +1,1 @@
+"""Exact solutions and tools that read more out of a motion than its samples."""

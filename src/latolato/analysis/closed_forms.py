@@ -1,0 +1,357 @@
+"""Exact solutions that trajectories are measured against: swings, decays, bounces and tongues.
+
+Those written here hold for a pivot at rest. The free pendulum (`latolato.analysis.elliptic`) and
+the Mathieu tongues (`latolato.analysis.mathieu`) are offered here as well.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from latolato.analysis.elliptic import Array, checked_times, undriven_motion, undriven_period
+from latolato.analysis.mathieu import (
+    MathieuParameters,
+    mathieu_growth_rate,
+    mathieu_parameters,
+    mathieu_threshold_amplitude,
+    mathieu_tongue_edges,
+)
+from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
+from latolato.quantities import ANY, NON_NEGATIVE
+from latolato.registry import checked_number
+
+__all__ = [
+    "MathieuParameters",
+    "collision_times",
+    "damped_small_angle",
+    "damping_from_decay_rate",
+    "decay_rate",
+    "elastic_bounces",
+    "fall_time",
+    "fold_angle",
+    "impact_angular_velocity",
+    "mathieu_growth_rate",
+    "mathieu_parameters",
+    "mathieu_threshold_amplitude",
+    "mathieu_tongue_edges",
+    "undriven_motion",
+    "undriven_period",
+    "zeno_time",
+]
+
+
+def decay_rate(*, damping: float, mass: float, length: float) -> float:
+    """Return the rate k at which small swings decay [1/s], ``C/(2 m l)`` (paper eq13).
+
+    Examples
+    --------
+    The single pendulum of paper Fig. 7:
+
+    >>> print(f"{decay_rate(damping=0.00274, mass=0.10804, length=0.3630):.7f}")
+    0.0349325
+    """
+    system = Pendulum(length=length, mass=mass, damping=damping)
+    return system.damping / (2.0 * system.mass * system.length)
+
+
+def damping_from_decay_rate(decay_rate: float, *, mass: float, length: float) -> float:
+    """Return the damping C [kg m/s] that belongs to a measured decay rate [1/s], ``2 m l k``."""
+    system = Pendulum(length=length, mass=mass)
+    k = checked_number("decay_rate", decay_rate, NON_NEGATIVE, "1/s")
+    return 2.0 * system.mass * system.length * k
+
+
+def damped_small_angle(
+    times: ArrayLike,
+    *,
+    length: float,
+    mass: float,
+    damping: float,
+    initial_angle: float,
+    gravity: float = GRAVITY,
+) -> tuple[Array, Array]:
+    """Return angle [rad] and angular velocity [rad/s] of small damped swings from rest.
+
+    Paper eq13, continued to critical and overcritical damping.
+
+    Parameters
+    ----------
+    times : array_like
+        Instants [s].
+    length, mass, gravity : float
+        l [m], m [kg] and g [m/s^2], positive.
+    damping : float
+        C [kg m/s], at least 0.
+    initial_angle : float
+        Angle [rad] at time zero; the equation is linear, smallness is the caller's concern.
+
+    Returns
+    -------
+    angle, angular_velocity : ndarray
+        Of the shape of `times`.
+
+    Notes
+    -----
+    With ``k = C/(2 m l)``, ``W^2 = w0^2 - k^2``:
+    ``angle = angle_0 exp(-k t) (cos(W t) + k sin(W t)/W)``,
+    ``angular_velocity = -angle_0 exp(-k t) w0^2 sin(W t)/W``; the first is eq13 with its amplitude
+    and phase multiplied out, and has the right limit at W = 0.
+
+    Examples
+    --------
+    >>> angle, _ = damped_small_angle(
+    ...     [0.0, 20.0], length=0.3630, mass=0.10804, damping=0.00274, initial_angle=0.1
+    ... )
+    >>> print(angle.round(6))
+    [ 0.1       -0.045863]
+    """
+    instants = checked_times(times)
+    start = checked_number("initial_angle", initial_angle, ANY, "rad")
+    system = Pendulum(length=length, mass=mass, damping=damping, gravity=gravity)
+    w0 = system.natural_frequency
+    k = decay_rate(damping=damping, mass=mass, length=length)
+    W = math.sqrt(abs((w0 - k) * (w0 + k)))
+    if k < w0:
+        decay = np.exp(-k * instants)
+        cosine, sine = decay * np.cos(W * instants), decay * np.sin(W * instants) / W
+    elif W == 0.0:
+        cosine = np.exp(-k * instants)
+        sine = instants * cosine
+    else:
+        # The slow rate k - W as a quotient, which keeps its digits.
+        slow = np.exp(-(w0 * w0 / (k + W)) * instants)
+        fast = np.exp(-(k + W) * instants)
+        cosine = 0.5 * (slow + fast)
+        sine = 0.5 * slow * -np.expm1(-2.0 * W * instants) / W
+    return np.asarray(start * (cosine + k * sine)), np.asarray(-start * w0 * w0 * sine)
+
+
+def fall_time(
+    *, length: float, radius: float, initial_angle: float, gravity: float = GRAVITY
+) -> float:
+    """Return the time tau from rest to the low wall ``asin(r/l)`` [s], undriven and undamped.
+
+    Incomplete elliptic integral of the first kind (Carlson's R_F), see `undriven_motion`.
+
+    Parameters
+    ----------
+    length, gravity : float
+        l [m] and g [m/s^2], positive.
+    radius : float
+        Ball radius [m], in [0, length).
+    initial_angle : float
+        Turning point [rad], above the low wall and not above the high one.
+
+    Returns
+    -------
+    float
+        tau; elastic collision n follows at ``(2 n - 1) tau``.
+
+    Examples
+    --------
+    >>> print(f"{fall_time(length=1.0, radius=0.1, initial_angle=0.6):.15f}")
+    0.458901167124134
+    """
+    bounce = _bounce(length, radius, initial_angle, gravity)
+    return float(_climb_time(bounce, bounce.speed, math.cos(0.5 * bounce.top)))
+
+
+def impact_angular_velocity(
+    *, length: float, radius: float, initial_angle: float, gravity: float = GRAVITY
+) -> float:
+    """Return the speed at which a ball released from rest meets the low wall [rad/s].
+
+    ``sqrt(2 g/l (cos(wall) - cos(initial_angle)))``, from the energy; parameters of `fall_time`.
+
+    Examples
+    --------
+    >>> print(f"{impact_angular_velocity(length=1.0, radius=0.1, initial_angle=0.6):.14f}")
+    1.82350643406051
+    """
+    bounce = _bounce(length, radius, initial_angle, gravity)
+    return 2.0 * bounce.frequency * bounce.speed
+
+
+def collision_times(
+    count: int,
+    *,
+    length: float,
+    radius: float,
+    initial_angle: float,
+    gravity: float = GRAVITY,
+) -> Array:
+    """Return the first `count` collision times of the elastic bounce [s], shape ``(count,)``.
+
+    ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
+    """
+    if count != int(count) or count < 0:
+        raise ValueError(f"count must be a whole number, at least 0, got {count}")
+    tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
+    return np.asarray((2.0 * np.arange(1, int(count) + 1) - 1.0) * tau, dtype=np.float64)
+
+
+def elastic_bounces(
+    times: ArrayLike,
+    *,
+    length: float,
+    radius: float,
+    initial_angle: float,
+    gravity: float = GRAVITY,
+) -> tuple[Array, Array]:
+    """Return angle [rad] and angular velocity [rad/s] of a ball bouncing on the low wall.
+
+    Undriven, undamped, e = 1, from rest; the other parameters are those of `fall_time`.
+
+    Parameters
+    ----------
+    times : array_like
+        Instants [s]; at a collision the state just after it.
+
+    Returns
+    -------
+    angle, angular_velocity : ndarray
+        Of the shape of `times`.
+
+    Notes
+    -----
+    The swing of `undriven_motion` on ``[-tau, tau)``, repeated with period ``2 tau``. Within the
+    rounding of the time, some 1e-16 of it, an instant may fall on the other side of a collision.
+    """
+    instants = checked_times(times)
+    tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
+    since_top = instants - 2.0 * tau * np.floor(instants / (2.0 * tau) + 0.5)
+    angle, angular_velocity = undriven_motion(
+        since_top, length=length, initial_angle=initial_angle, gravity=gravity
+    )
+    return np.maximum(angle, math.asin(radius / length)), angular_velocity
+
+
+def zeno_time(
+    *,
+    length: float,
+    radius: float,
+    initial_angle: float,
+    restitution: float,
+    gravity: float = GRAVITY,
+) -> float:
+    """Return the time at which infinitely many impacts have brought the ball to rest [s].
+
+    Undriven and undamped, from rest; every flight is an elliptic integral, as in `fall_time`.
+
+    Parameters
+    ----------
+    length, radius, initial_angle, gravity : float
+        As in `fall_time`.
+    restitution : float
+        e, in [0, 1).
+
+    Returns
+    -------
+    float
+        Accumulation time; infinite for ``radius = 0`` and e > 0, where flights keep their length.
+
+    Raises
+    ------
+    ValueError
+        For a parameter outside its range, or e = 1, for which nothing accumulates.
+
+    Notes
+    -----
+    ``tau(v) + 2 sum_n tau(e^n v)``, the tail (speeds below 1e-8 of ``2 w0 sin(wall/2)``, for which
+    tau is linear in the speed) as a geometric series. The work grows as ``1/(1 - e)``.
+
+    Examples
+    --------
+    >>> time = zeno_time(length=1.0, radius=0.1, initial_angle=math.pi / 2, restitution=0.6)
+    >>> print(f"{time:.5f}")
+    5.45806
+    """
+    bounce = _bounce(length, radius, initial_angle, gravity)
+    system = LatoLato(length=length, mass=1.0, radius=radius, restitution=restitution)
+    e = system.restitution
+    if e == 1.0:
+        raise ValueError("restitution must lie in [0, 1) for impacts to accumulate, got 1")
+    total = float(_climb_time(bounce, bounce.speed, math.cos(0.5 * bounce.top)))
+    if e == 0.0:
+        return total
+    low_sine, low_cosine = math.sin(0.5 * bounce.wall), math.cos(0.5 * bounce.wall)
+    if low_sine == 0.0:
+        return math.inf
+    flights = max(0, math.ceil(math.log(1e-8 * low_sine / bounce.speed) / math.log(e)))
+    chunk = 65536  # bounds the memory for e near 1
+    for first in range(1, flights + 1, chunk):
+        bounces = np.arange(first, min(first + chunk, flights + 1), dtype=np.float64)
+        speeds = bounce.speed * np.power(e, bounces)
+        complements = np.sqrt((low_cosine - speeds) * (low_cosine + speeds))
+        total += 2.0 * math.fsum(_climb_time(bounce, speeds, complements))
+    tail = bounce.speed * e ** (flights + 1) / (1.0 - e)
+    return total + 2.0 * tail / (low_sine * low_cosine * bounce.frequency)
+
+
+def fold_angle(free_angle: ArrayLike) -> Array:
+    """Return the angle [rad] of a colliding ball of radius 0, e = 1, from the free pendulum's.
+
+    Mirror symmetry: reflecting at walls at 0 and pi is |wrap(angle)|, for any drive and damping
+    law that treats both directions alike.
+
+    Parameters
+    ----------
+    free_angle : array_like
+        Angle [rad] of the same pendulum without walls.
+
+    Returns
+    -------
+    ndarray
+        In [0, pi], of the shape of `free_angle`.
+
+    Examples
+    --------
+    >>> print(fold_angle([-0.5, 4.0]).round(6))
+    [0.5      2.283185]
+    """
+    free = np.asarray(free_angle, dtype=np.float64)
+    if not np.all(np.isfinite(free)):
+        raise ValueError("free_angle must be finite, got nan or inf; drop such samples first")
+    return np.asarray(np.abs(free - 2.0 * math.pi * np.rint(free / (2.0 * math.pi))))
+
+
+class _Bounce(NamedTuple):
+    """A fall from rest on the low wall; `speed` is that of the impact over 2 w0."""
+
+    wall: float
+    top: float
+    speed: float
+    frequency: float
+
+
+def _bounce(length: float, radius: float, initial_angle: float, gravity: float) -> _Bounce:
+    """Return the checked fall."""
+    system = LatoLato(length=length, mass=1.0, radius=radius, gravity=gravity)
+    low, high = system.contact_angle_low, system.contact_angle_high
+    top = checked_number("initial_angle", initial_angle, ANY, "rad")
+    if not low < top <= high:
+        raise ValueError(
+            f"initial_angle must lie above the low wall {low:.6g} rad and not above the high one "
+            f"{high:.6g} rad, got {top:.6g}; a ball at rest on the low wall stays there"
+        )
+    # sin^2(top/2) - sin^2(low/2) as a product, which keeps its digits.
+    speed = math.sqrt(math.sin(0.5 * (top - low)) * math.sin(0.5 * (top + low)))
+    return _Bounce(low, top, speed, system.natural_frequency)
+
+
+def _climb_time(bounce: _Bounce, speed: float | Array, complement: float | Array) -> Array:
+    """Return the time [s] from the low wall at `speed` (over 2 w0) to the turning point.
+
+    With u counted from the turning point, ``cd u = sin(low/2)/k``; hence sn, cn, dn below.
+    """
+    from scipy.special import elliprf
+
+    low_sine, low_cosine = math.sin(0.5 * bounce.wall), math.cos(0.5 * bounce.wall)
+    k = np.hypot(low_sine, speed)
+    sn, dn = speed / (k * low_cosine), complement / low_cosine
+    cn = low_sine * dn / k
+    return np.asarray(sn * elliprf(cn * cn, dn * dn, 1.0) / bounce.frequency)

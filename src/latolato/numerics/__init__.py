@@ -1,0 +1,1 @@
+"""How laws become trajectories: splitting steps, contact times, compiled kernels."""

@@ -1,0 +1,121 @@
+"""Compiles kernels with numba and keeps them on disk, keyed by everything they depend on.
+
+numba's own cache looks at the file of the outermost function only. Ours hashes all sources of the
+kernel layers together with the library versions, so an edit anywhere below a kernel recompiles it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.extending import register_jitable
+
+import latolato
+from latolato.scalar import for_each_formula
+
+for_each_formula(register_jitable)
+
+_LAYERS = ("scalar.py", "physics", "numerics")
+
+
+@lru_cache(maxsize=1)
+def sources_hash() -> str:
+    """Return a digest of the kernel layers' sources and of the compiler's version."""
+    digest = hashlib.sha256()
+    root = Path(latolato.__file__).parent
+    for layer in _LAYERS:
+        path = root / layer
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(file.read_bytes())
+    digest.update(f"{numba.__version__} {llvmlite.__version__} {sys.version}".encode())
+    return digest.hexdigest()[:24]
+
+
+def cache_directory() -> Path:
+    """Return the folder of compiled kernels; ``LATOLATO_CACHE_DIR`` overrides the default."""
+    chosen = os.environ.get("LATOLATO_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData/Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library/Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    return base / "latolato"
+
+
+class _Locator(_CacheLocator):  # type: ignore[misc]
+    """Puts every kernel below one folder, stamped by the hash of all sources."""
+
+    def __init__(self, *_: Any) -> None:
+        self._path = str(cache_directory() / sources_hash())
+
+    def ensure_cache_path(self) -> None:
+        os.makedirs(self._path, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return self._path
+
+    def get_source_stamp(self) -> str:
+        return sources_hash()
+
+    def get_disambiguator(self) -> str:
+        return ""
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> _Locator:
+        return cls()
+
+
+class _Implementation(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = [_Locator]
+
+
+class _KernelCache(FunctionCache):  # type: ignore[misc]
+    """A cache whose index key is the kernel's own name instead of pickled closure cells."""
+
+    _impl_class = _Implementation
+
+    def __init__(self, py_func: Any, key: str) -> None:
+        super().__init__(py_func)
+        self._key = key
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        return (sig, codegen.magic_tuple(), self._key)
+
+
+def law_key(*laws: Callable[..., Any]) -> str:
+    """Return a text that identifies formulas: where they stand and what their code is."""
+    parts = []
+    for law in laws:
+        code = law.__code__
+        body = hashlib.sha256(code.co_code + repr(code.co_consts).encode()).hexdigest()[:12]
+        parts.append(f"{law.__module__}.{law.__qualname__}.{body}")
+    return "+".join(parts)
+
+
+def compile_part(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return `function` compiled as a part of a kernel (never cached alone)."""
+    compiled: Callable[..., Any] = numba.njit(error_model="numpy", nogil=True)(function)
+    return compiled
+
+
+def compile_kernel(function: Callable[..., Any], key: str) -> Callable[..., Any]:
+    """Return `function` compiled with the disk cache under `key`."""
+    dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(function)
+    try:
+        dispatcher._cache = _KernelCache(function, f"{function.__qualname__}:{key}")
+    except OSError:  # a read-only home: compile in every process
+        pass
+    compiled: Callable[..., Any] = dispatcher
+    return compiled

@@ -1,0 +1,36 @@
+"""Bracketed Newton search for the instant within a step at which something happens."""
+
+from __future__ import annotations
+
+from latolato.scalar import formula
+
+# More halvings than a double has bits below a step: a search that needs them has no root.
+MOST_TRIALS = 120
+
+
+@formula
+def next_trial(
+    s: float, value: float, slope: float, low: float, high: float, last_move: float
+) -> float:
+    """Return the next trial point of a search for value(s) = 0 between `low` and `high`.
+
+    Newton's step, or the middle of the bracket where Newton would leave it or halves the last
+    move too slowly (Numerical Recipes' safeguard).
+    """
+    if slope != 0.0:
+        move = value / slope
+        trial = s - move
+        if low < trial < high and abs(2.0 * move) < abs(last_move):
+            return trial
+    return 0.5 * (low + high)
+
+
+@formula
+def is_located(move: float, slope: float, curvature: float, step: float) -> bool:
+    """Return whether the Newton step just made leaves an error below rounding.
+
+    The error after a Newton step is ``curvature/(2 slope) move^2``.
+    """
+    if abs(move) <= 4e-16 * step:
+        return True
+    return abs(curvature) * move * move <= 2e-16 * step * abs(slope) and abs(move) < 1e-3 * step

@@ -1,0 +1,475 @@
+"""Folds a drive and a restoring law into the trajectory of one ball, with walls and rest.
+
+The trajectory is a hybrid system with the modes flight, stuck (Coulomb friction holds the ball)
+and rest on either wall. Steps end at every event: a wall, a zero of the velocity when the drag is
+not smooth there, the end of a drive's smooth stretch, a velocity kick.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from latolato.numerics.flight import (
+    ANGLE,
+    VELOCITY,
+    Part,
+    make_flight,
+    prepare,
+    write_contact,
+    write_ledger,
+)
+from latolato.numerics.records import (
+    ANGLE_1,
+    CAPTURED,
+    CONTACT,
+    DAMPED,
+    FLIGHT,
+    GRAZES,
+    IMPACT,
+    KICKED,
+    MODE,
+    NOISE,
+    REST_HIGH,
+    REST_LOW,
+    SAMPLE,
+    SIGN_1,
+    SLACK_FIRST,
+    SLACK_TOTAL,
+    STEPS,
+    STRETCH,
+    STUCK,
+    T_BASE,
+    TOTAL_STEPS,
+    UNSETTLED,
+    VELOCITY_1,
+    WORK,
+)
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, wall_impact
+from latolato.scalar import formula
+
+# A step is cut here when the acceleration changes sign beside a wall, so that a dip in between
+# is seen by one of its parts.
+_PARTS = 0.25
+# How much finer than the step the search for the end of rest looks at the drive.
+_REST_FRACTION = 0.25
+
+
+@formula
+def meet_wall(
+    velocity: float, outward: float, restitution: float, rest_speed: float, coulomb: float
+) -> tuple[float, float, float, bool]:
+    """Return velocity after, impact loss, capture loss (both per inertia) and whether rest begins.
+
+    `outward` is the free acceleration away from the wall. Speeds up to `rest_speed` are captured
+    when restitution is below 1; elastic bounces only at exactly zero speed.
+    """
+    presses = outward <= coulomb
+    energy = 0.5 * velocity * velocity
+    if presses and (velocity == 0.0 or (restitution < 1.0 and abs(velocity) <= rest_speed)):
+        return 0.0, 0.0, energy, True
+    after = wall_impact(velocity, restitution)
+    return after, energy - 0.5 * after * after, 0.0, presses and after == 0.0
+
+
+def make_trajectory(
+    acceleration: Callable[..., float],
+    restoring: Callable[..., float],
+    compile_part: Part | None = None,
+) -> Callable[..., int]:
+    """Return the function that carries one ball's state on; see `latolato.simulate`.
+
+    The returned function updates `state` and `counters` in place, writes samples and contacts,
+    and returns the number of contact rows written. It stops at `stop`, after `most_steps` steps
+    or when the contact table is full, and can be called again to go on.
+    """
+    part: Part = compile_part or (lambda function: function)
+    force, advance, locate, leave, follow_slack = make_flight(acceleration, restoring, compile_part)
+
+    @part
+    def hold(mode: int, t: float, pull: float, gravity: float, coulomb: float, p: Any) -> float:
+        """Return how far [rad/s^2] the ball is from leaving rest; negative once it leaves."""
+        free = -(gravity + acceleration(t, p)) * pull
+        if mode == REST_LOW:
+            return coulomb - free
+        if mode == REST_HIGH:
+            return coulomb + free
+        return coulomb - abs(free)
+
+    @part
+    def find_release(
+        mode: int, t: float, goal: float, angle: float, settings: Any, body: Any, p: Any
+    ) -> float:
+        """Return the first instant in [t, goal] at which rest ends, or infinity.
+
+        The hold is sampled four times a step; a dip between samples is followed to its bottom.
+        """
+        gravity, coulomb = settings.gravity, body.coulomb
+        pull = body.coupling * restoring(angle)
+        if hold(mode, t, pull, gravity, coulomb, p) < 0.0:
+            return t
+        if mode == REST_LOW and settings.lift_bound <= gravity:
+            return math.inf
+        if mode == STUCK and (gravity + settings.lift_bound) * abs(pull) <= coulomb:
+            return math.inf
+        dt = settings.step * _REST_FRACTION
+        count = math.ceil((goal - t) / dt)
+        older, old, old_t = math.inf, hold(mode, t, pull, gravity, coulomb, p), t
+        for i in range(1, count + 1):
+            now_t = min(t + i * dt, goal)
+            now = hold(mode, now_t, pull, gravity, coulomb, p)
+            high = now_t
+            if now >= 0.0:
+                bend = older - 2.0 * old + now
+                if not (older >= old <= now) or old - 0.125 * (now - older) ** 2 / bend > 0.02 * (
+                    now + older
+                ):
+                    older, old, old_t = old, now, now_t
+                    continue
+                a, b = old_t - dt, now_t  # golden section for the bottom of the dip
+                for _ in range(80):
+                    left, right = a + 0.382 * (b - a), a + 0.618 * (b - a)
+                    if hold(mode, left, pull, gravity, coulomb, p) < hold(
+                        mode, right, pull, gravity, coulomb, p
+                    ):
+                        b = right
+                    else:
+                        a = left
+                high = 0.5 * (a + b)
+                if hold(mode, high, pull, gravity, coulomb, p) >= 0.0:
+                    older, old, old_t = old, now, now_t
+                    continue
+                low = old_t - dt
+            else:
+                low = old_t
+            for _ in range(200):  # bisection to neighbouring doubles
+                middle = 0.5 * (low + high)
+                if middle <= low or middle >= high:
+                    break
+                if hold(mode, middle, pull, gravity, coulomb, p) < 0.0:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        return math.inf
+
+    def trajectory(
+        state: Any,
+        counters: Any,
+        settings_row: Any,
+        bodies: Any,
+        stretches: Any,
+        starts: Any,
+        jumps: Any,
+        kick_times: Any,
+        kicks_given: Any,
+        tables: Any,
+        kicks: Any,
+        drifts: Any,
+        nodes: Any,
+        sample_times: Any,
+        samples: Any,
+        contact_times: Any,
+        contact_kinds: Any,
+        contact_values: Any,
+        stop: float,
+        most_steps: int,
+    ) -> int:
+        settings = settings_row[0]
+        body = bodies[0]
+        gravity, h = settings.gravity, settings.step
+        low, high = settings.low, settings.high
+        inertia = body.inertia
+        nonlinear = body.quadratic > 0.0 or body.coulomb > 0.0
+        follows_tension = settings.follows_tension != 0
+        full, trial = tables[0], tables[1]
+        prepare(full, h, kicks, drifts, nodes, body.rate)
+
+        t_base, angle, velocity = state[T_BASE], state[ANGLE_1], state[VELOCITY_1]
+        work, damped, lost = state[WORK], state[DAMPED], state[IMPACT]
+        captured, noise = state[CAPTURED], state[NOISE]
+        mode, stretch, sample = counters[MODE], counters[STRETCH], counters[SAMPLE]
+        kicked, n, sign = counters[KICKED], counters[STEPS], float(counters[SIGN_1])
+        table_of_contacts = (contact_times, contact_kinds, contact_values)
+        rows, room = 0, len(contact_times) - 4
+        t = t_base + n * h
+        p = stretches[stretch]
+        a, driven, lift = force(t, angle, sign, gravity, body, p)
+        done = 0
+
+        if mode == UNSETTLED:
+            # Whether the ball rests, sticks, strikes or flies at time zero.
+            mode = FLIGHT
+            pull = body.coupling * restoring(angle)
+            free = -(gravity + lift) * pull
+            side = -1.0 if angle <= low else (1.0 if angle >= high else 0.0)
+            if side != 0.0 and velocity * side >= 0.0:
+                before = velocity
+                velocity, impact, caught, rests = meet_wall(
+                    velocity, -free * side, settings.restitution, settings.rest_speed,
+                    body.coulomb,
+                )  # fmt: skip
+                lost, captured = inertia * impact, inertia * caught
+                if rests:
+                    mode = REST_LOW if side < 0.0 else REST_HIGH
+                if before != 0.0:
+                    kind = REST if rests and impact == 0.0 else (BOTTOM if side < 0.0 else TOP)
+                    rows = write_contact(*table_of_contacts, rows, t, kind, before, velocity)
+                sign = -side
+            elif velocity == 0.0 and abs(free) <= body.coulomb and body.coulomb > 0.0:
+                mode = STUCK
+            elif velocity == 0.0:
+                sign = math.copysign(1.0, free)
+            a, driven, lift = force(t, angle, sign, gravity, body, p)
+
+        while t < stop and done < most_steps and rows < room:
+            done += 1
+            goal, at_stretch, at_kick = stop, False, False
+            if stretch + 1 < len(starts) and starts[stretch + 1] <= goal:
+                goal, at_stretch = starts[stretch + 1], True
+            if kicked < len(kick_times) and kick_times[kicked] <= goal:
+                at_stretch = at_stretch and kick_times[kicked] == goal
+                goal, at_kick = kick_times[kicked], True
+
+            if mode != FLIGHT:
+                release = find_release(mode, t, goal, angle, settings, body, p)
+                until = min(release, goal)
+                while sample < len(sample_times) and sample_times[sample] < until:
+                    samples[0, sample], samples[1, sample] = angle, 0.0
+                    write_ledger(samples, sample, work, damped, lost, captured, noise, mode)
+                    sample += 1
+                t_base, n, t = until, 0, until
+                if release <= goal:
+                    if mode == STUCK:
+                        sign = -1.0 if (gravity + acceleration(t, p)) * restoring(angle) > 0 else 1.0
+                    else:
+                        sign = 1.0 if mode == REST_LOW else -1.0
+                        rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, 0.0)
+                    mode = FLIGHT
+                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+            elif goal > t:
+                hs, table = h, full
+                reaches_goal = t_base + (n + 1) * h >= goal - 1e-9 * h
+                if reaches_goal:
+                    hs, table = goal - t, trial
+                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
+                x, v, dw, dd, a1, driven1, lift1 = advance(
+                    t, angle, velocity, a, driven, sign, table, gravity, body, p
+                )
+                on_low, on_high = angle <= low, angle >= high
+                turned, wall, far = False, 0.0, 0.0
+
+                # A step beside a wall within which the force changes sign is taken in parts.
+                reach = (abs(velocity) + abs(v)) * hs
+                if a * a1 < 0.0 and (min(angle, x) - low < reach or high - max(angle, x) < reach):
+                    hs *= _PARTS
+                    reaches_goal = False
+                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
+                    table = trial
+                    x, v, dw, dd, a1, driven1, lift1 = advance(
+                        t, angle, velocity, a, driven, sign, table, gravity, body, p
+                    )
+
+                if nonlinear and v * sign < 0.0:
+                    begin = 0.0
+                    if velocity == 0.0:
+                        begin = leave(
+                            VELOCITY, 0.0, -sign, hs, t, angle, velocity, a, driven, sign,
+                            trial, kicks, drifts, nodes, gravity, body, p,
+                        )  # fmt: skip
+                    if velocity != 0.0 or begin > 0.0:
+                        hs = locate(
+                            VELOCITY, 0.0, begin, hs, begin + 0.5 * (hs - begin), t, angle,
+                            velocity, a, driven, sign, trial, kicks, drifts, nodes, gravity,
+                            body, p,
+                        )  # fmt: skip
+                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
+                    table = trial
+                    x, v, dw, dd, a1, driven1, lift1 = advance(
+                        t, angle, velocity, a, driven, sign, table, gravity, body, p
+                    )
+                    turned, reaches_goal = True, False
+
+                if x <= low:
+                    wall, far = low, -1.0
+                elif x >= high:
+                    wall, far = high, 1.0
+                elif velocity < 0.0 < v and min(angle, x) - max(-velocity, v) * hs <= low:
+                    wall, far = low, -1.0
+                elif v < 0.0 < velocity and max(angle, x) + max(velocity, -v) * hs >= high:
+                    wall, far = high, 1.0
+                beyond = (x - wall) * far >= 0.0
+                if far != 0.0 and not beyond:  # a valley between the ends: look at its bottom
+                    s = locate(
+                        VELOCITY, 0.0, 0.0, hs, 0.5 * hs, t, angle, velocity, a, driven, sign,
+                        trial, kicks, drifts, nodes, gravity, body, p,
+                    )  # fmt: skip
+                    prepare(trial, s, kicks, drifts, nodes, body.rate)
+                    xs, vs, dws, dds, a1s, driven1s, lift1s = advance(
+                        t, angle, velocity, a, driven, sign, trial, gravity, body, p
+                    )
+                    beyond = (xs - wall) * far > 0.0
+                    if abs(xs - wall) < 1e-9:
+                        counters[GRAZES] += 1
+                    if beyond:
+                        hs, x, v, turned, reaches_goal = s, xs, vs, False, False
+                    elif table is trial:
+                        prepare(trial, hs, kicks, drifts, nodes, body.rate)
+                hit = False
+                if far != 0.0 and beyond:
+                    begin, hops = 0.0, False
+                    if (far < 0.0 and on_low) or (far > 0.0 and on_high):
+                        begin = leave(
+                            ANGLE, wall, far, hs, t, angle, velocity, a, driven, sign,
+                            trial, kicks, drifts, nodes, gravity, body, p,
+                        )  # fmt: skip
+                        hops = begin == 0.0
+                    if hops:
+                        # The motion off the wall is below the resolution of the angle.
+                        counters[GRAZES] += 1
+                        if velocity * far < 0.0 and a * far > 0.0:
+                            hs = 2.0 * abs(velocity / a)  # the parabola's flight
+                            x, v, hit = wall, -velocity, True
+                        else:
+                            hs, x, v = hs * _PARTS / 16.0, wall, 0.0
+                            mode = REST_LOW if far < 0.0 else REST_HIGH
+                            if rows > 0 and contact_kinds[rows - 1] == RELEASE:
+                                rows -= 1
+                        dw = dd = 0.0
+                        a1, driven1, lift1 = force(t + hs, x, sign, gravity, body, p)
+                    else:
+                        hit = True
+                        guess = hs - (x - wall) / v if v != 0.0 else 0.5 * hs
+                        hs = locate(
+                            ANGLE, wall, begin, hs, guess, t, angle, velocity, a, driven, sign,
+                            trial, kicks, drifts, nodes, gravity, body, p,
+                        )  # fmt: skip
+                        prepare(trial, hs, kicks, drifts, nodes, body.rate)
+                        x, v, dw, dd, a1, driven1, lift1 = advance(
+                            t, angle, velocity, a, driven, sign, trial, gravity, body, p
+                        )
+                        x = wall
+                    reaches_goal, turned = False, False
+
+                t_new = goal if reaches_goal else t + hs
+                if not (reaches_goal or hit or turned or mode != FLIGHT) and table is full:
+                    t_new = t_base + (n + 1) * h
+                while sample < len(sample_times) and sample_times[sample] < t_new:
+                    prepare(trial, sample_times[sample] - t, kicks, drifts, nodes, body.rate)
+                    xs, vs, dws, dds, _, _, _ = advance(
+                        t, angle, velocity, a, driven, sign, trial, gravity, body, p
+                    )
+                    samples[0, sample], samples[1, sample] = xs, vs
+                    write_ledger(
+                        samples, sample, work + inertia * dws, damped + inertia * dds, lost,
+                        captured, noise, FLIGHT,
+                    )  # fmt: skip
+                    sample += 1
+
+                if follows_tension:
+                    state[SLACK_FIRST], state[SLACK_TOTAL] = follow_slack(
+                        state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, x, v, lift1, t, angle,
+                        velocity, a, driven, lift, sign, trial, kicks, drifts, nodes, gravity,
+                        body, p,
+                    )  # fmt: skip
+
+                angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
+                work += inertia * dw
+                damped += inertia * dd
+                if t_new == t_base + (n + 1) * h and not (hit or turned or reaches_goal):
+                    n += 1
+                else:
+                    t_base, n = t_new, 0
+                t = t_new
+
+                if turned:
+                    velocity = 0.0
+                    free = -(gravity + lift) * body.coupling * restoring(angle)
+                    if abs(free) <= body.coulomb:
+                        mode = STUCK
+                    else:
+                        sign = -sign if free == 0.0 else math.copysign(1.0, free)
+                        a, driven, lift = force(t, angle, sign, gravity, body, p)
+                if hit:
+                    counters[GRAZES] += 1 if velocity * far <= 0.0 else 0
+                    free = (gravity + lift) * body.coupling * restoring(angle) * far
+                    velocity, impact, caught, rests = meet_wall(
+                        velocity, free, settings.restitution, settings.rest_speed, body.coulomb
+                    )
+                    captures = rests and impact == 0.0
+                    kind = REST if captures else (BOTTOM if far < 0.0 else TOP)
+                    rows = write_contact(*table_of_contacts, rows, t, kind, v, velocity)
+                    if rests:
+                        mode = REST_LOW if far < 0.0 else REST_HIGH
+                        if not captures:
+                            rows = write_contact(*table_of_contacts, rows, t, REST, 0.0, 0.0)
+                    lost += inertia * impact
+                    captured += inertia * caught
+                    sign = -far
+                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+
+            if t >= goal and (at_stretch or at_kick):
+                given = 0.0
+                if at_stretch:
+                    stretch += 1
+                    p = stretches[stretch]
+                    given = -jumps[stretch] * body.coupling * restoring(angle)
+                    work += inertia * given * (velocity + 0.5 * given)
+                    velocity += given
+                if at_kick:
+                    more = kicks_given[0, kicked]
+                    kicked += 1
+                    noise += inertia * more * (velocity + 0.5 * more)
+                    velocity += more
+                    given += more
+                a, driven, lift = force(t, angle, sign, gravity, body, p)
+                if given != 0.0:
+                    side = 0.0
+                    if angle <= low and velocity < 0.0:
+                        side = -1.0
+                    elif angle >= high and velocity > 0.0:
+                        side = 1.0
+                    if side != 0.0:
+                        before = velocity
+                        free = (gravity + lift) * body.coupling * restoring(angle) * side
+                        velocity, impact, caught, rests = meet_wall(
+                            velocity, free, settings.restitution, settings.rest_speed,
+                            body.coulomb,
+                        )  # fmt: skip
+                        lost += inertia * impact
+                        captured += inertia * caught
+                        if velocity != 0.0 or mode == FLIGHT:
+                            kind = REST if rests else (BOTTOM if side < 0.0 else TOP)
+                            rows = write_contact(
+                                *table_of_contacts, rows, t, kind, before, velocity
+                            )
+                        mode = FLIGHT
+                        if rests:
+                            mode = REST_LOW if side < 0.0 else REST_HIGH
+                    elif mode == REST_LOW or mode == REST_HIGH:
+                        rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, velocity)
+                        mode = FLIGHT
+                    else:
+                        mode = FLIGHT
+                    if velocity != 0.0:
+                        sign = math.copysign(1.0, velocity)
+                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+                t_base, n = t, 0
+
+        if t >= stop:
+            while sample < len(sample_times) and sample_times[sample] <= stop:
+                samples[0, sample], samples[1, sample] = angle, velocity
+                write_ledger(samples, sample, work, damped, lost, captured, noise, mode)
+                sample += 1
+
+        state[T_BASE], state[ANGLE_1], state[VELOCITY_1] = t_base, angle, velocity
+        state[WORK], state[DAMPED], state[IMPACT] = work, damped, lost
+        state[CAPTURED], state[NOISE] = captured, noise
+        counters[MODE], counters[STRETCH], counters[SAMPLE] = mode, stretch, sample
+        counters[KICKED], counters[STEPS], counters[SIGN_1] = kicked, n, int(sign)
+        counters[CONTACT] += rows
+        counters[TOTAL_STEPS] += done
+        return rows
+
+    return trajectory

@@ -1,0 +1,83 @@
+"""Parameters of systems and drives as NumPy records, which every backend reads alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import Ball
+
+BODY = np.dtype(
+    [
+        ("coupling", "f8"),  # 1/length [1/m]
+        ("rate", "f8"),  # damping/(mass length) [1/s]
+        ("quadratic", "f8"),  # quadratic_damping/(mass length) [1]
+        ("coulomb", "f8"),  # coulomb_damping/(mass length) [rad/s^2]
+        ("inertia", "f8"),  # mass length^2 [kg m^2]
+    ]
+)
+
+
+def body_record(ball: Ball) -> tuple[float, ...]:
+    """Return one ball's numbers in the order of `BODY`."""
+    l, m = ball.length, ball.mass
+    return (
+        1.0 / l,
+        ball.damping / (m * l),
+        ball.quadratic_damping / (m * l),
+        ball.coulomb_damping / (m * l),
+        m * l * l,
+    )
+
+
+def bodies(*rows: tuple[float, ...]) -> NDArray[Any]:
+    """Return records of shape (body,)."""
+    return np.array(list(rows), dtype=BODY)
+
+
+def stretch_records(drive: Drive, duration: float) -> tuple[NDArray[Any], NDArray[np.float64]]:
+    """Return the drive's stretches as records, shape (stretch,), and their start times [s]."""
+    found = drive.stretches(duration)
+    dtype = np.dtype([(name, "f8") for name in drive.stretch_fields])
+    records = np.array([numbers for _, numbers in found], dtype=dtype)
+    return records, np.array([start for start, _ in found])
+
+
+def python_view(records: NDArray[Any]) -> NDArray[Any]:
+    """Return records whose rows plain Python reads by attribute."""
+    return records.view(np.recarray)
+
+
+SETTINGS = np.dtype(
+    [
+        ("gravity", "f8"),
+        ("low", "f8"),  # walls: angle of one ball, or separation of two [rad]
+        ("high", "f8"),
+        ("restitution", "f8"),
+        ("rest_speed", "f8"),  # rad/s
+        ("step", "f8"),  # s
+        ("lift_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
+        ("follows_tension", "i8"),
+    ]
+)
+
+# Slots of a trajectory's float state; balls follow each other in the first pairs.
+T_BASE, ANGLE_1, VELOCITY_1, ANGLE_2, VELOCITY_2 = 0, 1, 2, 3, 4
+WORK, DAMPED, IMPACT, CAPTURED, NOISE = 5, 6, 7, 8, 9
+SLACK_FIRST, SLACK_TOTAL = 10, 11
+STATE_SIZE = 12
+
+# Slots of its counters.
+MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)
+COUNTERS_SIZE = 10
+
+# Modes of motion. Two balls may also be in lasting contact, moving or stuck.
+FLIGHT, STUCK, REST_LOW, REST_HIGH = 0, 1, 2, 3
+UNSETTLED = -1  # before the first call of a kernel
+
+# Rows of the sample array: the states of the balls, then the ledger.
+S_WORK, S_DAMPED, S_IMPACT, S_CAPTURED, S_NOISE, S_MODE = 4, 5, 6, 7, 8, 9
+SAMPLE_ROWS = 10

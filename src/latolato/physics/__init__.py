@@ -1,0 +1,1 @@
+"""The laws of driven and colliding pendula as plain scalar formulas."""

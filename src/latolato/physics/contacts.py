@@ -1,0 +1,110 @@
+"""Contact of the two balls: geometry, impact with restitution, and the contact laws on offer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from latolato.quantities import POSITIVE
+from latolato.registry import Registry, checked_number
+from latolato.scalar import formula
+
+contact_laws: Registry[type] = Registry("contact law")
+
+# Row kinds of the contact table.
+BOTTOM, TOP, REST, RELEASE = 0, 1, 2, 3
+CONTACT_KINDS = ("bottom", "top", "rest", "release")
+
+
+@contact_laws.register("exact")
+@dataclass(frozen=True)
+class Exact:
+    """Impact with restitution, resting contact and lift-off, located on the solution itself."""
+
+
+@contact_laws.register("clamp")
+@dataclass(frozen=True)
+class Clamp:
+    """The fixed-step artefact that the paper's pictures probably contain.
+
+    Classical Runge-Kutta steps of `step` seconds; a ball found beyond a wall is put back on it
+    with its velocity reflected. Its result depends on the step and breaks the energy ledger:
+    use it to reproduce such pictures, never to learn about the toy.
+    """
+
+    step: float = 1e-3  # s
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "step", checked_number("step", self.step, POSITIVE, "s"))
+
+
+@contact_laws.register("none")
+@dataclass(frozen=True)
+class NoContact:
+    """The balls pass through each other."""
+
+
+def check_radius(radius: float, length: float) -> None:
+    """Raise ValueError unless 0 <= radius < length."""
+    if not 0.0 <= radius < length:
+        raise ValueError(f"radius must lie in [0, length), got {radius:g} for length {length:g}")
+
+
+def contact_separation(right: Any, left: Any) -> float:
+    """Return the angle between the rods when the balls touch at the bottom [rad].
+
+    ``Theta = arccos[(l1^2 + l2^2 - (r1 + r2)^2) / (2 l1 l2)]``, evaluated as
+    ``2 asin(sqrt(((r1 + r2)^2 - (l1 - l2)^2) / (4 l1 l2)))`` to keep all digits.
+
+    Raises
+    ------
+    ValueError
+        If the balls can never meet, or the longer rod would hit the shorter ball first.
+    """
+    l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
+    reach = r1 + r2
+    if abs(l1 - l2) >= reach and not (reach == 0.0 and l1 == l2):
+        raise ValueError(
+            "the balls never meet: the lengths must differ by less than the sum of the radii, "
+            f"got lengths {l1:g} and {l2:g} with radii {r1:g} and {r2:g}"
+        )
+    sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
+    if sine >= 1.0:
+        raise ValueError(
+            f"the balls are too large to hang side by side: radii {r1:g} and {r2:g} "
+            f"for lengths {l1:g} and {l2:g}"
+        )
+    separation = 2.0 * math.asin(sine)
+    short = right if l1 <= l2 else left
+    half_width = math.asin(short.radius / short.length)
+    # Equal balls have half_width = separation / 2: only truly unequal ones can fail here.
+    if half_width > separation:
+        raise ValueError(
+            "the longer rod would hit the shorter ball before the balls meet: "
+            f"asin(radius/length) = {half_width:g} rad of the shorter one exceeds the contact "
+            f"separation {separation:g} rad; make the longer ball larger or the lengths closer"
+        )
+    return separation
+
+
+@formula
+def wall_impact(velocity: float, restitution: float) -> float:
+    """Return the angular velocity after an impact on a wall (one of two mirrored balls)."""
+    return -restitution * velocity
+
+
+@formula
+def pair_impact(
+    velocity_1: float, velocity_2: float, inertia_1: float, inertia_2: float, restitution: float
+) -> tuple[float, float]:
+    """Return both angular velocities after an impact (Paper eq11, for any lengths).
+
+    Angular momentum about the pivot is kept for every restitution: with
+    ``P = (I1 w1 + I2 w2)/(I1 + I2)`` and ``D = w1 - w2``,
+    ``w1 -> P - e I2 D/(I1 + I2)`` and ``w2 -> P + e I1 D/(I1 + I2)``.
+    """
+    total = inertia_1 + inertia_2
+    mean = (inertia_1 * velocity_1 + inertia_2 * velocity_2) / total
+    rebound = restitution * (velocity_1 - velocity_2) / total
+    return mean - inertia_2 * rebound, mean + inertia_1 * rebound

@@ -1,0 +1,76 @@
+"""Drag laws: linear (the paper's C), quadratic and Coulomb, and any sum of them.
+
+The tangential force on a ball is ``-(C w + C2 w |w| + C0 sgn w)`` with w the angular velocity, so
+the deceleration is ``c1 w + c2 w |w| + c0 sgn w`` with ``c = C/(m l)`` each. Within a step the
+sign of the velocity is constant: a zero of the velocity ends the step (see `numerics.fold`), so
+that each law keeps its full order there.
+"""
+
+from __future__ import annotations
+
+import math
+
+from latolato.scalar import formula
+
+# Below this argument the three-term series of (1 - exp(-x))/x differs from it by < 1e-17 relative.
+_SERIES = 1e-3
+
+
+@formula
+def decay_time(rate: float, time: float) -> float:
+    """Return (1 - exp(-rate time))/rate [s], the distance per initial speed of linear drag."""
+    x = rate * time
+    if abs(x) < _SERIES:
+        return time * (
+            1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))))
+        )
+    return -math.expm1(-x) / rate
+
+
+@formula
+def drift(
+    velocity: float, sign: float, reach: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """Return the angle travelled [rad] and the angular velocity after a force-free stretch.
+
+    Exact flow of ``w' = -c1 w - c2 sign w^2``: with the reach
+    ``E = (1 - exp(-c1 t))/c1`` of `decay_time`, ``d = 1 + c2 sign w E``,
+    ``w -> w (1 - c1 E)/d`` and the travelled angle is ``ln(d)/(c2 sign)``, or ``w E`` for c2 = 0.
+
+    Parameters
+    ----------
+    velocity : float
+        Angular velocity at the start [rad/s].
+    sign : float
+        Sign of the velocity in this stretch of motion, +1 or -1; only used by quadratic drag.
+    reach : float
+        `decay_time` of the stretch [s]; negative in the backward substeps of a splitting.
+    rate : float
+        c1 = damping/(mass length) [1/s].
+    quadratic : float
+        c2 = quadratic_damping/(mass length) [1].
+    """
+    slowed = velocity * (1.0 - rate * reach)
+    if quadratic == 0.0:
+        return velocity * reach, slowed
+    stretch = quadratic * sign * velocity * reach
+    return sign * math.log1p(stretch) / quadratic, slowed / (1.0 + stretch)
+
+
+@formula
+def drag(velocity: float, sign: float, rate: float, quadratic: float, coulomb: float) -> float:
+    """Return the deceleration by drag [rad/s^2]; `sign` is the velocity's (0 when it sticks)."""
+    return rate * velocity + quadratic * velocity * abs(velocity) + coulomb * sign
+
+
+@formula
+def damping_power(
+    velocity: float,
+    length: float,
+    damping: float,
+    quadratic_damping: float,
+    coulomb_damping: float,
+) -> float:
+    """Return the dissipated power [W], l (C w^2 + C2 |w|^3 + C0 |w|)."""
+    speed = abs(velocity)
+    return length * speed * (coulomb_damping + speed * (damping + speed * quadratic_damping))

@@ -1,0 +1,223 @@
+"""The systems: one pendulum, its linearisation, the mirror-symmetric pair and two free balls.
+
+Every ball obeys (Paper eq10, with the drags of `latolato.physics.damping`)
+
+    angle'' = -(gravity + pivot_acceleration(t)) / length * sin(angle) - drag(angle').
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar
+
+from latolato.physics import contacts
+from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
+from latolato.registry import Registry, check_fields
+from latolato.scalar import formula
+
+GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
+
+systems: Registry[type] = Registry("system")
+
+
+@formula
+def restoring_sine(angle: float) -> float:
+    """Return sin(angle), the restoring factor of the pendulum (Paper eq10)."""
+    return math.sin(angle)
+
+
+@formula
+def potential_sine(angle: float) -> float:
+    """Return 1 - cos(angle) without loss of digits near zero."""
+    half = math.sin(0.5 * angle)
+    return 2.0 * half * half
+
+
+@formula
+def restoring_linear(angle: float) -> float:
+    """Return the angle itself, the restoring factor of the Mathieu equation (Paper eq14)."""
+    return angle
+
+
+@formula
+def potential_linear(angle: float) -> float:
+    """Return angle^2 / 2, the potential that belongs to `restoring_linear`."""
+    return 0.5 * angle * angle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball:
+    """One ball on its rod: ``Ball(length=, mass=, damping=, radius=)``."""
+
+    length: float = quantity_field("length", POSITIVE, suggested=(0.05, 2.0))
+    mass: float = quantity_field("mass", POSITIVE, suggested=(0.01, 2.0))
+    damping: float = quantity_field("damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.1))
+    quadratic_damping: float = quantity_field(
+        "quadratic_damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.1)
+    )
+    coulomb_damping: float = quantity_field(
+        "coulomb_damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.05)
+    )
+    radius: float = quantity_field("radius", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.2))
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        contacts.check_radius(self.radius, self.length)
+
+
+@dataclass(frozen=True, kw_only=True)
+class System:
+    """What every system has: gravity, the restoring law and the balls it is made of.
+
+    A subclass declares its fields, `balls` (right ball first) and, where balls meet,
+    `separation_low` and `separation_high`.
+    """
+
+    restoring: ClassVar[Any] = staticmethod(restoring_sine)
+    potential: ClassVar[Any] = staticmethod(potential_sine)
+    # How many angles the state has, and whether walls or a second ball can be met.
+    angles: ClassVar[int] = 1
+    has_contacts: ClassVar[bool] = False
+
+    gravity: float = quantity_field("gravity", POSITIVE, default=GRAVITY, suggested=(1.6, 25.0))
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def balls(self) -> tuple[Ball, ...]:
+        """The balls whose angles are the state, right ball first."""
+        shared = {f.name: getattr(self, f.name) for f in fields(Ball) if hasattr(self, f.name)}
+        return (Ball(**shared),)
+
+    @property
+    def natural_frequency(self) -> float:
+        """Angular frequency of small free swings of the right ball [rad/s]."""
+        return math.sqrt(self.gravity / self.balls[0].length)
+
+
+@systems.register("pendulum")
+@dataclass(frozen=True, kw_only=True)
+class Pendulum(System):
+    """One pendulum on a driven pivot, without walls (Paper eq10)."""
+
+    length: float = quantity_field("length", POSITIVE, suggested=(0.05, 2.0))
+    mass: float = quantity_field("mass", POSITIVE, suggested=(0.01, 2.0))
+    damping: float = quantity_field("damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.1))
+    quadratic_damping: float = quantity_field(
+        "quadratic_damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.1)
+    )
+    coulomb_damping: float = quantity_field(
+        "coulomb_damping", NON_NEGATIVE, default=0.0, suggested=(0.0, 0.05)
+    )
+
+
+@systems.register("mathieu")
+@dataclass(frozen=True, kw_only=True)
+class Mathieu(Pendulum):
+    """The linearised pendulum, a damped Mathieu equation (Paper eq14)."""
+
+    restoring: ClassVar[Any] = staticmethod(restoring_linear)
+    potential: ClassVar[Any] = staticmethod(potential_linear)
+
+
+@systems.register("latolato")
+@dataclass(frozen=True, kw_only=True)
+class LatoLato(Pendulum):
+    """The mirror-symmetric colliding pair: one angle between two walls (Paper eq10 and eq11).
+
+    The angle is the right ball's; the left one is its negative. Energies, works and losses are
+    *per ball*: the pair has twice that.
+    """
+
+    has_contacts: ClassVar[bool] = True
+
+    radius: float = quantity_field("radius", NON_NEGATIVE, suggested=(0.0, 0.2))
+    restitution: float = quantity_field("restitution", UNIT_INTERVAL, default=1.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        contacts.check_radius(self.radius, self.length)
+
+    @property
+    def contact_angle_low(self) -> float:
+        """Angle at which the balls touch at the bottom [rad], asin(radius/length)."""
+        return math.asin(self.radius / self.length)
+
+    @property
+    def contact_angle_high(self) -> float:
+        """Angle at which the balls touch at the top [rad]."""
+        return math.pi - self.contact_angle_low
+
+
+@systems.register("ballpair")
+@dataclass(frozen=True, kw_only=True)
+class BallPair(System):
+    """Two balls on one pivot, each with its own angle, that collide (Paper eq11 in full).
+
+    ``right`` and ``left`` may differ in everything; energies are per ball, works and losses are
+    sums over both.
+    """
+
+    angles: ClassVar[int] = 2
+    has_contacts: ClassVar[bool] = True
+
+    right: Ball
+    left: Ball
+    restitution: float = quantity_field("restitution", UNIT_INTERVAL, default=1.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("right", "left"):
+            if not isinstance(getattr(self, name), Ball):
+                raise TypeError(f"{name} must be a Ball, got {getattr(self, name)!r}")
+        contacts.contact_separation(self.right, self.left)  # refuses what cannot be described
+
+    @property
+    def balls(self) -> tuple[Ball, ...]:
+        """The right and the left ball."""
+        return (self.right, self.left)
+
+    @property
+    def contact_separation(self) -> float:
+        """Angle between the rods at bottom contact [rad]; top contact is at 2 pi minus it."""
+        return contacts.contact_separation(self.right, self.left)
+
+
+def equivalent_pendulum(
+    length: float, mass: float, rod_mass: float = 0.0, radius: float = 0.0
+) -> tuple[float, float]:
+    """Return length [m] and mass [kg] of the point pendulum that moves like rod and solid ball.
+
+    A uniform rod reaches from the pivot to the ball's centre. The equivalent pendulum has the
+    same moment of inertia about the pivot and the same static moment:
+    ``l_eq = I/S``, ``m_eq = S^2/I`` with ``I = m l^2 + 2/5 m r^2 + m_rod l^2/3`` and
+    ``S = m l + m_rod l/2``.
+
+    Parameters
+    ----------
+    length : float
+        Pivot to the centre of the ball [m].
+    mass : float
+        Mass of the ball [kg].
+    rod_mass : float
+        Mass of the rod [kg].
+    radius : float
+        Radius of the solid ball [m].
+
+    Examples
+    --------
+    A rod of a tenth of the ball's mass raises the natural frequency by 0.8 percent:
+
+    >>> length, mass = equivalent_pendulum(1.0, 1.0, rod_mass=0.1)
+    >>> round(length, 6)
+    0.984127
+    """
+    ball = Ball(length=length, mass=mass, radius=radius)
+    if not (math.isfinite(rod_mass) and rod_mass >= 0):
+        raise ValueError(f"rod_mass must lie in [0, inf) kg, got {rod_mass}")
+    l, m, r = ball.length, ball.mass, ball.radius
+    inertia = m * l * l + 0.4 * m * r * r + rod_mass * l * l / 3.0
+    moment = m * l + 0.5 * rod_mass * l
+    return inertia / moment, moment * moment / inertia

@@ -1,0 +1,29 @@
+"""Force along the rod: positive pulls the ball to the pivot, negative would let a string go slack."""
+
+from __future__ import annotations
+
+import math
+
+from latolato.scalar import formula
+
+
+@formula
+def tension(
+    angle: float,
+    angular_velocity: float,
+    pivot_acceleration: float,
+    mass: float,
+    length: float,
+    gravity: float,
+) -> float:
+    """Return m l w^2 + m (g + y0'') cos(angle) [N], the tension away from contact."""
+    return mass * (
+        length * angular_velocity * angular_velocity
+        + (gravity + pivot_acceleration) * math.cos(angle)
+    )
+
+
+@formula
+def wall_tension(angle: float, pivot_acceleration: float, mass: float, gravity: float) -> float:
+    """Return m (g + y0'')/cos(angle) [N], the tension of a ball that rests on the other one."""
+    return mass * (gravity + pivot_acceleration) / math.cos(angle)

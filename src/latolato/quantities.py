@@ -1,0 +1,156 @@
+"""Every physical quantity that latolato names: unit, symbol and meaning, said once.
+
+Fields of laws, sweep axes, dataset variables, command line options, forms and the glossary take
+their unit, symbol and label from here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity's SI unit (as xarray and pint read it), its TeX symbol and what it is."""
+
+    unit: str
+    symbol: str
+    long_name: str
+
+    @property
+    def label(self) -> str:
+        """Axis label, e.g. ``angle $\\theta$ [rad]``."""
+        unit = "" if self.unit == "1" else f" [{self.unit}]"
+        return f"{self.long_name} ${self.symbol}${unit}"
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values that a parameter may take; `open_low` and `open_high` exclude the ends."""
+
+    low: float = float("-inf")
+    high: float = float("inf")
+    open_low: bool = False
+    open_high: bool = False
+
+    def __contains__(self, value: float) -> bool:
+        above = value > self.low if self.open_low else value >= self.low
+        below = value < self.high if self.open_high else value <= self.high
+        return above and below
+
+    def __str__(self) -> str:
+        left = "(" if self.open_low or self.low == float("-inf") else "["
+        right = ")" if self.open_high or self.high == float("inf") else "]"
+        return f"{left}{self.low:g}, {self.high:g}{right}"
+
+
+POSITIVE = Range(low=0.0, open_low=True)
+NON_NEGATIVE = Range(low=0.0)
+UNIT_INTERVAL = Range(low=0.0, high=1.0)
+ANY = Range()
+
+QUANTITIES: dict[str, Quantity] = {
+    # state
+    "time": Quantity("s", "t", "time"),
+    "angle": Quantity("rad", r"\theta", "angle from the downward vertical"),
+    "angular_velocity": Quantity("rad/s", r"\dot\theta", "angular velocity"),
+    "initial_angle": Quantity("rad", r"\theta_0", "initial angle"),
+    "initial_angular_velocity": Quantity("rad/s", r"\dot\theta_0", "initial angular velocity"),
+    "initial_offset": Quantity("rad", r"\delta_0", "initial angle above the low contact angle"),
+    "duration": Quantity("s", "t_{end}", "duration"),
+    "largest_angle": Quantity("rad", r"\theta_{max}", "largest angle"),
+    # body
+    "length": Quantity("m", "l", "pivot to ball centre"),
+    "mass": Quantity("kg", "m", "mass of one ball"),
+    "radius": Quantity("m", "r", "radius of one ball"),
+    "gravity": Quantity("m/s^2", "g", "gravitational acceleration"),
+    "damping": Quantity("kg*m/s", "C", "linear damping coefficient"),
+    "quadratic_damping": Quantity("kg*m", "C_2", "quadratic damping coefficient"),
+    "coulomb_damping": Quantity("N", "C_0", "Coulomb friction force"),
+    "restitution": Quantity("1", "e", "coefficient of restitution"),
+    "rod_mass": Quantity("kg", "m_{rod}", "mass of a uniform rod"),
+    "natural_frequency": Quantity("rad/s", r"\omega_0", "natural angular frequency"),
+    "decay_rate": Quantity("1/s", "k", "amplitude decay rate C/(2ml)"),
+    "contact_angle_low": Quantity("rad", r"\theta_{low}", "contact angle at the bottom"),
+    "contact_angle_high": Quantity("rad", r"\theta_{high}", "contact angle at the top"),
+    "contact_separation": Quantity("rad", r"\Theta", "angle between the rods at bottom contact"),
+    "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
+    # drive
+    "drive_amplitude": Quantity("m", "A_0", "driving amplitude"),
+    "drive_frequency": Quantity("rad/s", r"\omega", "angular driving frequency"),
+    "drive_frequency_final": Quantity("rad/s", r"\omega_1", "angular driving frequency at the end"),
+    "drive_frequencies": Quantity("rad/s", r"\omega_k", "angular driving frequency of each stage"),
+    "drive_phase": Quantity("rad", r"\varphi", "driving phase at time zero"),
+    "times": Quantity("s", "t_k", "instants"),
+    "ramp": Quantity("s", r"\tau", "time in which the frequency moves to a new stage"),
+    "sweep_time": Quantity("s", "t_s", "time in which the frequency sweeps"),
+    "connecting_rod_length": Quantity("m", "L", "length of the connecting rod"),
+    "pivot_height": Quantity("m", "y_0", "height of the pivot"),
+    "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
+    "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),
+    "frequency_ratio": Quantity("1", r"\omega/\omega_0", "driving over natural frequency"),
+    "amplitude_ratio": Quantity("1", "A_0/l", "driving amplitude over length"),
+    "drive_acceleration_ratio": Quantity(
+        "1", r"A_0\omega^2/g", "largest pivot acceleration over gravity"
+    ),
+    "mathieu_strength": Quantity("1", r"\gamma", "excitation strength of eq15"),
+    "mathieu_a": Quantity("1", "a", "Mathieu parameter a"),
+    "mathieu_q": Quantity("1", "b", "Mathieu parameter q (the paper's b)"),
+    # contacts
+    "contact_time": Quantity("s", "t_c", "time of contact"),
+    "contact_kind": Quantity("1", "", "kind of contact"),
+    "angular_velocity_before": Quantity(
+        "rad/s", r"\dot\theta^-", "angular velocity just before contact"
+    ),
+    "angular_velocity_after": Quantity(
+        "rad/s", r"\dot\theta^+", "angular velocity just after contact"
+    ),
+    # energy
+    "kinetic_energy": Quantity("J", "T", "kinetic energy in the pivot frame"),
+    "potential_energy": Quantity("J", "U", "potential energy above the hanging position"),
+    "total_energy": Quantity("J", "E", "total energy in the pivot frame"),
+    "drive_power": Quantity("W", "P_{in}", "power of the drive"),
+    "damping_power": Quantity("W", "P_{diss}", "dissipated power"),
+    "drive_work": Quantity("J", "W_{in}", "work of the drive"),
+    "damping_loss": Quantity("J", "D", "energy lost to damping"),
+    "impact_loss": Quantity("J", "D_e", "energy lost in impacts"),
+    "capture_loss": Quantity("J", "D_c", "energy removed when a bounce is taken as rest"),
+    "noise_work": Quantity("J", "W_n", "work of the noise"),
+    "energy_residual": Quantity("J", r"\Delta E", "largest error of the closed energy ledger"),
+    "mean_energy": Quantity("J", r"\langle E\rangle", "time mean of the total energy"),
+    "lab_energy": Quantity("J", "E_L", "total energy in the laboratory frame"),
+    "rod_power": Quantity("W", "P_{rod}", "power of the rod on the ball in the laboratory frame"),
+    "tension": Quantity("N", "F_T", "tension of the rod"),
+    "slack_time": Quantity("s", "t_{slack}", "first time at which the rod is pushed"),
+    "slack_fraction": Quantity("1", "", "fraction of time in which the rod is pushed"),
+    # maps
+    "crossings": Quantity("1", "N", "passages through the crossing angle"),
+    "crossing_angle": Quantity("rad", r"\theta_x", "crossing angle"),
+    "growth_rate": Quantity("1/s", r"\mu", "exponential growth rate"),
+    # noise
+    "noise_strength": Quantity("rad/s^(3/2)", r"\sigma", "strength of velocity noise"),
+}
+
+
+def quantity_field(
+    name: str,
+    allowed: Range = ANY,
+    *,
+    description: str = "",
+    suggested: tuple[float, float] | None = None,
+    **options: Any,
+) -> Any:
+    """Return a dataclass field that carries a quantity of `QUANTITIES` and its range.
+
+    `suggested` is the interval in which sliders and examples move; `options` go to
+    `dataclasses.field`.
+    """
+    quantity = QUANTITIES[name]
+    metadata = {
+        "quantity": quantity,
+        "range": allowed,
+        "description": description or quantity.long_name,
+        "suggested": suggested,
+    }
+    return field(metadata=metadata, **options)

@@ -1,0 +1,101 @@
+"""Named collections of laws, and the checks that every law shares.
+
+A law enters its registry by a decorator in the file that defines it; options of the command line,
+scenario files, forms and tables are generated from the registries.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import Field, fields
+from typing import Any, Generic, TypeVar
+
+from latolato.quantities import Range
+
+Entry = TypeVar("Entry")
+
+
+def suggest(name: str, known: list[str]) -> str:
+    """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
+
+
+class Registry(Mapping[str, Entry], Generic[Entry]):
+    """Entries by name, in the order in which they were added."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self._entries: dict[str, Entry] = {}
+
+    def register(self, name: str) -> Callable[[Entry], Entry]:
+        """Return a decorator that adds an entry under `name`."""
+
+        def add(entry: Entry) -> Entry:
+            if name in self._entries:
+                raise ValueError(f"{self.kind} '{name}' is registered twice")
+            self._entries[name] = entry
+            return entry
+
+        return add
+
+    def __getitem__(self, name: str) -> Entry:
+        if name not in self._entries:
+            raise ValueError(f"unknown {self.kind} '{name}': {suggest(name, list(self._entries))}")
+        return self._entries[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._entries
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def name_of(self, entry: Any) -> str:
+        """Return the name under which `entry` (or the class of an instance) stands."""
+        for name, known in self._entries.items():
+            if known is entry or known is type(entry):
+                return name
+        raise ValueError(f"{entry!r} is not a registered {self.kind}")
+
+
+def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
+    """Return `value` as a float, or raise with the value, the rule and a way out.
+
+    Raises
+    ------
+    TypeError
+        If `value` is not a real number.
+    ValueError
+        If it is NaN, infinite or outside `allowed`.
+    """
+    if isinstance(value, (str, bytes, bool)) or value is None:
+        raise TypeError(f"{name} must be a number in {unit}, got {value!r}")
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number in {unit}, got {value!r}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{name} must be finite, got {number}; give a number in {unit}")
+    if number not in allowed:
+        raise ValueError(f"{name} must lie in {allowed} {unit}, got {number:g}")
+    return number
+
+
+def number_fields(law: Any) -> list[Field[Any]]:
+    """Return the fields of a law (class or instance) that hold one number."""
+    return [f for f in fields(law) if "quantity" in f.metadata and not f.metadata.get("array")]
+
+
+def check_fields(law: Any) -> None:
+    """Check every number of a frozen law against its range and store it as a float."""
+    for field in number_fields(law):
+        quantity = field.metadata["quantity"]
+        number = checked_number(
+            field.name, getattr(law, field.name), field.metadata["range"], quantity.unit
+        )
+        object.__setattr__(law, field.name, number)
