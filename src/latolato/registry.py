@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import Field, fields
+from dataclasses import MISSING, Field, fields
 from typing import Any, Generic, TypeVar
 
 from latolato.quantities import Range
@@ -99,3 +99,48 @@ def check_fields(law: Any) -> None:
             field.name, getattr(law, field.name), field.metadata["range"], quantity.unit
         )
         object.__setattr__(law, field.name, number)
+
+
+def describe(law: Any) -> dict[str, Any]:
+    """Return a law's parameters as plain values, nested laws as nested dictionaries.
+
+    Values that equal their default are kept too: a file must not depend on later defaults.
+    """
+    found: dict[str, Any] = {}
+    for f in fields(law):
+        if not f.init:
+            continue
+        value = getattr(law, f.name)
+        if hasattr(value, "__dataclass_fields__"):
+            value = describe(value)
+        elif isinstance(value, tuple):
+            value = list(value)
+        found[f.name] = value
+    return found
+
+
+def build(kind: type, parameters: Mapping[str, Any]) -> Any:
+    """Return ``kind(**parameters)`` after naming unknown and missing parameters.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, with the closest known one, and for a missing one with its unit.
+    """
+    known = {f.name: f for f in fields(kind) if f.init}
+    for name in parameters:
+        if name not in known:
+            raise ValueError(
+                f"unknown parameter '{name}' of {kind.__name__}: {suggest(name, list(known))}"
+            )
+    missing = [
+        name
+        for name, f in known.items()
+        if name not in parameters and f.default is MISSING and f.default_factory is MISSING
+    ]
+    if missing:
+        name = missing[0]
+        quantity = known[name].metadata.get("quantity")
+        unit = f" [{quantity.unit}]" if quantity else ""
+        raise ValueError(f"{kind.__name__} needs '{name}'{unit}")
+    return kind(**parameters)

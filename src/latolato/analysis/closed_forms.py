@@ -107,7 +107,7 @@ def damped_small_angle(
     ...     [0.0, 20.0], length=0.3630, mass=0.10804, damping=0.00274, initial_angle=0.1
     ... )
     >>> print(angle.round(6))
-    [ 0.1       -0.045863]
+    [ 0.1      -0.048347]
     """
     instants = checked_times(times)
     start = checked_number("initial_angle", initial_angle, ANY, "rad")
@@ -156,8 +156,7 @@ def fall_time(
     >>> print(f"{fall_time(length=1.0, radius=0.1, initial_angle=0.6):.15f}")
     0.458901167124134
     """
-    bounce = _bounce(length, radius, initial_angle, gravity)
-    return float(_climb_time(bounce, bounce.speed, math.cos(0.5 * bounce.top)))
+    return _fall_time(_bounce(length, radius, initial_angle, gravity))
 
 
 def impact_angular_velocity(
@@ -170,7 +169,7 @@ def impact_angular_velocity(
     Examples
     --------
     >>> print(f"{impact_angular_velocity(length=1.0, radius=0.1, initial_angle=0.6):.14f}")
-    1.82350643406051
+    1.82350643406050
     """
     bounce = _bounce(length, radius, initial_angle, gravity)
     return 2.0 * bounce.frequency * bounce.speed
@@ -222,12 +221,13 @@ def elastic_bounces(
     rounding of the time, some 1e-16 of it, an instant may fall on the other side of a collision.
     """
     instants = checked_times(times)
-    tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
+    bounce = _bounce(length, radius, initial_angle, gravity)
+    tau = _fall_time(bounce)
     since_top = instants - 2.0 * tau * np.floor(instants / (2.0 * tau) + 0.5)
     angle, angular_velocity = undriven_motion(
         since_top, length=length, initial_angle=initial_angle, gravity=gravity
     )
-    return np.maximum(angle, math.asin(radius / length)), angular_velocity
+    return np.maximum(angle, bounce.wall), angular_velocity
 
 
 def zeno_time(
@@ -275,7 +275,7 @@ def zeno_time(
     e = system.restitution
     if e == 1.0:
         raise ValueError("restitution must lie in [0, 1) for impacts to accumulate, got 1")
-    total = float(_climb_time(bounce, bounce.speed, math.cos(0.5 * bounce.top)))
+    total = _fall_time(bounce)
     if e == 0.0:
         return total
     low_sine, low_cosine = math.sin(0.5 * bounce.wall), math.cos(0.5 * bounce.wall)
@@ -341,6 +341,11 @@ def _bounce(length: float, radius: float, initial_angle: float, gravity: float) 
     # sin^2(top/2) - sin^2(low/2) as a product, which keeps its digits.
     speed = math.sqrt(math.sin(0.5 * (top - low)) * math.sin(0.5 * (top + low)))
     return _Bounce(low, top, speed, system.natural_frequency)
+
+
+def _fall_time(bounce: _Bounce) -> float:
+    """Return the time [s] from the turning point at rest to the low wall."""
+    return float(_climb_time(bounce, bounce.speed, math.cos(0.5 * bounce.top)))
 
 
 def _climb_time(bounce: _Bounce, speed: float | Array, complement: float | Array) -> Array:

@@ -19,7 +19,7 @@ Number = float | Array
 
 # Outside these limits the intermediate products of the determinant leave the range of float64.
 LARGEST_CHARACTERISTIC_ROOT = 200.0
-LARGEST_MATHIEU_Q = 20.0
+LARGEST_MATHIEU_Q = 50.0
 
 
 def own_instability(a: Number, q: Number, is_odd: bool) -> Number:

@@ -87,7 +87,7 @@ def mathieu_growth_rate(
     Parameters
     ----------
     drive_amplitude, drive_frequency : array_like
-        A0 [m], at least 0 and at most 10 l, and w [rad/s], positive; broadcast together.
+        A0 [m], at least 0 and at most 25 l, and w [rad/s], positive; broadcast together.
     length, gravity : float
         l [m] and g [m/s^2], positive.
     mass, damping : float
@@ -153,7 +153,7 @@ def mathieu_tongue_edges(
     Parameters
     ----------
     drive_amplitude : float
-        A0 [m], at least 0 and at most 10 l.
+        A0 [m], at least 0 and at most 25 l.
     length, gravity : float
         l [m] and g [m/s^2], positive.
     mass, damping : float
@@ -240,7 +240,7 @@ def mathieu_threshold_amplitude(
     mass, damping : float
         m [kg] and C [kg m/s]; the mass is needed only where there is damping.
     largest_amplitude_ratio : float
-        The search ends at this A0/l [1], positive and at most 10.
+        The search ends at this A0/l [1], positive and at most 25.
 
     Returns
     -------

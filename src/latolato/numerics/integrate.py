@@ -27,7 +27,7 @@ from latolato.numerics.records import (
 )
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.drives import Drive
-from latolato.physics.pendulum import System
+from latolato.physics.pendulum import System, restoring_linear
 
 Floats = NDArray[np.float64]
 
@@ -93,24 +93,37 @@ def choose_step(
     return float(unit * tolerance ** (1.0 / stepper.order) / fastest)
 
 
-@lru_cache(maxsize=64)
-def _kernel(
-    acceleration: Callable[..., float], restoring: Callable[..., float], angles: int, compiled: bool
-) -> Callable[..., int]:
-    """Return the trajectory function of these laws, compiled or as plain Python."""
-    from latolato.numerics.fold import make_trajectory
+def _maker(name: str) -> Callable[..., Callable[..., Any]]:
+    """Return the factory of a kernel; imported on use, so that start-up pays for one only."""
+    if name == "clamp":
+        from latolato.numerics.clamp import make_clamped
 
-    make = make_trajectory
-    if angles == 2:
+        return make_clamped
+    if name == "pair":
         from latolato.numerics.fold_pair import make_pair_trajectory
 
-        make = make_pair_trajectory
+        return make_pair_trajectory
+    if name == "observe":
+        from latolato.numerics.observe import make_observer
+
+        return make_observer
+    from latolato.numerics.fold import make_trajectory
+
+    return make_trajectory
+
+
+@lru_cache(maxsize=64)
+def kernel(name: str, *laws: Callable[..., float], compiled: bool = True) -> Callable[..., Any]:
+    """Return a kernel made of these laws, compiled (and kept on disk) or as plain Python.
+
+    `name` is ``one``, ``pair``, ``clamp`` or ``observe``.
+    """
+    make = _maker(name)
     if not compiled:
-        return make(acceleration, restoring)
+        return make(*laws)
     from latolato.numerics.compiled import compile_kernel, compile_part, law_key
 
-    function = make(acceleration, restoring, compile_part)
-    return compile_kernel(function, law_key(acceleration, restoring))
+    return compile_kernel(make(*laws, compile_part), law_key(*laws))
 
 
 def integrate(
@@ -126,6 +139,7 @@ def integrate(
     contact_limit: int = 1_000_000,
     kick_times: Floats | None = None,
     kick_sizes: Floats | None = None,
+    clamped: bool = False,
     compiled: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
@@ -137,12 +151,17 @@ def integrate(
         Contact angles (one ball) or separations (two) [rad]; infinite where there is none.
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Instants [s] and sizes [rad/s] of velocity kicks.
+    clamped : bool
+        Whether contact is the fixed-step artefact of `latolato.numerics.clamp`.
+    compiled : bool
+        Whether the kernel is compiled or runs as plain Python.
     progress : callable, optional
         Called with the fraction done, now and then.
     """
     stepper = choose_stepper(system)
     angles = system.angles
-    kernel = _kernel(drive.acceleration, system.restoring, angles, compiled)
+    name = "clamp" if clamped else ("pair" if angles == 2 else "one")
+    carry_on = kernel(name, drive.acceleration, system.restoring, compiled=compiled)
     state, counters = _initial(start, walls, sample_times)
     settings = np.zeros(1, dtype=SETTINGS)
     settings[0] = (
@@ -152,7 +171,7 @@ def integrate(
         rest_speed,
         step,
         drive.largest_acceleration,
-        int(system.restoring is not _linear()),
+        int(system.restoring is not restoring_linear),
     )
     bodies = records.bodies(*(records.body_record(ball) for ball in system.balls))
     stretches, starts = records.stretch_records(drive, duration)
@@ -169,7 +188,7 @@ def integrate(
     status = "complete"
     while True:
         buffers = np.empty(room), np.empty(room, dtype=np.int64), np.empty((4, room))
-        rows = kernel(
+        rows = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
             tables, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
             *buffers, duration, _STEPS_PER_CALL,
@@ -194,12 +213,6 @@ def integrate(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, counters, float(min(reached, duration)), step, stepper, status,
     )  # fmt: skip
-
-
-def _linear() -> Callable[..., float]:
-    from latolato.physics.pendulum import restoring_linear
-
-    return restoring_linear
 
 
 def _initial(

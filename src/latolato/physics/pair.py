@@ -34,3 +34,15 @@ def contact_torque(
     """
     reduced = inertia_1 * inertia_2 / (inertia_1 + inertia_2)
     return reduced * (acceleration_2 - acceleration_1)
+
+
+@formula
+def radial_push(torque: float, length: float, other_length: float, separation: float) -> float:
+    """Return what the contact adds to the tension of a ball in lasting contact [N].
+
+    The contact force acts along the line of centres; with its torque on ball 1 known, its
+    component along the rod is ``torque (l1 - l2 cos(separation))/(l1 l2 sin(separation))``.
+    Both balls are met with the same torque and separation, each with its own length first.
+    """
+    l1, l2 = length, other_length
+    return torque * (l1 - l2 * math.cos(separation)) / (l1 * l2 * math.sin(separation))

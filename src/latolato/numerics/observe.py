@@ -1,0 +1,115 @@
+"""Evaluates energies, powers and tensions of a sampled motion with the formulas of `physics`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from latolato.numerics.flight import Part
+from latolato.numerics.records import REST_HIGH, REST_LOW
+from latolato.physics import energy
+from latolato.physics.damping import damping_power, drag
+from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
+from latolato.physics.pair import contact_torque, radial_push
+from latolato.physics.pendulum import Ball
+from latolato.physics.tension import tension, wall_tension
+
+BALL = np.dtype([(name, "f8") for name in (
+    "length", "mass", "damping", "quadratic_damping", "coulomb_damping"
+)])  # fmt: skip
+
+PIVOT_ROWS = ("pivot_height", "pivot_velocity", "pivot_acceleration")
+BALL_ROWS = (
+    "kinetic_energy",
+    "potential_energy",
+    "drive_power",
+    "damping_power",
+    "tension",
+    "lab_energy",
+    "rod_power",
+)
+KINETIC, POTENTIAL, DRIVE, DAMPING, TENSION, LAB, ROD = range(len(BALL_ROWS))
+
+lab_energy, rod_power = energy.lab_energy, energy.rod_power
+
+
+def ball_records(balls: tuple[Ball, ...]) -> Any:
+    """Return the balls' parameters, shape (ball,)."""
+    names = BALL.names or ()
+    return np.array([tuple(getattr(b, n) for n in names) for b in balls], dtype=BALL)
+
+
+def make_observer(
+    height: Callable[..., float],
+    velocity: Callable[..., float],
+    acceleration: Callable[..., float],
+    restoring: Callable[..., float],
+    potential: Callable[..., float],
+    compile_part: Part | None = None,
+) -> Callable[..., None]:
+    """Return the function that fills `pivot` (3, time) and `out` (ball, row, time)."""
+
+    def observe(
+        times: Any,
+        samples: Any,
+        modes: Any,
+        stretches: Any,
+        starts: Any,
+        balls: Any,
+        gravity: float,
+        pivot: Any,
+        out: Any,
+    ) -> None:
+        k = 0
+        for i in range(len(times)):
+            t = times[i]
+            while k + 1 < len(starts) and starts[k + 1] <= t:
+                k += 1
+            p = stretches[k]
+            y, vy, ay = height(t, p), velocity(t, p), acceleration(t, p)
+            pivot[0, i], pivot[1, i], pivot[2, i] = y, vy, ay
+            touching = modes[i] == REST_LOW or modes[i] == REST_HIGH
+            for j in range(len(balls)):
+                b = balls[j]
+                l, m = b.length, b.mass
+                angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
+                pull = restoring(angle)
+                out[j, KINETIC, i] = kinetic_energy(speed, m, l)
+                out[j, POTENTIAL, i] = potential_energy(potential(angle), m, l, gravity)
+                out[j, DRIVE, i] = drive_power(speed, pull, ay, m, l)
+                out[j, DAMPING, i] = damping_power(
+                    speed, l, b.damping, b.quadratic_damping, b.coulomb_damping
+                )
+                out[j, TENSION, i] = tension(angle, speed, ay, m, l, gravity)
+                if touching and len(balls) == 1:
+                    out[j, TENSION, i] = wall_tension(angle, ay, m, gravity)
+            if touching and len(balls) == 2:
+                b1, b2 = balls[0], balls[1]
+                free_1 = _free(samples[0, i], samples[1, i], ay, gravity, b1)
+                free_2 = _free(samples[2, i], samples[3, i], ay, gravity, b2)
+                torque = contact_torque(
+                    free_1, free_2, b1.mass * b1.length**2, b2.mass * b2.length**2
+                )
+                gap = samples[0, i] - samples[2, i]
+                out[0, TENSION, i] += radial_push(torque, b1.length, b2.length, gap)
+                out[1, TENSION, i] += radial_push(torque, b2.length, b1.length, gap)
+            for j in range(len(balls)):
+                b = balls[j]
+                angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
+                sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+                force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+                out[j, LAB, i] = lab_energy(angle, speed, y, vy, b.mass, b.length, gravity)
+                out[j, ROD, i] = rod_power(angle, force, out[j, TENSION, i], vy)
+
+    def _free(angle: float, speed: float, lift: float, gravity: float, b: Any) -> float:
+        """Return the angular acceleration that a ball would have without the other one."""
+        sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+        force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+        return -(gravity + lift) / b.length * math.sin(angle) - force / (b.mass * b.length)
+
+    if compile_part is not None:
+        _free = compile_part(_free)
+    return observe

@@ -1,0 +1,513 @@
+"""One run: a system, a drive and a start become a labelled dataset with a closed energy ledger."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from importlib.metadata import version as package_version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.numerics import records
+from latolato.numerics.integrate import (
+    TOLERANCES,
+    Floats,
+    Start,
+    Trajectory,
+    choose_step,
+    choose_stepper,
+    integrate,
+    kernel,
+)
+from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
+from latolato.physics.contacts import CONTACT_KINDS, Clamp, Exact, NoContact, contact_laws
+from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.energy import kinetic_energy, potential_energy
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
+from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.registry import checked_number, describe
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DEFAULT_REST_SPEED = 1e-6  # rad/s
+# A start this close to a wall is on it.
+ON_WALL = 1e-12  # rad
+SAMPLES_PER_PERIOD = 100
+# More default samples than this would fill the memory: ask for `times` then.
+MOST_DEFAULT_SAMPLES = 20_000_000
+# A run whose ledger closes worse than this many tolerances is repeated with half the step.
+_LEDGER_MARGIN = 5.0
+_MOST_HALVINGS = 3
+_MOST_STEPS_TO_REPEAT = 20_000_000
+# Below this share of the energy the ledger measures rounding, not the step.
+_ROUNDING = 2e-12
+
+
+def simulate(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    duration: float | None = None,
+    times: Sequence[float] | Floats | None = None,
+    tolerance: float = 1e-10,
+    contact: str | Exact | Clamp | NoContact | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+    frame: str = "pivot",
+    noise: VelocityKicks | None = None,
+    contact_limit: int = 1_000_000,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Return the motion of a system as a dataset over time, with contacts and energies.
+
+    Paper eq10 (eq14 for `Mathieu`) with impacts by eq11, resting contact and lift-off.
+
+    Parameters
+    ----------
+    system : Pendulum, Mathieu, LatoLato or BallPair
+        What moves.
+    drive : Drive, optional
+        How the pivot moves; None is a pivot at rest.
+    initial_angle : float or pair of float
+        Angle at time zero [rad]; for a `BallPair` (right, left).
+    initial_angular_velocity : float or pair of float
+        Angular velocity at time zero [rad/s].
+    initial_offset : float, optional
+        Instead of `initial_angle`: the angle above the low contact angle of a `LatoLato` [rad].
+    duration : float
+        End of the run [s]; by default the last of `times`.
+    times : array_like of float, shape (time,), optional
+        Strictly increasing instants in [0, duration] [s] at which the state is wanted; by default
+        at least 100 in the shorter of the natural and the driving period.
+    tolerance : float
+        Aimed-at error of the angle over a few hundred periods of regular motion [rad], in
+        [1e-14, 1e-2]; see Notes.
+    contact : {"exact", "clamp", None} or a contact law
+        `Exact` is impact with restitution, rest and lift-off; `Clamp` the labelled fixed-step
+        artefact; None lets the balls pass through each other.
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    frame : {"pivot", "both"}
+        ``"both"`` adds `lab_energy` and `rod_power` of the laboratory frame.
+    noise : VelocityKicks, optional
+        Random velocity kicks.
+    contact_limit : int
+        Contacts after which the run stops with a status and a warning.
+    progress : callable, optional
+        Called with the fraction done, now and then.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables on ``time`` (angles, angular velocities and energies also on ``ball`` for a
+        `BallPair`, right then left) and on ``contact``. Energies are per ball; the ledger
+        (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss`) is per ball for one angle
+        and the sum of both balls for a `BallPair`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, naming value, rule and way out.
+
+    Notes
+    -----
+    Fixed steps of a symmetric sixth-order splitting, ``5 tolerance^(1/6)`` over the fastest rate
+    of the system. The ledger ``E(t) - E(0) - works + losses`` is computed from separate
+    quadratures; when it closes worse than 5 tolerances of the largest energy, the run is repeated
+    with half the step, three times at most, and a warning tells if that was not enough.
+    Chaotic motion amplifies every error: only its statistics can be trusted at late times.
+    A contact is missed if the ball dips into a wall and returns within a quarter of a step while
+    its acceleration keeps its sign at the ends; the depth of such a dip is below the step's error.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    >>> run = ll.simulate(toy, initial_angle=0.6, duration=2.0)
+    >>> [str(kind) for kind in run.contact_kind.values]
+    ['bottom', 'bottom']
+    """
+    drive = _checked_drive(drive)
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    law = _checked_contact(contact, system)
+    tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
+    rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
+    contact_limit = int(checked_number("contact_limit", contact_limit, POSITIVE, "contacts"))
+    if frame not in ("pivot", "both"):
+        raise ValueError(f"frame must be 'pivot' or 'both', got {frame!r}")
+    instants, end = _checked_times(system, drive, times, duration)
+    walls = _walls(system, law)
+    start = _checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
+    kick_times, kick_sizes = _kicks(noise, system, end)
+
+    stepper = choose_stepper(system)
+    clamped = isinstance(law, Clamp)
+    step = law.step if clamped else choose_step(system, drive, start, tolerance, stepper)
+    halvings = 0
+    while True:
+        trajectory = integrate(
+            system,
+            drive,
+            start,
+            instants,
+            end,
+            walls=walls,
+            step=step,
+            rest_speed=rest_speed,
+            contact_limit=contact_limit,
+            kick_times=kick_times,
+            kick_sizes=kick_sizes,
+            clamped=clamped,
+            progress=progress,
+        )
+        seen = _observe(system, drive, trajectory, instants, end)
+        residual, scale = _ledger(system, start, trajectory, seen)
+        allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * scale
+        if clamped or residual <= allowed or trajectory.status != "complete":
+            break
+        steps = int(trajectory.counters[records.TOTAL_STEPS])
+        if halvings == _MOST_HALVINGS or steps > _MOST_STEPS_TO_REPEAT:
+            warnings.warn(
+                f"the energy ledger closes to {residual:.3g} J only, {residual / scale:.2g} of the "
+                f"largest energy: tolerance {tolerance:g} was not reached with step {step:.3g} s",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+            break
+        step *= 0.5
+        halvings += 1
+    if trajectory.status != "complete":
+        warnings.warn(
+            f"the run is {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=2
+        )
+    dataset = _dataset(system, trajectory, seen, instants, frame)
+    run = {"tolerance": tolerance, "rest_speed": rest_speed, "frame": frame}
+    dataset.attrs.update(_attributes(system, drive, law, noise, start, end, run))
+    dataset.attrs.update(
+        energy_residual=residual,
+        status=trajectory.status,
+        step=trajectory.step,
+        stepper="classical Runge-Kutta" if clamped else stepper.name,
+        step_halvings=halvings,
+        grazing_contacts=int(trajectory.counters[records.GRAZES]),
+        contacts=len(trajectory.contact_times),
+    )
+    if "tension" in dataset:
+        dataset.attrs["slack_time"] = float(trajectory.state[records.SLACK_FIRST])
+        dataset.attrs["slack_fraction"] = float(
+            trajectory.state[records.SLACK_TOTAL] / trajectory.reached
+        )
+    return dataset
+
+
+def version() -> str:
+    """Return the version of latolato."""
+    return package_version("latolato")
+
+
+def _checked_drive(drive: Drive | None) -> Drive:
+    """Return a drive, a pivot at rest for None."""
+    if drive is None:
+        return Static()
+    if not isinstance(drive, Drive):
+        raise TypeError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+    return drive
+
+
+def _checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
+    """Return the contact law; systems that never meet a wall have none."""
+    if contact is None or not system.has_contacts:
+        return NoContact()
+    law = contact_laws[contact]() if isinstance(contact, str) else contact
+    if not isinstance(law, (Exact, Clamp, NoContact)):
+        raise TypeError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
+    if isinstance(law, Clamp) and isinstance(system, BallPair):
+        raise ValueError(
+            "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
+            "BallPair"
+        )
+    return law
+
+
+def _walls(system: System, law: Exact | Clamp | NoContact) -> tuple[float, float]:
+    """Return the contact angles of one ball or the contact separations of two [rad]."""
+    if isinstance(law, NoContact):
+        return -math.inf, math.inf
+    if isinstance(system, BallPair):
+        return system.contact_separation, 2.0 * math.pi - system.contact_separation
+    assert isinstance(system, LatoLato)
+    return system.contact_angle_low, system.contact_angle_high
+
+
+def _checked_times(
+    system: System, drive: Drive, times: Any, duration: float | None
+) -> tuple[Floats, float]:
+    """Return the sample instants and the end of the run [s]."""
+    if times is None:
+        if duration is None:
+            raise ValueError("duration is needed: give the end of the run in s, or times")
+        end = checked_number("duration", duration, POSITIVE, "s")
+        fastest = max(system.natural_frequency, drive.fastest_frequency)
+        count = math.ceil(end * fastest / (2.0 * math.pi) * SAMPLES_PER_PERIOD) + 1
+        if count > MOST_DEFAULT_SAMPLES:
+            raise ValueError(
+                f"{count} default samples exceed the limit of {MOST_DEFAULT_SAMPLES}; ask for the "
+                "instants you need with times"
+            )
+        return np.linspace(0.0, end, max(count, 2)), end
+    try:
+        instants = np.ascontiguousarray(times, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"times must be a sequence of numbers in s, got {times!r}") from None
+    if instants.ndim != 1 or instants.size == 0:
+        raise ValueError(f"times must be a non-empty sequence, got shape {instants.shape}")
+    if not np.all(np.isfinite(instants)):
+        bad = int(np.argmin(np.isfinite(instants)))
+        raise ValueError(f"times must be finite, got {instants[bad]} at position {bad}")
+    falls = np.flatnonzero(np.diff(instants) <= 0.0)
+    if falls.size:
+        i = int(falls[0])
+        raise ValueError(
+            f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
+            f"position {i + 1}; sort them and remove repeats"
+        )
+    end = checked_number(
+        "duration", instants[-1] if duration is None else duration, POSITIVE, "s"
+    )
+    if instants[0] < 0.0 or instants[-1] > end:
+        outside = instants[0] if instants[0] < 0.0 else instants[-1]
+        raise ValueError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
+    return instants, end
+
+
+def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """Return one or two checked numbers."""
+    unit = QUANTITIES[name].unit
+    if count == 1:
+        if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
+            raise TypeError(f"{name} must be one number in {unit} for one angle, got {value!r}")
+        return (checked_number(name, value, ANY, unit),)
+    if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
+        value = (0.0, 0.0)
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+        raise TypeError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
+    return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
+
+
+def _checked_start(
+    system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
+) -> Start:
+    """Return the start, moved onto a wall that it is within 1e-12 rad of."""
+    low, high = walls
+    if (angle is None) == (offset is None):
+        raise ValueError("give either initial_angle or initial_offset [rad]")
+    if offset is not None:
+        if not isinstance(system, LatoLato):
+            raise ValueError(
+                "initial_offset counts from the low contact angle of a LatoLato; "
+                "use initial_angle for other systems"
+            )
+        above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+        angle = system.contact_angle_low + above
+    velocities = _numbers("initial_angular_velocity", velocity, system.angles)
+    if system.angles == 1:
+        (value,) = _numbers("initial_angle", angle, 1)
+        what, gap = "initial_angle", value
+    else:
+        if np.isscalar(angle):
+            raise TypeError(
+                f"initial_angle of a BallPair must be two numbers (right, left), got {angle!r}"
+            )
+        right, left = _numbers("initial_angle", angle, 2)
+        what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
+    if not low - ON_WALL <= gap <= high + ON_WALL:
+        raise ValueError(
+            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
+            f"{gap:.9g}: the balls would overlap"
+        )
+    shift = 0.0
+    if abs(gap - low) <= ON_WALL:
+        shift = low - gap
+    elif abs(gap - high) <= ON_WALL:
+        shift = high - gap
+    if system.angles == 1:
+        on_wall = low if abs(gap - low) <= ON_WALL else high
+        return Start((on_wall if abs(gap - on_wall) <= ON_WALL else gap,), velocities)
+    return Start((right + shift, left), velocities)
+
+
+def _kicks(
+    noise: VelocityKicks | None, system: System, end: float
+) -> tuple[Floats | None, Floats | None]:
+    """Return instants and sizes of the velocity kicks."""
+    if noise is None:
+        return None, None
+    if not isinstance(noise, VelocityKicks):
+        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+    spacing = noise.spacing(system)
+    count = int(end / spacing)
+    instants = spacing * np.arange(1, count + 1)
+    normal = np.random.default_rng(noise.seed).standard_normal((count, system.angles)).T
+    return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))
+
+
+def _observe(
+    system: System, drive: Drive, trajectory: Trajectory, times: Floats, end: float
+) -> dict[str, Floats]:
+    """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
+    stretches, starts = records.stretch_records(drive, end)
+    balls = ball_records(system.balls)
+    pivot = np.empty((len(PIVOT_ROWS), len(times)))
+    out = np.empty((len(balls), len(BALL_ROWS), len(times)))
+    observe = kernel(
+        "observe",
+        drive.height,
+        drive.velocity,
+        drive.acceleration,
+        system.restoring,
+        system.potential,
+    )
+    modes = trajectory.samples[records.S_MODE]
+    observe(
+        times, trajectory.samples, modes, stretches, starts, balls, system.gravity, pivot, out
+    )
+    found = dict(zip(PIVOT_ROWS, pivot, strict=True))
+    found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
+    found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]
+    return found
+
+
+def _ledger(
+    system: System, start: Start, trajectory: Trajectory, seen: dict[str, Floats]
+) -> tuple[float, float]:
+    """Return the largest error of the closed ledger and the largest energy in the run [J]."""
+    first = sum(
+        kinetic_energy(v, b.mass, b.length)
+        + potential_energy(system.potential(x), b.mass, b.length, system.gravity)
+        for b, x, v in zip(system.balls, start.angles, start.velocities, strict=True)
+    )
+    rows = trajectory.samples
+    total = seen["total_energy"].sum(axis=0)
+    gained = rows[records.S_WORK] + rows[records.S_NOISE]
+    gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
+    error = np.abs(total - first - gained + gone)
+    scale = max(float(np.nanmax(total, initial=first)), float(np.nanmax(gone, initial=0.0)))
+    return float(np.nanmax(error, initial=0.0)), max(scale, np.finfo(float).tiny)
+
+
+def _dataset(
+    system: System, trajectory: Trajectory, seen: dict[str, Floats], times: Floats, frame: str
+) -> xr.Dataset:
+    """Return the labelled variables."""
+    import xarray as xr
+
+    rows = trajectory.samples
+    two = system.angles == 2
+    per_ball = ("ball", "time") if two else ("time",)
+    per_contact = ("ball", "contact") if two else ("contact",)
+
+    def per_angle(values: Floats) -> Floats:
+        return values if two else values[0]
+
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {
+        "angle": (per_ball, per_angle(rows[0 : 2 * system.angles : 2])),
+        "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
+    }
+    for name in PIVOT_ROWS:
+        variables[name] = (("time",), seen[name])
+    left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
+    if system.restoring is restoring_linear:  # the small-angle model has no such quantities
+        left_out |= {"tension", "lab_energy", "rod_power"}
+    for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
+        if name not in left_out:
+            variables[name] = (per_ball, per_angle(seen[name]))
+    ledger = {
+        "drive_work": records.S_WORK,
+        "damping_loss": records.S_DAMPED,
+        "impact_loss": records.S_IMPACT,
+        "capture_loss": records.S_CAPTURED,
+        "noise_work": records.S_NOISE,
+    }
+    for name, row in ledger.items():
+        if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
+            variables[name] = (("time",), rows[row])
+    kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
+    values = trajectory.contact_values
+    variables["contact_time"] = (("contact",), trajectory.contact_times)
+    variables["contact_kind"] = (("contact",), kinds)
+    before, after = (values[:2], values[2:]) if two else (values[:1], values[1:2])
+    variables["angular_velocity_before"] = (per_contact, per_angle(before))
+    variables["angular_velocity_after"] = (per_contact, per_angle(after))
+    coordinates: dict[str, Any] = {"time": times}
+    if two:
+        coordinates["ball"] = ["right", "left"]
+    dataset = xr.Dataset(variables, coords=coordinates)
+    for name, variable in dataset.variables.items():
+        if name in QUANTITIES:
+            quantity = QUANTITIES[str(name)]
+            variable.attrs.update(
+                units=quantity.unit, long_name=quantity.long_name, symbol=quantity.symbol
+            )
+    mirrored = isinstance(system, LatoLato)
+    for name in (*BALL_ROWS, "total_energy", *ledger):
+        if name in dataset and (mirrored or two):
+            of_both = two and name in ledger
+            dataset[name].attrs["long_name"] += ", both balls" if of_both else ", per ball"
+    return dataset
+
+
+def _attributes(
+    system: System,
+    drive: Drive,
+    law: Exact | Clamp | NoContact,
+    noise: VelocityKicks | None,
+    start: Start,
+    end: float,
+    run: dict[str, Any],
+) -> dict[str, Any]:
+    """Return the run's parameters, flat for reading and as JSON for running it again."""
+    many = system.angles == 2
+    scenario: dict[str, Any] = {
+        "system": {"kind": systems.name_of(system), **describe(system)},
+        "drive": {"kind": drives.name_of(drive), **describe(drive)},
+        "run": {
+            "initial_angle": list(start.angles) if many else start.angles[0],
+            "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],
+            "duration": end,
+            "contact": contact_laws.name_of(law),
+            **run,
+        },
+    }
+    if isinstance(law, Clamp):
+        scenario["run"]["clamp_step"] = law.step
+    if noise is not None:
+        scenario["noise"] = describe(noise)
+    attributes: dict[str, Any] = {
+        "title": f"latolato run of {systems.name_of(system)}",
+        "latolato_version": version(),
+        "numpy_version": np.__version__,
+        "numba_version": package_version("numba"),
+        "system": systems.name_of(system),
+        "drive": drives.name_of(drive),
+    }
+    for part in ("system", "drive", "run"):
+        for name, value in scenario[part].items():
+            if isinstance(value, dict):
+                attributes.update({f"{name}_{inner}": v for inner, v in value.items()})
+            elif name != "kind" and value is not None:
+                attributes[name] = int(value) if isinstance(value, bool) else value
+    for name in ("natural_frequency", "contact_angle_low", "contact_angle_high"):
+        if hasattr(system, name):
+            attributes[name] = getattr(system, name)
+    if isinstance(system, BallPair):
+        attributes["contact_separation"] = system.contact_separation
+    attributes["scenario"] = json.dumps(scenario)
+    return attributes
