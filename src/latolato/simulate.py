@@ -201,10 +201,12 @@ def simulate(
         contacts=len(trajectory.contact_times),
     )
     if "tension" in dataset:
-        dataset.attrs["slack_time"] = float(trajectory.state[records.SLACK_FIRST])
-        dataset.attrs["slack_fraction"] = float(
-            trajectory.state[records.SLACK_TOTAL] / trajectory.reached
-        )
+        first = trajectory.state[[records.SLACK_FIRST, records.SLACK_FIRST_2]]
+        total = trajectory.state[[records.SLACK_TOTAL, records.SLACK_TOTAL_2]]
+        share = total / trajectory.reached
+        two = system.angles == 2
+        dataset.attrs["slack_time"] = first if two else float(first[0])
+        dataset.attrs["slack_fraction"] = share if two else float(share[0])
     return dataset
 
 

@@ -163,6 +163,15 @@ def integrate(
     name = "clamp" if clamped else ("pair" if angles == 2 else "one")
     carry_on = kernel(name, drive.acceleration, system.restoring, compiled=compiled)
     state, counters = _initial(start, walls, sample_times)
+    rows = [records.body_record(ball) for ball in system.balls]
+    offsets = (0.0, 0.0)
+    if angles == 2:
+        joint = [
+            records.joint_record(*rows, gap if math.isfinite(gap) else 0.0) for gap in walls
+        ]
+        rows += [record for record, _ in joint]
+        offsets = (joint[0][1], joint[1][1])
+    bodies = records.bodies(*rows)
     settings = np.zeros(1, dtype=SETTINGS)
     settings[0] = (
         system.gravity,
@@ -171,14 +180,14 @@ def integrate(
         rest_speed,
         step,
         drive.largest_acceleration,
+        *offsets,
         int(system.restoring is not restoring_linear),
     )
-    bodies = records.bodies(*(records.body_record(ball) for ball in system.balls))
     stretches, starts = records.stretch_records(drive, duration)
     jumps = np.array(drive.velocity_jumps(duration))
     kick_times = np.empty(0) if kick_times is None else kick_times
     kick_sizes = np.empty((angles, 0)) if kick_sizes is None else kick_sizes
-    tables = np.zeros((2 + 2 * angles, 3, len(stepper.kicks)))
+    tables = np.zeros((6 if angles == 2 else 2, 3, len(stepper.kicks)))
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
     room = 256
     kinds, times, values = [], [], []
@@ -188,15 +197,15 @@ def integrate(
     status = "complete"
     while True:
         buffers = np.empty(room), np.empty(room, dtype=np.int64), np.empty((4, room))
-        rows = carry_on(
+        written = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
             tables, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
             *buffers, duration, _STEPS_PER_CALL,
         )  # fmt: skip
-        times.append(buffers[0][:rows])
-        kinds.append(buffers[1][:rows])
-        values.append(buffers[2][:, :rows])
-        count += rows
+        times.append(buffers[0][:written])
+        kinds.append(buffers[1][:written])
+        values.append(buffers[2][:, :written])
+        count += written
         reached = state[T_BASE] + counters[STEPS] * step
         if progress is not None:
             progress(min(reached / duration, 1.0))
@@ -208,7 +217,7 @@ def integrate(
         if not math.isfinite(state[ANGLE_1]):
             status = f"failed at t = {reached:.9g} s: the state is no longer finite"
             break
-        room = min(max(room, 2 * rows), 65536)
+        room = min(max(room, 2 * written), 65536)
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, counters, float(min(reached, duration)), step, stepper, status,
@@ -221,7 +230,7 @@ def _initial(
     """Return state and counters at time zero; modes are settled by the kernel's first call."""
     state = np.zeros(records.STATE_SIZE)
     counters = np.zeros(records.COUNTERS_SIZE, dtype=np.int64)
-    state[SLACK_FIRST] = np.nan
+    state[SLACK_FIRST] = state[records.SLACK_FIRST_2] = np.nan
     state[ANGLE_1], state[VELOCITY_1] = start.angles[0], start.velocities[0]
     if len(start.angles) == 2:
         state[ANGLE_2], state[VELOCITY_2] = start.angles[1], start.velocities[1]

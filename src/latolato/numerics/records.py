@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.physics.drives import Drive
+from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import Ball
 
 BODY = np.dtype(
@@ -38,6 +39,22 @@ def bodies(*rows: tuple[float, ...]) -> NDArray[Any]:
     return np.array(list(rows), dtype=BODY)
 
 
+def joint_record(
+    right: tuple[float, ...], left: tuple[float, ...], separation: float
+) -> tuple[tuple[float, ...], float]:
+    """Return the record of two balls in lasting contact and its angle offset [rad]."""
+    k1, rate_1, quadratic_1, coulomb_1, inertia_1 = right
+    k2, rate_2, quadratic_2, coulomb_2, inertia_2 = left
+    total = inertia_1 + inertia_2
+
+    def mean(first: float, second: float) -> float:
+        return (inertia_1 * first + inertia_2 * second) / total
+
+    coupling, offset = joint_coupling(inertia_1 * k1, inertia_2 * k2, total, separation)
+    drags = mean(rate_1, rate_2), mean(quadratic_1, quadratic_2), mean(coulomb_1, coulomb_2)
+    return (coupling, *drags, total), offset
+
+
 def stretch_records(drive: Drive, duration: float) -> tuple[NDArray[Any], NDArray[np.float64]]:
     """Return the drive's stretches as records, shape (stretch,), and their start times [s]."""
     found = drive.stretches(duration)
@@ -60,6 +77,8 @@ SETTINGS = np.dtype(
         ("rest_speed", "f8"),  # rad/s
         ("step", "f8"),  # s
         ("lift_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
+        ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
+        ("offset_high", "f8"),
         ("follows_tension", "i8"),
     ]
 )
@@ -67,8 +86,8 @@ SETTINGS = np.dtype(
 # Slots of a trajectory's float state; balls follow each other in the first pairs.
 T_BASE, ANGLE_1, VELOCITY_1, ANGLE_2, VELOCITY_2 = 0, 1, 2, 3, 4
 WORK, DAMPED, IMPACT, CAPTURED, NOISE = 5, 6, 7, 8, 9
-SLACK_FIRST, SLACK_TOTAL = 10, 11
-STATE_SIZE = 12
+SLACK_FIRST, SLACK_TOTAL, SLACK_FIRST_2, SLACK_TOTAL_2 = 10, 11, 12, 13
+STATE_SIZE = 14
 
 # Slots of its counters.
 MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)

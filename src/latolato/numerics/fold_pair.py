@@ -1,0 +1,674 @@
+"""Folds a drive into the trajectory of two balls that collide, rest on each other and part.
+
+In flight each ball is advanced by itself; what couples them is the separation
+``angle_1 - angle_2``, which stays between the contact separations. In lasting contact both swing
+as one body, an equivalent pendulum of its own, until the contact force would pull. A ball that
+Coulomb friction holds has the sign 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.flight import (
+    ANGLE,
+    VELOCITY,
+    Part,
+    make_flight,
+    prepare,
+    write_ledger,
+)
+from latolato.numerics.records import (
+    ANGLE_1,
+    ANGLE_2,
+    CAPTURED,
+    CONTACT,
+    DAMPED,
+    FLIGHT,
+    GRAZES,
+    IMPACT,
+    KICKED,
+    MODE,
+    NOISE,
+    REST_HIGH,
+    REST_LOW,
+    SAMPLE,
+    SIGN_1,
+    SIGN_2,
+    SLACK_FIRST,
+    SLACK_TOTAL,
+    STEPS,
+    STRETCH,
+    T_BASE,
+    TOTAL_STEPS,
+    UNSETTLED,
+    VELOCITY_1,
+    VELOCITY_2,
+    WORK,
+)
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
+from latolato.physics.damping import drag
+from latolato.scalar import formula
+
+# Columns of a point of the motion and of a step's result; rows are ball 1, ball 2, both as one.
+X, V, FORCE, DRIVEN, LIFT, GAIN, LOSS = range(7)
+JOINT = 2
+_PARTS = 0.25  # see `latolato.numerics.fold`
+_STUCK = 0.0
+
+
+@formula
+def freed(free: float, velocity: float, body: Any) -> float:
+    """Return the angular acceleration of a ball with all its drag, static friction included."""
+    if velocity == 0.0:
+        if abs(free) <= body.coulomb:
+            return 0.0
+        return free - math.copysign(body.coulomb, free)
+    sign = math.copysign(1.0, velocity)
+    return free - drag(velocity, sign, body.rate, body.quadratic, body.coulomb)
+
+
+@formula
+def write_pair_contact(
+    times: Any, kinds: Any, values: Any, row: int, t: float, kind: int, before: Any, after: Any
+) -> int:
+    """Write one row of the contact table and return the next row's number."""
+    times[row] = t
+    kinds[row] = kind
+    values[0, row], values[1, row] = before
+    values[2, row], values[3, row] = after
+    return row + 1
+
+
+def make_pair_trajectory(
+    acceleration: Callable[..., float],
+    restoring: Callable[..., float],
+    compile_part: Part | None = None,
+) -> Callable[..., int]:
+    """Return the function that carries the state of two balls on.
+
+    Arguments and effects are those of `latolato.numerics.fold.make_trajectory`; `bodies` holds
+    both balls and the body they form at the bottom and at the top.
+    """
+    part: Part = compile_part or (lambda function: function)
+    force, advance, locate, leave, follow_slack = make_flight(
+        acceleration, restoring, compile_part
+    )
+
+    @part
+    def free_force(t: float, angle: float, gravity: float, body: Any, p: Any) -> float:
+        """Return the angular acceleration without drag."""
+        return -(gravity + acceleration(t, p)) * body.coupling * restoring(angle)
+
+    @part
+    def refresh(row: int, t: float, q: Any, sign: float, gravity: float, body: Any, p: Any) -> None:
+        """Write the force at a point into its row."""
+        q[row, FORCE], q[row, DRIVEN], q[row, LIFT] = force(
+            t, q[row, X], sign, gravity, body, p
+        )
+
+    @part
+    def go(
+        row: int, t: float, q: Any, r: Any, sign: float, table: Any, gravity: float, body: Any, p: Any
+    ) -> None:
+        """Advance one row of `q` by a prepared step into `r`."""
+        if sign == _STUCK:
+            r[row, X], r[row, V], r[row, GAIN], r[row, LOSS] = q[row, X], 0.0, 0.0, 0.0
+            return
+        x, v, gain, loss, a, driven, lift = advance(
+            t, q[row, X], q[row, V], q[row, FORCE], q[row, DRIVEN], sign, table, gravity, body, p
+        )
+        r[row, X], r[row, V], r[row, FORCE], r[row, DRIVEN] = x, v, a, driven
+        r[row, LIFT], r[row, GAIN], r[row, LOSS] = lift, gain, loss
+
+    @part
+    def both(
+        s: float, t: float, q: Any, r: Any, signs: Any, tables: Any, kicks: Any, drifts: Any,
+        nodes: Any, gravity: float, bodies: Any, p: Any,
+    ) -> None:  # fmt: skip
+        """Advance both balls by a step of length s, with the trial tables."""
+        for i in range(2):
+            prepare(tables[3 + i], s, kicks, drifts, nodes, bodies[i].rate)
+            go(i, t, q, r, signs[i], tables[3 + i], gravity, bodies[i], p)
+
+    @part
+    def locate_gap(
+        what: int, target: float, low: float, high: float, t: float, q: Any, r: Any, signs: Any,
+        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
+    ) -> float:  # fmt: skip
+        """Return the step length at which the separation, or its rate, reaches `target`."""
+        column, next_column = (X, V) if what == ANGLE else (V, FORCE)
+        both(high, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+        value = r[0, column] - r[1, column] - target
+        if value == 0.0:
+            return high
+        far = 1.0 if value > 0.0 else -1.0
+        span = high - low
+        slope = r[0, next_column] - r[1, next_column]
+        s = high - value / slope if slope != 0.0 else 0.5 * (low + high)
+        if not low < s < high:
+            s = 0.5 * (low + high)
+        move = span
+        for _ in range(MOST_TRIALS):
+            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+            value = r[0, column] - r[1, column] - target
+            slope = r[0, next_column] - r[1, next_column]
+            if value == 0.0:
+                return s
+            if value * far > 0.0:
+                high = s
+            else:
+                low = s
+            trial = next_trial(s, value, slope, low, high, move)
+            move = trial - s
+            s = trial
+            curvature = r[0, FORCE] - r[1, FORCE]
+            if high - low <= 4e-16 * span or is_located(move, slope, curvature, span):
+                return s
+        return s
+
+    @part
+    def leave_gap(
+        target: float, far: float, high: float, t: float, q: Any, r: Any, signs: Any,
+        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
+    ) -> float:  # fmt: skip
+        """Return a step length at which balls that start in contact are apart, or zero."""
+        s = 0.5 * high
+        for _ in range(50):
+            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+            if (r[0, X] - r[1, X] - target) * far < 0.0:
+                return s
+            s *= 0.5
+        return 0.0
+
+    @part
+    def parting(
+        far: float, t: float, q: Any, gravity: float, bodies: Any, p: Any
+    ) -> float:
+        """Return the separation's acceleration away from contact at the balls' own velocities."""
+        apart = 0.0
+        for i in range(2):
+            pull = freed(free_force(t, q[i, X], gravity, bodies[i], p), q[i, V], bodies[i])
+            apart += pull if i == 0 else -pull
+        return -far * apart
+
+    @part
+    def strike(
+        far: float, t: float, q: Any, settings: Any, bodies: Any, p: Any
+    ) -> tuple[float, float, bool]:
+        """Let the balls collide; return impact loss, capture loss and whether rest begins.
+
+        The capture speed counts for each of two mirrored balls, so twice it for the separation.
+        """
+        i1, i2 = bodies[0].inertia, bodies[1].inertia
+        rate = q[0, V] - q[1, V]
+        presses = parting(far, t, q, settings.gravity, bodies, p) <= 0.0
+        reduced = 0.5 * i1 * i2 / (i1 + i2)
+        slow = settings.restitution < 1.0 and abs(rate) <= 2.0 * settings.rest_speed
+        if presses and (rate == 0.0 or slow):
+            q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
+            q[1, V] = q[0, V]
+            return 0.0, reduced * rate * rate, True
+        e = settings.restitution
+        q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, e)
+        if e == 0.0:
+            q[1, V] = q[0, V]
+        return reduced * rate * rate * (1.0 - e * e), 0.0, presses and e == 0.0
+
+    @part
+    def settle_signs(t: float, q: Any, signs: Any, gravity: float, bodies: Any, p: Any) -> None:
+        """Give each ball the sign of its velocity, or of what sets it moving, or none."""
+        for i in range(2):
+            if q[i, V] != 0.0:
+                signs[i] = math.copysign(1.0, q[i, V])
+            else:
+                free = free_force(t, q[i, X], gravity, bodies[i], p)
+                if bodies[i].coulomb > 0.0 and abs(free) <= bodies[i].coulomb:
+                    signs[i] = _STUCK
+                else:
+                    signs[i] = math.copysign(1.0, free)
+            refresh(i, t, q, signs[i], gravity, bodies[i], p)
+
+    @part
+    def join(
+        t: float, q: Any, signs: Any, offset: float, gravity: float, body: Any, p: Any
+    ) -> None:
+        """Make the joint row from the balls' rows."""
+        q[JOINT, X], q[JOINT, V] = q[1, X] + offset, q[1, V]
+        free = free_force(t, q[JOINT, X], gravity, body, p)
+        if q[JOINT, V] != 0.0:
+            signs[JOINT] = math.copysign(1.0, q[JOINT, V])
+        elif body.coulomb > 0.0 and abs(free) <= body.coulomb:
+            signs[JOINT] = _STUCK
+        else:
+            signs[JOINT] = math.copysign(1.0, free)
+        refresh(JOINT, t, q, signs[JOINT], gravity, body, p)
+
+    @part
+    def split(x: float, v: float, offset: float, gap: float, q: Any) -> None:
+        """Write the balls' rows from the joint angle and velocity."""
+        q[1, X] = x - offset
+        q[0, X] = q[1, X] + gap
+        q[0, V] = q[1, V] = v
+
+    @part
+    def joint_margin(
+        s: float, far: float, offset: float, gap: float, t: float, q: Any, r: Any, w: Any,
+        signs: Any, table: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any,
+        p: Any,
+    ) -> float:  # fmt: skip
+        """Return how far the joint motion, s later, is from its end; negative beyond it.
+
+        It ends when the balls would part, or when friction no longer holds both at once.
+        """
+        body = bodies[2 if far < 0.0 else 3]
+        prepare(table, s, kicks, drifts, nodes, body.rate)
+        go(JOINT, t, q, r, signs[JOINT], table, gravity, body, p)
+        split(r[JOINT, X], r[JOINT, V], offset, gap, w)
+        margin = -parting(far, t + s, w, gravity, bodies, p)
+        if signs[JOINT] == _STUCK:
+            slip = abs(free_force(t + s, r[JOINT, X], gravity, body, p))
+            margin = min(margin, body.coulomb - slip)
+        return margin
+
+    def trajectory(
+        state: Any,
+        counters: Any,
+        settings_row: Any,
+        bodies: Any,
+        stretches: Any,
+        starts: Any,
+        jumps: Any,
+        kick_times: Any,
+        kicks_given: Any,
+        tables: Any,
+        kicks: Any,
+        drifts: Any,
+        nodes: Any,
+        sample_times: Any,
+        samples: Any,
+        contact_times: Any,
+        contact_kinds: Any,
+        contact_values: Any,
+        stop: float,
+        most_steps: int,
+    ) -> int:
+        settings = settings_row[0]
+        g, h = settings.gravity, settings.step
+        low, high = settings.low, settings.high
+        q, r, w = np.zeros((3, 7)), np.zeros((3, 7)), np.zeros((3, 7))
+        signs = np.zeros(3)
+        nonlinear = False
+        for i in range(2):
+            nonlinear = nonlinear or bodies[i].quadratic > 0.0 or bodies[i].coulomb > 0.0
+            prepare(tables[i], h, kicks, drifts, nodes, bodies[i].rate)
+
+        t_base, n = state[T_BASE], counters[STEPS]
+        q[0, X], q[0, V], q[1, X], q[1, V] = (
+            state[ANGLE_1], state[VELOCITY_1], state[ANGLE_2], state[VELOCITY_2],
+        )  # fmt: skip
+        work, damped, lost = state[WORK], state[DAMPED], state[IMPACT]
+        captured, noise = state[CAPTURED], state[NOISE]
+        mode, stretch, sample = counters[MODE], counters[STRETCH], counters[SAMPLE]
+        kicked = counters[KICKED]
+        table_of_contacts = (contact_times, contact_kinds, contact_values)
+        rows, room = 0, len(contact_times) - 4
+        t = t_base + n * h
+        p = stretches[stretch]
+        done = 0
+        # Which contact the balls are just leaving: their distance from it may be rounding.
+        leaving = 0.0
+        far = -1.0 if mode == REST_LOW else 1.0
+        strikes = False
+
+        if mode == UNSETTLED:
+            mode = FLIGHT
+            gap = q[0, X] - q[1, X]
+            if gap <= low + 1e-12 or gap >= high - 1e-12:
+                far = -1.0 if gap <= low + 1e-12 else 1.0
+                leaving = far
+                strikes = (q[0, V] - q[1, V]) * far >= 0.0
+            settle_signs(t, q, signs, g, bodies, p)
+        else:
+            signs[0], signs[1] = float(counters[SIGN_1]), float(counters[SIGN_2])
+            for i in range(2):
+                refresh(i, t, q, signs[i], g, bodies[i], p)
+            if mode == FLIGHT:
+                gap = q[0, X] - q[1, X]
+                leaving = -1.0 if gap <= low + 1e-12 else (1.0 if gap >= high - 1e-12 else 0.0)
+
+        while (t < stop or strikes) and done < most_steps and rows < room:
+            done += 1
+            if strikes:
+                strikes = False
+                before = (q[0, V], q[1, V])
+                impact, caught, rests = strike(far, t, q, settings, bodies, p)
+                lost += impact
+                captured += caught
+                after = (q[0, V], q[1, V])
+                captures = rests and impact == 0.0
+                if before[0] != before[1] or t > 0.0:
+                    kind = REST if captures else (BOTTOM if far < 0.0 else TOP)
+                    rows = write_pair_contact(*table_of_contacts, rows, t, kind, before, after)
+                    if rests and not captures:
+                        rows = write_pair_contact(*table_of_contacts, rows, t, REST, after, after)
+                settle_signs(t, q, signs, g, bodies, p)
+                leaving = far
+                if rests:
+                    mode = REST_LOW if far < 0.0 else REST_HIGH
+                continue
+
+            goal, at_stretch, at_kick = stop, False, False
+            if stretch + 1 < len(starts) and starts[stretch + 1] <= goal:
+                goal, at_stretch = starts[stretch + 1], True
+            if kicked < len(kick_times) and kick_times[kicked] <= goal:
+                at_stretch = at_stretch and kick_times[kicked] == goal
+                goal, at_kick = kick_times[kicked], True
+            hs = h
+            t_new = t_base + (n + 1) * h
+            reaches_goal = t_new >= goal - 1e-9 * h
+            if reaches_goal:
+                hs, t_new = goal - t, goal
+
+            if hs > 0.0 and mode != FLIGHT:
+                gap = low if far < 0.0 else high
+                offset = settings.offset_low if far < 0.0 else settings.offset_high
+                body, table = bodies[2 if far < 0.0 else 3], tables[5]
+                join(t, q, signs, offset, g, body, p)
+                parts, turned = False, False
+                margin = joint_margin(
+                    hs, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes, g,
+                    bodies, p,
+                )  # fmt: skip
+                if nonlinear and r[JOINT, V] * signs[JOINT] < 0.0:
+                    begin = 0.0
+                    if q[JOINT, V] == 0.0:
+                        begin = leave(
+                            VELOCITY, 0.0, -signs[JOINT], hs, t, q[JOINT, X], 0.0, q[JOINT, FORCE],
+                            q[JOINT, DRIVEN], signs[JOINT], table, kicks, drifts, nodes, g, body,
+                            p,
+                        )  # fmt: skip
+                    if q[JOINT, V] != 0.0 or begin > 0.0:
+                        hs = locate(
+                            VELOCITY, 0.0, begin, hs, 0.5 * (begin + hs), t, q[JOINT, X],
+                            q[JOINT, V], q[JOINT, FORCE], q[JOINT, DRIVEN], signs[JOINT], table,
+                            kicks, drifts, nodes, g, body, p,
+                        )  # fmt: skip
+                    margin = joint_margin(
+                        hs, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes, g,
+                        bodies, p,
+                    )  # fmt: skip
+                    turned = True
+                if margin < 0.0:
+                    begin, end = 0.0, hs
+                    for _ in range(MOST_TRIALS):
+                        s = 0.5 * (begin + end)
+                        if s <= begin or s >= end:
+                            break
+                        margin = joint_margin(
+                            s, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes,
+                            g, bodies, p,
+                        )  # fmt: skip
+                        if margin < 0.0:
+                            end = s
+                        else:
+                            begin = s
+                    hs, parts, turned = end, True, False
+                if parts or turned:
+                    reaches_goal = False
+                    t_new = t + hs
+                while sample < len(sample_times) and sample_times[sample] < t_new:
+                    prepare(table, sample_times[sample] - t, kicks, drifts, nodes, body.rate)
+                    go(JOINT, t, q, r, signs[JOINT], table, g, body, p)
+                    split(r[JOINT, X], r[JOINT, V], offset, gap, w)
+                    samples[0, sample], samples[1, sample] = w[0, X], w[0, V]
+                    samples[2, sample], samples[3, sample] = w[1, X], w[1, V]
+                    write_ledger(
+                        samples, sample, work + body.inertia * r[JOINT, GAIN],
+                        damped + body.inertia * r[JOINT, LOSS], lost, captured, noise, mode,
+                    )  # fmt: skip
+                    sample += 1
+                prepare(table, hs, kicks, drifts, nodes, body.rate)
+                go(JOINT, t, q, r, signs[JOINT], table, g, body, p)
+                work += body.inertia * r[JOINT, GAIN]
+                damped += body.inertia * r[JOINT, LOSS]
+                split(r[JOINT, X], 0.0 if turned else r[JOINT, V], offset, gap, q)
+                if parts or turned or reaches_goal:
+                    t_base, n = t_new, 0
+                else:
+                    n += 1
+                t = t_new
+                if parts:
+                    # Friction may have let go of both together: then they move on as one.
+                    if parting(far, t, q, g, bodies, p) > 0.0 or signs[JOINT] != _STUCK:
+                        mode = FLIGHT
+                        leaving = far
+                        velocities = (q[0, V], q[1, V])
+                        rows = write_pair_contact(
+                            *table_of_contacts, rows, t, RELEASE, velocities, velocities
+                        )
+                settle_signs(t, q, signs, g, bodies, p)
+            elif hs > 0.0:
+                regular = not reaches_goal
+                if regular:
+                    for i in range(2):
+                        go(i, t, q, r, signs[i], tables[i], g, bodies[i], p)
+                else:
+                    both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                gap, end_gap = q[0, X] - q[1, X], r[0, X] - r[1, X]
+                rate, end_rate = q[0, V] - q[1, V], r[0, V] - r[1, V]
+                pull, end_pull = q[0, FORCE] - q[1, FORCE], r[0, FORCE] - r[1, FORCE]
+                reach = (abs(rate) + abs(end_rate)) * hs
+                near = min(gap, end_gap) - low < reach or high - max(gap, end_gap) < reach
+                if near and pull * end_pull < 0.0:
+                    hs *= _PARTS
+                    regular, reaches_goal = False, False
+                    both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+
+                # Zeros of a velocity under drag that is not smooth there, and friction's end.
+                turning = -1
+                if nonlinear:
+                    for i in range(2):
+                        s = hs
+                        if signs[i] == _STUCK:
+                            c = bodies[i].coulomb
+                            x = q[i, X]
+                            if abs(free_force(t + hs, x, g, bodies[i], p)) <= c:
+                                continue
+                            begin = 0.0
+                            for _ in range(MOST_TRIALS):
+                                middle = 0.5 * (begin + s)
+                                if middle <= begin or middle >= s:
+                                    break
+                                if abs(free_force(t + middle, x, g, bodies[i], p)) > c:
+                                    s = middle
+                                else:
+                                    begin = middle
+                        elif r[i, V] * signs[i] < 0.0:
+                            begin = 0.0
+                            table = tables[3 + i]
+                            if q[i, V] == 0.0:
+                                begin = leave(
+                                    VELOCITY, 0.0, -signs[i], hs, t, q[i, X], 0.0, q[i, FORCE],
+                                    q[i, DRIVEN], signs[i], table, kicks, drifts, nodes, g,
+                                    bodies[i], p,
+                                )  # fmt: skip
+                            if q[i, V] != 0.0 or begin > 0.0:
+                                s = locate(
+                                    VELOCITY, 0.0, begin, hs, 0.5 * (begin + hs), t, q[i, X],
+                                    q[i, V], q[i, FORCE], q[i, DRIVEN], signs[i], table, kicks,
+                                    drifts, nodes, g, bodies[i], p,
+                                )  # fmt: skip
+                        else:
+                            continue
+                        if turning < 0 or s < hs:
+                            hs, turning = s, i
+                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    if turning >= 0:
+                        regular, reaches_goal = False, False
+
+                end_gap, end_rate = r[0, X] - r[1, X], r[0, V] - r[1, V]
+                wall, toward = 0.0, 0.0
+                if end_gap <= low:
+                    wall, toward = low, -1.0
+                elif end_gap >= high:
+                    wall, toward = high, 1.0
+                elif rate < 0.0 < end_rate and min(gap, end_gap) - max(-rate, end_rate) * hs <= low:
+                    wall, toward = low, -1.0
+                elif end_rate < 0.0 < rate and max(gap, end_gap) + max(rate, -end_rate) * hs >= high:
+                    wall, toward = high, 1.0
+                beyond = (end_gap - wall) * toward >= 0.0
+                if toward != 0.0 and not beyond:  # a valley between the ends
+                    s = locate_gap(
+                        VELOCITY, 0.0, 0.0, hs, t, q, r, signs, tables, kicks, drifts, nodes, g,
+                        bodies, p,
+                    )  # fmt: skip
+                    both(s, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    depth = (r[0, X] - r[1, X] - wall) * toward
+                    beyond = depth > 0.0
+                    if abs(depth) < 1e-9:
+                        counters[GRAZES] += 1
+                    if beyond:
+                        hs = s
+                    else:
+                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                hopped = False
+                if toward != 0.0 and beyond:
+                    far = toward
+                    regular, reaches_goal, turning = False, False, -1
+                    begin = 0.0
+                    if leaving == far:
+                        begin = leave_gap(
+                            wall, far, hs, t, q, r, signs, tables, kicks, drifts, nodes, g,
+                            bodies, p,
+                        )  # fmt: skip
+                        hopped = begin == 0.0
+                    strikes = True
+                    if hopped:
+                        # The motion off the contact is below the resolution of the angles.
+                        counters[GRAZES] += 1
+                        if rate * far < 0.0 and pull * far > 0.0:
+                            hs = 2.0 * abs(rate / pull)
+                        else:
+                            hs *= _PARTS / 16.0
+                            strikes = False
+                            mode = REST_LOW if far < 0.0 else REST_HIGH
+                            if rows > 0 and contact_kinds[rows - 1] == RELEASE:
+                                rows -= 1
+                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        if strikes:
+                            change = 0.5 * (r[0, V] - r[1, V] + rate)
+                            r[0, V] -= change
+                            r[1, V] += change
+                    else:
+                        hs = locate_gap(
+                            ANGLE, wall, begin, hs, t, q, r, signs, tables, kicks, drifts, nodes,
+                            g, bodies, p,
+                        )  # fmt: skip
+                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    shift = 0.5 * (r[0, X] - r[1, X] - wall)
+                    r[0, X] -= shift
+                    r[1, X] += shift
+                if not regular:
+                    t_new = goal if reaches_goal else t + hs
+
+                if sample < len(sample_times) and sample_times[sample] < t_new:
+                    while sample < len(sample_times) and sample_times[sample] < t_new:
+                        s = sample_times[sample] - t
+                        both(s, t, q, w, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        gain = loss = 0.0
+                        for i in range(2):
+                            samples[2 * i, sample] = w[i, X]
+                            samples[2 * i + 1, sample] = w[i, V]
+                            gain += bodies[i].inertia * w[i, GAIN]
+                            loss += bodies[i].inertia * w[i, LOSS]
+                        write_ledger(
+                            samples, sample, work + gain, damped + loss, lost, captured, noise,
+                            FLIGHT,
+                        )  # fmt: skip
+                        sample += 1
+
+                for i in range(2):
+                    if signs[i] != _STUCK:
+                        first, total = follow_slack(
+                            state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
+                            r[i, X], r[i, V], r[i, LIFT], t, q[i, X], q[i, V], q[i, FORCE],
+                            q[i, DRIVEN], q[i, LIFT], signs[i], tables[3 + i], kicks, drifts,
+                            nodes, g, bodies[i], p,
+                        )  # fmt: skip
+                        state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i] = first, total
+                    work += bodies[i].inertia * r[i, GAIN]
+                    damped += bodies[i].inertia * r[i, LOSS]
+                    for column in range(5):
+                        q[i, column] = r[i, column]
+                if regular:
+                    n += 1
+                else:
+                    t_base, n = t_new, 0
+                t = t_new
+                if not strikes:
+                    leaving = far if hopped else 0.0
+                if turning >= 0:
+                    q[turning, V] = 0.0
+                if turning >= 0 or hopped:
+                    settle_signs(t, q, signs, g, bodies, p)
+
+            if t >= goal and (at_stretch or at_kick) and not strikes:
+                given = False
+                for i in range(2):
+                    more, thrown = 0.0, 0.0
+                    if at_stretch:
+                        pushed = jumps[stretch + 1] * bodies[i].coupling
+                        more = -pushed * restoring(q[i, X])
+                        work += bodies[i].inertia * more * (q[i, V] + 0.5 * more)
+                    if at_kick:
+                        thrown = kicks_given[i, kicked]
+                        noise += bodies[i].inertia * thrown * (q[i, V] + more + 0.5 * thrown)
+                    q[i, V] += more + thrown
+                    given = given or more + thrown != 0.0
+                if at_stretch:
+                    stretch += 1
+                    p = stretches[stretch]
+                if at_kick:
+                    kicked += 1
+                gap = q[0, X] - q[1, X]
+                rate = q[0, V] - q[1, V]
+                touches = mode != FLIGHT or leaving != 0.0
+                if given and touches and rate * far > 0.0:
+                    strikes = True
+                    mode = FLIGHT
+                elif given and mode != FLIGHT and rate * far < 0.0:
+                    mode, leaving = FLIGHT, far
+                    velocities = (q[0, V], q[1, V])
+                    rows = write_pair_contact(
+                        *table_of_contacts, rows, t, RELEASE, velocities, velocities
+                    )
+                settle_signs(t, q, signs, g, bodies, p)
+                t_base, n = t, 0
+
+        if t >= stop:
+            while sample < len(sample_times) and sample_times[sample] <= stop:
+                for i in range(2):
+                    samples[2 * i, sample] = q[i, X]
+                    samples[2 * i + 1, sample] = q[i, V]
+                write_ledger(samples, sample, work, damped, lost, captured, noise, mode)
+                sample += 1
+
+        state[T_BASE] = t_base
+        state[ANGLE_1], state[VELOCITY_1] = q[0, X], q[0, V]
+        state[ANGLE_2], state[VELOCITY_2] = q[1, X], q[1, V]
+        state[WORK], state[DAMPED], state[IMPACT] = work, damped, lost
+        state[CAPTURED], state[NOISE] = captured, noise
+        counters[MODE], counters[STRETCH], counters[SAMPLE] = mode, stretch, sample
+        counters[KICKED], counters[STEPS] = kicked, n
+        counters[SIGN_1], counters[SIGN_2] = int(signs[0]), int(signs[1])
+        counters[CONTACT] += rows
+        counters[TOTAL_STEPS] += done
+        return rows
+
+    return trajectory
