@@ -5,7 +5,7 @@ Quantities are in SI units and radians; angles are measured from the downward ve
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from latolato.physics.contacts import Clamp, Exact, NoContact
 from latolato.physics.drives import (
@@ -25,12 +25,10 @@ from latolato.physics.pendulum import (
     Pendulum,
     equivalent_pendulum,
 )
-
-if TYPE_CHECKING:
-    from latolato.simulate import simulate
+from latolato.simulate import simulate
 
 # Names that are imported on first use, with the module they live in.
-_LATE = {"simulate": "latolato.simulate"}
+_LATE: dict[str, str] = {}
 
 __all__ = [
     "Ball",

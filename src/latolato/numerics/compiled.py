@@ -104,15 +104,19 @@ def law_key(*laws: Callable[..., Any]) -> str:
     return "+".join(parts)
 
 
+# Multiply-adds may be fused: faster and rounded once less, but not to the bits of plain Python.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
+
+
 def compile_part(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return `function` compiled as a part of a kernel (never cached alone)."""
-    compiled: Callable[..., Any] = numba.njit(error_model="numpy", nogil=True)(function)
+    compiled: Callable[..., Any] = numba.njit(**_OPTIONS)(function)
     return compiled
 
 
 def compile_kernel(function: Callable[..., Any], key: str) -> Callable[..., Any]:
     """Return `function` compiled with the disk cache under `key`."""
-    dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(function)
+    dispatcher: Any = numba.njit(**_OPTIONS)(function)
     try:
         dispatcher._cache = _KernelCache(function, f"{function.__qualname__}:{key}")
     except OSError:  # a read-only home: compile in every process

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.records import S_CAPTURED, S_DAMPED, S_IMPACT, S_MODE, S_NOISE, S_WORK
 from latolato.physics.damping import decay_time, drift
-from latolato.scalar import formula
+from latolato.scalar import cosine, formula
 
 Part = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -65,6 +65,12 @@ def write_contact(
     values[0, row] = before
     values[1, row] = after
     return row + 1
+
+
+@formula
+def pull_at(angle: float, velocity: float, lift: float, gravity: float, coupling: float) -> float:
+    """Return the tension in flight over mass and length [1/s^2]."""
+    return velocity * velocity + (gravity + lift) * coupling * cosine(angle)
 
 
 class Flight(NamedTuple):
@@ -244,13 +250,6 @@ def make_flight(
         return 0.0
 
     @part
-    def pull_at(
-        angle: float, velocity: float, lift: float, gravity: float, coupling: float
-    ) -> float:
-        """Return the tension in flight over mass and length [1/s^2]."""
-        return velocity * velocity + (gravity + lift) * coupling * math.cos(angle)
-
-    @part
     def follow_slack(
         first: float,
         total: float,
@@ -275,14 +274,12 @@ def make_flight(
     ) -> tuple[float, float]:
         """Return the first instant and the total time of slack, carried over a step of length hs.
 
-        The tension's zeros are located on the step. A dip below zero between two positive ends is
-        looked for at the middle of the step when the ends are small beside their change.
+        The tension's zeros are located on the step, one in each half at most. Call it only where
+        an end is below what the tension can dip within a step.
         """
         k = body.coupling
         begin = pull_at(angle, velocity, lift, gravity, k)
         end = pull_at(x, v, end_lift, gravity, k)
-        if min(begin, end) >= abs(end - begin):
-            return first, total
         half = 0.5 * hs
         prepare(table, half, kicks, drifts, nodes, body.rate)
         xs, vs, _, _, _, _, ls = advance(
@@ -298,19 +295,24 @@ def make_flight(
             if left < 0.0 and right < 0.0:
                 total += half
             elif left < 0.0 or right < 0.0:
-                b0, b1 = s0, s1
-                for _ in range(MOST_TRIALS):
-                    s = 0.5 * (b0 + b1)
-                    if s <= b0 or s >= b1:
+                b0, b1, f0, f1, kept = s0, s1, left, right, 0
+                for _ in range(MOST_TRIALS):  # regula falsi, an end kept twice is halved (Illinois)
+                    s = (b0 * f1 - b1 * f0) / (f1 - f0)
+                    if not b0 < s < b1 or b1 - b0 < 1e-15 * hs:
                         break
                     prepare(table, s, kicks, drifts, nodes, body.rate)
                     xs, vs, _, _, _, _, ls = advance(
                         t, angle, velocity, a, driven, sign, table, gravity, body, p
                     )
-                    if (pull_at(xs, vs, ls, gravity, k) < 0.0) == (left < 0.0):
-                        b0 = s
+                    now = pull_at(xs, vs, ls, gravity, k)
+                    if (now < 0.0) == (left < 0.0):
+                        moved, b0, f0 = s - b0, s, now
+                        f1, kept = (0.5 * f1 if kept == 1 else f1), 1
                     else:
-                        b1 = s
+                        moved, b1, f1 = b1 - s, s, now
+                        f0, kept = (0.5 * f0 if kept == 2 else f0), 2
+                    if moved < 1e-13 * hs:
+                        break
                 total += b1 - s0 if left < 0.0 else s1 - b1
                 if left >= 0.0 and math.isnan(first):
                     first = t + b1

@@ -17,6 +17,7 @@ from latolato.numerics.flight import (
     Part,
     make_flight,
     prepare,
+    pull_at,
     write_contact,
     write_ledger,
 )
@@ -183,6 +184,8 @@ def make_trajectory(
         inertia = body.inertia
         nonlinear = body.quadratic > 0.0 or body.coulomb > 0.0
         follows_tension = settings.follows_tension != 0
+        pull, sag = math.inf, settings.sag
+        strongest = (gravity + settings.lift_bound) * body.coupling
         full, trial = tables[0], tables[1]
         prepare(full, h, kicks, drifts, nodes, body.rate)
 
@@ -222,6 +225,7 @@ def make_trajectory(
             elif velocity == 0.0:
                 sign = math.copysign(1.0, free)
             a, driven, lift = force(t, angle, sign, gravity, body, p)
+        pull = pull_at(angle, velocity, lift, gravity, body.coupling)
 
         while t < stop and done < most_steps and rows < room:
             done += 1
@@ -248,6 +252,7 @@ def make_trajectory(
                         rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, 0.0)
                     mode = FLIGHT
                     a, driven, lift = force(t, angle, sign, gravity, body, p)
+                    pull = pull_at(angle, velocity, lift, gravity, body.coupling)
             elif goal > t:
                 hs, table = h, full
                 reaches_goal = t_base + (n + 1) * h >= goal - 1e-9 * h
@@ -368,11 +373,14 @@ def make_trajectory(
                     sample += 1
 
                 if follows_tension:
-                    state[SLACK_FIRST], state[SLACK_TOTAL] = follow_slack(
-                        state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, x, v, lift1, t, angle,
-                        velocity, a, driven, lift, sign, trial, kicks, drifts, nodes, gravity,
-                        body, p,
-                    )  # fmt: skip
+                    end_pull = pull_at(x, v, lift1, gravity, body.coupling)
+                    if min(pull, end_pull) < sag * (velocity * velocity + v * v + strongest):
+                        state[SLACK_FIRST], state[SLACK_TOTAL] = follow_slack(
+                            state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, x, v, lift1, t,
+                            angle, velocity, a, driven, lift, sign, trial, kicks, drifts, nodes,
+                            gravity, body, p,
+                        )  # fmt: skip
+                    pull = end_pull
 
                 angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
                 work += inertia * dw
@@ -408,6 +416,7 @@ def make_trajectory(
                     captured += inertia * caught
                     sign = -far
                     a, driven, lift = force(t, angle, sign, gravity, body, p)
+                    pull = pull_at(angle, velocity, lift, gravity, body.coupling)
 
             if t >= goal and (at_stretch or at_kick):
                 given = 0.0
@@ -455,6 +464,7 @@ def make_trajectory(
                     if velocity != 0.0:
                         sign = math.copysign(1.0, velocity)
                     a, driven, lift = force(t, angle, sign, gravity, body, p)
+                pull = pull_at(angle, velocity, lift, gravity, body.coupling)
                 t_base, n = t, 0
 
         if t >= stop:

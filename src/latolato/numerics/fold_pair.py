@@ -21,6 +21,7 @@ from latolato.numerics.flight import (
     Part,
     make_flight,
     prepare,
+    pull_at,
     write_ledger,
 )
 from latolato.numerics.records import (
@@ -594,7 +595,13 @@ def make_pair_trajectory(
                         sample += 1
 
                 for i in range(2):
-                    if signs[i] != _STUCK:
+                    k = bodies[i].coupling
+                    smaller = min(
+                        pull_at(q[i, X], q[i, V], q[i, LIFT], g, k),
+                        pull_at(r[i, X], r[i, V], r[i, LIFT], g, k),
+                    )
+                    largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
+                    if signs[i] != _STUCK and smaller < settings.sag * largest:
                         first, total = follow_slack(
                             state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
                             r[i, X], r[i, V], r[i, LIFT], t, q[i, X], q[i, V], q[i, FORCE],

@@ -86,11 +86,15 @@ def choose_step(
     The fastest rate is the largest of the drive's frequency, the swing's under the strongest
     pull ``sqrt((g + |y0''|)/l)``, and the initial angular velocity.
     """
+    unit = _STEP_AT_UNIT_TOLERANCE * stepper.step_factor
+    return unit * tolerance ** (1.0 / stepper.order) / fastest_rate(system, drive, start)
+
+
+def fastest_rate(system: System, drive: Drive, start: Start) -> float:
+    """Return the fastest angular rate of a run that is known beforehand [rad/s]."""
     length = min(ball.length for ball in system.balls)
     swing = math.sqrt((system.gravity + drive.largest_acceleration) / length)
-    fastest = max(swing, drive.fastest_frequency, *(abs(v) for v in start.velocities))
-    unit = _STEP_AT_UNIT_TOLERANCE * stepper.step_factor
-    return float(unit * tolerance ** (1.0 / stepper.order) / fastest)
+    return max(swing, drive.fastest_frequency, *(abs(v) for v in start.velocities))
 
 
 def _maker(name: str) -> Callable[..., Callable[..., Any]]:
@@ -181,6 +185,7 @@ def integrate(
         step,
         drive.largest_acceleration,
         *offsets,
+        0.5 * (step * fastest_rate(system, drive, start)) ** 2,
         int(system.restoring is not restoring_linear),
     )
     stretches, starts = records.stretch_records(drive, duration)

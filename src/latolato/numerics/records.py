@@ -79,6 +79,7 @@ SETTINGS = np.dtype(
         ("lift_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
         ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
         ("offset_high", "f8"),
+        ("sag", "f8"),  # relative dip of the tension within a step that is looked for
         ("follows_tension", "i8"),
     ]
 )

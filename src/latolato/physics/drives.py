@@ -21,7 +21,7 @@ from latolato.quantities import (
     quantity_field,
 )
 from latolato.registry import Registry, check_fields, checked_number
-from latolato.scalar import formula
+from latolato.scalar import cosine, formula, sine
 
 drives: Registry[type] = Registry("drive")
 
@@ -88,21 +88,21 @@ class Static(Drive):
 @formula
 def _harmonic_height(t: float, p: Any) -> float:
     """Return A0 cos(w t + phase)."""
-    return p.drive_amplitude * math.cos(p.drive_frequency * t + p.drive_phase)
+    return p.drive_amplitude * cosine(p.drive_frequency * t + p.drive_phase)
 
 
 @formula
 def _harmonic_velocity(t: float, p: Any) -> float:
     """Return -A0 w sin(w t + phase)."""
     w = p.drive_frequency
-    return -p.drive_amplitude * w * math.sin(w * t + p.drive_phase)
+    return -p.drive_amplitude * w * sine(w * t + p.drive_phase)
 
 
 @formula
 def _harmonic_acceleration(t: float, p: Any) -> float:
     """Return -A0 w^2 cos(w t + phase)."""
     w = p.drive_frequency
-    return -p.drive_amplitude * w * w * math.cos(w * t + p.drive_phase)
+    return -p.drive_amplitude * w * w * cosine(w * t + p.drive_phase)
 
 
 @drives.register("harmonic")
@@ -142,7 +142,7 @@ class Harmonic(Drive):
 def _swept_height(t: float, p: Any) -> float:
     """Return A0 cos(phase + w s + rate s^2/2) with s the time since the stretch began."""
     s = t - p.start
-    return p.drive_amplitude * math.cos(p.phase + s * (p.frequency + 0.5 * p.rate * s))
+    return p.drive_amplitude * cosine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
 
 
 @formula
@@ -150,7 +150,7 @@ def _swept_velocity(t: float, p: Any) -> float:
     """Return the time derivative of `_swept_height`."""
     s = t - p.start
     w = p.frequency + p.rate * s
-    return -p.drive_amplitude * w * math.sin(p.phase + s * (p.frequency + 0.5 * p.rate * s))
+    return -p.drive_amplitude * w * sine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
 
 
 @formula
@@ -159,7 +159,7 @@ def _swept_acceleration(t: float, p: Any) -> float:
     s = t - p.start
     w = p.frequency + p.rate * s
     phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    return -p.drive_amplitude * (w * w * math.cos(phase) + p.rate * math.sin(phase))
+    return -p.drive_amplitude * (w * w * cosine(phase) + p.rate * sine(phase))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -304,7 +304,7 @@ class FrequencySchedule(_Swept):
         for (_, (_, _, _, old, _)), (_, (amplitude, _, phase, new, _)) in zip(
             found, found[1:], strict=False
         ):
-            jumps.append(-amplitude * (new - old) * math.sin(phase))
+            jumps.append(-amplitude * (new - old) * sine(phase))
         return jumps
 
 
@@ -329,9 +329,9 @@ def _crank_height(t: float, p: Any) -> float:
     """Return A0 cos p + s (sqrt(L^2 - A0^2 sin^2 p) - L), p = w t + phase."""
     a, rod = p.drive_amplitude, p.connecting_rod_length
     phase = p.drive_frequency * t + p.drive_phase
-    sine = a * math.sin(phase)
+    sine = a * sine(phase)
     # sqrt(L^2 - x^2) - L without cancellation
-    return a * math.cos(phase) - p.side * sine * sine / (rod + math.sqrt(rod * rod - sine * sine))
+    return a * cosine(phase) - p.side * sine * sine / (rod + math.sqrt(rod * rod - sine * sine))
 
 
 @formula
@@ -339,7 +339,7 @@ def _crank_velocity(t: float, p: Any) -> float:
     """Return the time derivative of `_crank_height`."""
     a, rod, w = p.drive_amplitude, p.connecting_rod_length, p.drive_frequency
     phase = w * t + p.drive_phase
-    sine, cosine = math.sin(phase), math.cos(phase)
+    sine, cosine = sine(phase), cosine(phase)
     root = math.sqrt(rod * rod - a * a * sine * sine)
     return -a * w * sine * (1.0 + p.side * a * cosine / root)
 
@@ -350,10 +350,10 @@ def _crank_acceleration(t: float, p: Any) -> float:
     a, w = p.drive_amplitude, p.drive_frequency
     lam = a / p.connecting_rod_length
     phase = w * t + p.drive_phase
-    square = math.sin(phase) ** 2
+    square = sine(phase) ** 2
     inner = 1.0 - lam * lam * square
     bend = (1.0 - 2.0 * square + lam * lam * square * square) / (inner * math.sqrt(inner))
-    return -a * w * w * (math.cos(phase) + p.side * lam * bend)
+    return -a * w * w * (cosine(phase) + p.side * lam * bend)
 
 
 @drives.register("crank_slider")

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from latolato.physics import contacts
 from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
 from latolato.registry import Registry, check_fields
-from latolato.scalar import formula
+from latolato.scalar import formula, sine
 
 GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
 
@@ -24,13 +24,13 @@ systems: Registry[type] = Registry("system")
 @formula
 def restoring_sine(angle: float) -> float:
     """Return sin(angle), the restoring factor of the pendulum (Paper eq10)."""
-    return math.sin(angle)
+    return sine(angle)
 
 
 @formula
 def potential_sine(angle: float) -> float:
     """Return 1 - cos(angle) without loss of digits near zero."""
-    half = math.sin(0.5 * angle)
+    half = sine(0.5 * angle)
     return 2.0 * half * half
 
 
