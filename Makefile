@@ -1,0 +1,124 @@
+# latolato: `make demo` and `make test` need Python 3.11 or newer and make, nothing else.
+# Everything is installed into .venv here; only pip (and, as root on Debian, apt) use the network.
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+# The first of these that is new enough, or the one you name: make demo PYTHON=/path/to/python3.
+ifndef PYTHON
+PYTHON := $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && exit; \
+	done; echo python3)
+endif
+JOBS ?= 2
+VENV := .venv
+BIN := $(VENV)/bin
+STAMPS := $(VENV)/stamps
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+
+# Pictures need no screen.
+export MPLBACKEND := Agg
+
+.PHONY: help
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+.PHONY: demo
+demo: $(STAMPS)/core ## install, reproduce the paper's figures quickly, print the claims table
+	$(BIN)/latolato reproduce --quick
+
+.PHONY: test
+test: $(STAMPS)/test ## install with test extras, run all tests and the examples in docstrings
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src $(PYTEST_ARGS)
+
+.PHONY: doctest
+doctest: $(STAMPS)/test ## run the examples in docstrings only
+	$(BIN)/python -m pytest --doctest-modules src $(PYTEST_ARGS)
+
+.PHONY: coverage
+coverage: $(STAMPS)/test ## run the tests and report the lines not reached
+	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
+
+.PHONY: lint
+lint: $(STAMPS)/dev ## style, format, types, layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+.PHONY: format
+format: $(STAMPS)/dev ## apply the style and the format
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+.PHONY: docs
+docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "documentation: docs/_build/html/index.html"
+
+.PHONY: bench
+bench: $(STAMPS)/test ## print speeds beside SciPy and heyoka
+	@for script in benchmarks/*.py; do \
+		echo "== $$script"; $(BIN)/python "$$script" || exit 1; \
+	done
+
+.PHONY: dist
+dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+
+.PHONY: clean
+clean: ## remove what was built, keep .venv
+	rm -rf build dist docs/_build docs/_generated htmlcov .coverage .coverage.* \
+		.pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
+
+.PHONY: distclean
+distclean: clean ## remove .venv as well
+	rm -rf $(VENV)
+
+# --- the environment -------------------------------------------------------------------------
+# A stamp is made once its parts are installed; it is older than pyproject.toml only when the
+# dependencies may have changed, so an edit of the sources installs nothing (it is editable).
+
+$(STAMPS)/core: pyproject.toml | $(STAMPS)/venv
+	@echo "installing latolato into $(VENV)"
+	@$(PIP) install -q -e .
+	@touch $@
+
+$(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
+	@echo "installing latolato[$*] into $(VENV)"
+	@$(PIP) install -q -e ".[$*]"
+	@touch $@
+
+# Debian and Ubuntu keep ensurepip in a package of its own. Without it: use a pip that is already
+# here, else fetch the package as root, else say what to type.
+$(STAMPS)/venv:
+	@command -v $(PYTHON) >/dev/null || { \
+		echo "latolato needs Python 3.11 or newer: no '$(PYTHON)' found; name one with"; \
+		echo "    make $(MAKECMDGOALS) PYTHON=/path/to/python3"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "latolato needs Python 3.11 or newer: '$(PYTHON)' is $$($(PYTHON) -V 2>&1); name another with"; \
+		echo "    make $(MAKECMDGOALS) PYTHON=/path/to/python3.11"; exit 1; }
+	@set -e; rm -rf $(VENV); \
+	package=$$($(PYTHON) -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])'); \
+	has_ensurepip() { $(PYTHON) -c 'import ensurepip, venv' 2>/dev/null; }; \
+	if ! has_ensurepip && $(PYTHON) -c 'import pip, venv' 2>/dev/null; then \
+		$(PYTHON) -m venv --without-pip $(VENV); \
+		$(PYTHON) -m pip --python $(BIN)/python install -q pip; \
+	else \
+		if ! has_ensurepip && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+			echo "installing $$package: this Python cannot make virtual environments without it"; \
+			{ apt-get update -q && DEBIAN_FRONTEND=noninteractive \
+				apt-get install -y -q --no-install-recommends $$package; } >/dev/null || true; \
+		fi; \
+		has_ensurepip || { \
+			echo "this Python cannot make virtual environments: ensurepip is missing. Type"; \
+			if command -v apt-get >/dev/null; then echo "    sudo apt-get install $$package"; \
+			else echo "    make $(MAKECMDGOALS) PYTHON=/path/to/a/complete/python3.11"; fi; \
+			echo "and try again"; exit 1; }; \
+		$(PYTHON) -m venv $(VENV); \
+	fi
+	@mkdir -p $(STAMPS)
+	@touch $@

@@ -1,0 +1,204 @@
+"""Sphinx configuration; also writes the pages that are made from the code itself.
+
+The glossary, the tables of systems and drives, the list of public names and the command line
+reference go to ``docs/_generated`` at every build, so they cannot drift from the code.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import inspect
+import os
+import pkgutil
+import re
+import subprocess
+import sys
+from importlib.metadata import version as installed_version
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import latolato
+
+GENERATED = Path(__file__).parent / "_generated"
+
+project = "latolato"
+author = "The latolato developers"
+project_copyright = "2026, The latolato developers"
+release = installed_version("latolato")
+version = release
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+]
+exclude_patterns = ["_build", "_generated"]
+default_role = "literal"
+
+myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # units and shapes stand in the docstrings
+numpydoc_show_class_members = False
+
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+html_theme = "furo"
+html_title = f"latolato {release}"
+html_static_path = ["_static"]
+html_css_files = ["latolato.css"]
+
+
+def first_line(described: Any) -> str:
+    """Return the first line of a docstring."""
+    return (inspect.getdoc(described) or "").partition("\n")[0]
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as it is written by hand, e.g. ``kg m/s²``."""
+    return unit.replace("*", " ").replace("^2", "²").replace("^(3/2)", "³ᐟ²")
+
+
+def symbol(quantity: Any) -> str:
+    """Return a quantity's symbol as inline mathematics that survives a table."""
+    return f"${quantity.symbol}$".replace("|", r"\vert ") if quantity.symbol else ""
+
+
+def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Return a Markdown table."""
+    lines = [header, tuple("---" for _ in header), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def glossary() -> str:
+    """Return the table of all quantities."""
+    from latolato.quantities import QUANTITIES
+
+    rows = [
+        (f"`{name}`", symbol(q), spelled(q.unit), q.long_name) for name, q in QUANTITIES.items()
+    ]
+    return table(("name", "symbol", "unit", "meaning"), rows)
+
+
+def parameters(law: Any) -> list[tuple[str, ...]]:
+    """Return a table row for each field of a law."""
+    rows = []
+    for field in dataclasses.fields(law):
+        if not field.init or field.name.startswith("_"):
+            continue
+        about = field.metadata
+        quantity = about.get("quantity")
+        allowed = about.get("range") or ", ".join(f"`{c}`" for c in about.get("choices", ()))
+        required = (
+            field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        )
+        rows.append(
+            (
+                f"`{field.name}`",
+                symbol(quantity) if quantity else "",
+                spelled(quantity.unit) if quantity else "",
+                str(allowed),
+                "required" if required else f"`{field.default}`",
+                about.get("description", ""),
+            )
+        )
+    return rows
+
+
+def laws(registry: Any) -> str:
+    """Return what every entry of a registry is and takes."""
+    parts = []
+    for name, law in registry.items():
+        parts.append(f"**`{law.__name__}`** (`{name}` on the command line). {first_line(law)}\n\n")
+        rows = parameters(law)
+        if rows:
+            header = ("parameter", "symbol", "unit", "range", "default", "meaning")
+            parts.append(table(header, rows) + "\n")
+    return "".join(parts)
+
+
+def directive(owner: str, name: str, thing: Any) -> str:
+    """Return the autodoc directive for one public name."""
+    kind = "autoclass" if inspect.isclass(thing) else "autofunction"
+    if not callable(thing):
+        kind = "autodata"
+    return f"```{{eval-rst}}\n.. {kind}:: {owner}.{name}\n```\n\n"
+
+
+def public_names() -> str:
+    """Return the names of ``latolato``, grouped by the module that defines them."""
+    groups: dict[str, list[str]] = {}
+    for name in latolato.__all__:
+        if name.startswith("__"):
+            continue
+        thing = getattr(latolato, name)
+        if isinstance(thing, ModuleType):
+            continue
+        groups.setdefault(getattr(thing, "__module__", "latolato"), []).append(
+            directive("latolato", name, thing)
+        )
+    parts = []
+    for module, directives in groups.items():
+        parts.append(f"### {first_line(importlib.import_module(module)).rstrip('.') or module}\n\n")
+        parts += directives
+    return "".join(parts)
+
+
+def analysis_names() -> str:
+    """Return the public functions of every module of ``latolato.analysis``."""
+    import latolato.analysis
+
+    parts = []
+    for found in pkgutil.iter_modules(latolato.analysis.__path__, "latolato.analysis."):
+        module = importlib.import_module(found.name)
+        names = [
+            name
+            for name, thing in vars(module).items()
+            if inspect.isfunction(thing) and thing.__module__ == found.name and name[0] != "_"
+        ]
+        parts.append(f"### {first_line(module).rstrip('.')}\n\n`{found.name}`\n\n")
+        parts += [directive(found.name, name, getattr(module, name)) for name in names]
+    return "".join(parts)
+
+
+def command_line() -> str:
+    """Return the reference that typer writes about the installed command."""
+    arguments = ["-m", "typer", "latolato.cli", "utils", "docs", "--name", "latolato"]
+    # A wide terminal without colours gives the same text on every machine.
+    environment = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+        check=True,
+    )
+    body = re.sub(r"\A# .*\n", "", done.stdout)  # cli.md has a title of its own
+    return body.replace("```console", "```text")
+
+
+def write_generated() -> None:
+    """Write every page that is made from the code."""
+    from latolato.physics.drives import drives
+    from latolato.physics.pendulum import systems
+
+    pages = {
+        "glossary": glossary(),
+        "systems": laws(systems),
+        "drives": laws(drives),
+        "api": public_names(),
+        "analysis": analysis_names(),
+        "cli": command_line(),
+    }
+    GENERATED.mkdir(exist_ok=True)
+    for name, text in pages.items():
+        (GENERATED / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+write_generated()
