@@ -45,8 +45,8 @@ def undriven_period(
     ``4 K(k)/w0`` with ``k^2 = sin^2(angle/2) + (angular_velocity/(2 w0))^2`` below 1, else
     ``2 K(1/k)/(k w0)``; K from the arithmetic-geometric mean of the *complementary* modulus, whose
     square ``1 - k^2`` is formed in decimal arithmetic. Error: some 1e-16 of the period for the
-    floating-point numbers given, at any distance from the separatrix (1e-16 of a rounding of an
-    angle beyond one turn).
+    floating-point numbers given, at any distance from the separatrix; an angle beyond half a turn
+    is reduced first, at 1e-16 of its size.
 
     Examples
     --------
@@ -200,7 +200,7 @@ def _quarter_period(complement: float) -> float:
 def _jacobi(u: Array, complement: float) -> tuple[Array, Array, Array, Array]:
     """Return am, sn, cn and dn at u for a complementary modulus 0 < k' <= 1.
 
-    Descending Landen transformation (DLMF 22.7.1-3) on [-K/2, K/2], to which u is reduced by
+    Descending Landen transformation (DLMF 22.7.2-4) on [-K/2, K/2], to which u is reduced by
     quarter periods; scipy's ellipj takes k^2 instead, which cannot hold k' near the separatrix.
     """
     mean, moduli = _ladder(complement)

@@ -109,7 +109,8 @@ def mathieu_growth_rate(
     ``a = 4 (w0^2 - gamma^2/4)/w^2``. Of the multipliers ``exp(+-i pi nu)`` of x,
     ``S = sin^2(pi nu/2)`` and ``K = cos^2(pi nu/2)`` are products of two determinants each, and
     ``rate = (w/pi) asinh(sqrt(max(-S, -K, 0))) - gamma/2``.
-    Error: some 1e-13 of w for ``A0 <= l`` and ``w >= w0/2``; rounding grows for slower drives.
+    Error: below 1e-14 of w against 40 digits (``A0 <= 1.5 l``, ``a <= 30``). At an undamped edge
+    the rate starts as a square root, so the last bit of w may show as 1e-8 there.
 
     Examples
     --------
@@ -164,7 +165,8 @@ def mathieu_tongue_edges(
     Returns
     -------
     low, high : float
-        ``(nan, nan)`` where damping keeps the tongue closed at this amplitude; ``high`` is
+        ``(nan, nan)`` where damping keeps the tongue closed at this amplitude, or the amplitude is
+        so large that it holds no hanging pendulum any more (order 1: A0 > 3.8 l); ``high`` is
         infinite where no fast drive is stable (order 1: A0 > 0.454 l).
 
     Raises
@@ -176,7 +178,7 @@ def mathieu_tongue_edges(
     -----
     Edges are the zeros of ``-K - sinh^2(gamma T/4)`` (odd) or ``-S - sinh^2(gamma T/4)`` (even),
     S and K as in `mathieu_growth_rate`, T the drive period; without damping those of the single
-    determinants, so that narrow tongues keep their width. Error: 1e-13. Tongues narrower than
+    determinants, so that narrow tongues keep their width. Error: below 1e-14. Tongues narrower than
     1e-15 cannot be resolved and are returned with equal edges, or closed if damped.
 
     Examples
