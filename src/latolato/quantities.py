@@ -20,7 +20,7 @@ class Quantity:
 
     @property
     def label(self) -> str:
-        """Axis label, e.g. ``angle $\\theta$ [rad]``."""
+        """Axis label: name, symbol and unit."""
         unit = "" if self.unit == "1" else f" [{self.unit}]"
         return f"{self.long_name} ${self.symbol}${unit}"
 

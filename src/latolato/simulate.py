@@ -150,7 +150,11 @@ def simulate(
 
     stepper = choose_stepper(system)
     clamped = isinstance(law, Clamp)
-    step = law.step if clamped else choose_step(system, drive, start, tolerance, stepper)
+    step = (
+        law.step
+        if isinstance(law, Clamp)
+        else choose_step(system, drive, start, tolerance, stepper)
+    )
     halvings = 0
     while True:
         trajectory = integrate(
@@ -281,9 +285,7 @@ def _checked_times(
             f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
             f"position {i + 1}; sort them and remove repeats"
         )
-    end = checked_number(
-        "duration", instants[-1] if duration is None else duration, POSITIVE, "s"
-    )
+    end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
         raise ValueError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
@@ -356,7 +358,7 @@ def _kicks(
         raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
     spacing = noise.spacing(system)
     count = int(end / spacing)
-    instants = spacing * np.arange(1, count + 1)
+    instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)
     normal = np.random.default_rng(noise.seed).standard_normal((count, system.angles)).T
     return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))
 
@@ -378,9 +380,7 @@ def _observe(
         system.potential,
     )
     modes = trajectory.samples[records.S_MODE]
-    observe(
-        times, trajectory.samples, modes, stretches, starts, balls, system.gravity, pivot, out
-    )
+    observe(times, trajectory.samples, modes, stretches, starts, balls, system.gravity, pivot, out)
     found = dict(zip(PIVOT_ROWS, pivot, strict=True))
     found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
     found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]
@@ -452,9 +452,9 @@ def _dataset(
     if two:
         coordinates["ball"] = ["right", "left"]
     dataset = xr.Dataset(variables, coords=coordinates)
-    for name, variable in dataset.variables.items():
-        if name in QUANTITIES:
-            quantity = QUANTITIES[str(name)]
+    for key, variable in dataset.variables.items():
+        if key in QUANTITIES:
+            quantity = QUANTITIES[str(key)]
             variable.attrs.update(
                 units=quantity.unit, long_name=quantity.long_name, symbol=quantity.symbol
             )

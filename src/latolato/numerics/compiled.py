@@ -6,6 +6,7 @@ kernel layers together with the library versions, so an edit anywhere below a ke
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import sys
@@ -19,10 +20,15 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.extending import register_jitable
 
-import latolato
 from latolato.scalar import for_each_formula
 
-for_each_formula(register_jitable)
+
+def _make_callable(function: Callable[..., Any]) -> None:
+    """Let compiled code call a formula."""
+    register_jitable(function)
+
+
+for_each_formula(_make_callable)
 
 _LAYERS = ("scalar.py", "physics", "numerics")
 
@@ -31,7 +37,7 @@ _LAYERS = ("scalar.py", "physics", "numerics")
 def sources_hash() -> str:
     """Return a digest of the kernel layers' sources and of the compiler's version."""
     digest = hashlib.sha256()
-    root = Path(latolato.__file__).parent
+    root = Path(__file__).resolve().parents[1]
     for layer in _LAYERS:
         path = root / layer
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
@@ -54,7 +60,7 @@ def cache_directory() -> Path:
     return base / "latolato"
 
 
-class _Locator(_CacheLocator):  # type: ignore[misc]
+class _Locator(_CacheLocator):
     """Puts every kernel below one folder, stamped by the hash of all sources."""
 
     def __init__(self, *_: Any) -> None:
@@ -77,17 +83,17 @@ class _Locator(_CacheLocator):  # type: ignore[misc]
         return cls()
 
 
-class _Implementation(CompileResultCacheImpl):  # type: ignore[misc]
-    _locator_classes = [_Locator]
+class _Implementation(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012 - as numba declares it
 
 
-class _KernelCache(FunctionCache):  # type: ignore[misc]
+class _KernelCache(FunctionCache):
     """A cache whose index key is the kernel's own name instead of pickled closure cells."""
 
     _impl_class = _Implementation
 
     def __init__(self, py_func: Any, key: str) -> None:
-        super().__init__(py_func)
+        super().__init__(py_func)  # type: ignore[no-untyped-call]
         self._key = key
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
@@ -117,9 +123,7 @@ def compile_part(function: Callable[..., Any]) -> Callable[..., Any]:
 def compile_kernel(function: Callable[..., Any], key: str) -> Callable[..., Any]:
     """Return `function` compiled with the disk cache under `key`."""
     dispatcher: Any = numba.njit(**_OPTIONS)(function)
-    try:
+    with contextlib.suppress(OSError):  # a read-only home: compile in every process
         dispatcher._cache = _KernelCache(function, f"{function.__qualname__}:{key}")
-    except OSError:  # a read-only home: compile in every process
-        pass
     compiled: Callable[..., Any] = dispatcher
     return compiled

@@ -135,9 +135,7 @@ def make_flight(
             work += h * driven * middle
             loss += h * coulomb * middle
             velocity += change
-            travelled, slowed = drift(
-                velocity, sign, table[REACH, i], body.rate, body.quadratic
-            )
+            travelled, slowed = drift(velocity, sign, table[REACH, i], body.rate, body.quadratic)
             loss += 0.5 * (velocity - slowed) * (velocity + slowed)
             angle += travelled
             velocity = slowed
@@ -179,9 +177,7 @@ def make_flight(
         of the far side. Bracketed Newton on the step itself, to rounding.
         """
         prepare(table, high, kicks, drifts, nodes, body.rate)
-        x, v, _, _, f, _, _ = advance(
-            t, angle, velocity, a, driven, sign, table, gravity, body, p
-        )
+        x, v, _, _, f, _, _ = advance(t, angle, velocity, a, driven, sign, table, gravity, body, p)
         value = x - target if what == ANGLE else v - target
         if value == 0.0:
             return high

@@ -246,7 +246,8 @@ def make_trajectory(
                 t_base, n, t = until, 0, until
                 if release <= goal:
                     if mode == STUCK:
-                        sign = -1.0 if (gravity + acceleration(t, p)) * restoring(angle) > 0 else 1.0
+                        free = -(gravity + acceleration(t, p)) * restoring(angle)
+                        sign = math.copysign(1.0, free)
                     else:
                         sign = 1.0 if mode == REST_LOW else -1.0
                         rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, 0.0)
@@ -311,7 +312,7 @@ def make_trajectory(
                         trial, kicks, drifts, nodes, gravity, body, p,
                     )  # fmt: skip
                     prepare(trial, s, kicks, drifts, nodes, body.rate)
-                    xs, vs, dws, dds, a1s, driven1s, lift1s = advance(
+                    xs, vs, _, _, _, _, _ = advance(
                         t, angle, velocity, a, driven, sign, trial, gravity, body, p
                     )
                     beyond = (xs - wall) * far > 0.0
@@ -374,7 +375,12 @@ def make_trajectory(
 
                 if follows_tension:
                     end_pull = pull_at(x, v, lift1, gravity, body.coupling)
-                    if min(pull, end_pull) < sag * (velocity * velocity + v * v + strongest):
+                    margin = sag * (velocity * velocity + v * v + strongest)
+                    if max(pull, end_pull) < -margin:
+                        state[SLACK_TOTAL] += t_new - t
+                        if math.isnan(state[SLACK_FIRST]):
+                            state[SLACK_FIRST] = t
+                    elif min(pull, end_pull) < margin:
                         state[SLACK_FIRST], state[SLACK_TOTAL] = follow_slack(
                             state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, x, v, lift1, t,
                             angle, velocity, a, driven, lift, sign, trial, kicks, drifts, nodes,
@@ -456,7 +462,7 @@ def make_trajectory(
                         mode = FLIGHT
                         if rests:
                             mode = REST_LOW if side < 0.0 else REST_HIGH
-                    elif mode == REST_LOW or mode == REST_HIGH:
+                    elif mode in (REST_LOW, REST_HIGH):
                         rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, velocity)
                         mode = FLIGHT
                     else:

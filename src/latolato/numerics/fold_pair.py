@@ -8,13 +8,12 @@ Coulomb friction holds has the sign 0.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
     VELOCITY,
@@ -23,6 +22,19 @@ from latolato.numerics.flight import (
     prepare,
     pull_at,
     write_ledger,
+)
+from latolato.numerics.pair_flight import (
+    DRIVEN,
+    FORCE,
+    GAIN,
+    JOINT,
+    LIFT,
+    LOSS,
+    STUCK,
+    V,
+    X,
+    make_pair_flight,
+    write_pair_contact,
 )
 from latolato.numerics.records import (
     ANGLE_1,
@@ -52,38 +64,9 @@ from latolato.numerics.records import (
     VELOCITY_2,
     WORK,
 )
-from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
-from latolato.physics.damping import drag
-from latolato.scalar import formula
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 
-# Columns of a point of the motion and of a step's result; rows are ball 1, ball 2, both as one.
-X, V, FORCE, DRIVEN, LIFT, GAIN, LOSS = range(7)
-JOINT = 2
 _PARTS = 0.25  # see `latolato.numerics.fold`
-_STUCK = 0.0
-
-
-@formula
-def freed(free: float, velocity: float, body: Any) -> float:
-    """Return the angular acceleration of a ball with all its drag, static friction included."""
-    if velocity == 0.0:
-        if abs(free) <= body.coulomb:
-            return 0.0
-        return free - math.copysign(body.coulomb, free)
-    sign = math.copysign(1.0, velocity)
-    return free - drag(velocity, sign, body.rate, body.quadratic, body.coulomb)
-
-
-@formula
-def write_pair_contact(
-    times: Any, kinds: Any, values: Any, row: int, t: float, kind: int, before: Any, after: Any
-) -> int:
-    """Write one row of the contact table and return the next row's number."""
-    times[row] = t
-    kinds[row] = kind
-    values[0, row], values[1, row] = before
-    values[2, row], values[3, row] = after
-    return row + 1
 
 
 def make_pair_trajectory(
@@ -96,186 +79,22 @@ def make_pair_trajectory(
     Arguments and effects are those of `latolato.numerics.fold.make_trajectory`; `bodies` holds
     both balls and the body they form at the bottom and at the top.
     """
-    part: Part = compile_part or (lambda function: function)
-    force, advance, locate, leave, follow_slack = make_flight(
-        acceleration, restoring, compile_part
-    )
-
-    @part
-    def free_force(t: float, angle: float, gravity: float, body: Any, p: Any) -> float:
-        """Return the angular acceleration without drag."""
-        return -(gravity + acceleration(t, p)) * body.coupling * restoring(angle)
-
-    @part
-    def refresh(row: int, t: float, q: Any, sign: float, gravity: float, body: Any, p: Any) -> None:
-        """Write the force at a point into its row."""
-        q[row, FORCE], q[row, DRIVEN], q[row, LIFT] = force(
-            t, q[row, X], sign, gravity, body, p
-        )
-
-    @part
-    def go(
-        row: int, t: float, q: Any, r: Any, sign: float, table: Any, gravity: float, body: Any, p: Any
-    ) -> None:
-        """Advance one row of `q` by a prepared step into `r`."""
-        if sign == _STUCK:
-            r[row, X], r[row, V], r[row, GAIN], r[row, LOSS] = q[row, X], 0.0, 0.0, 0.0
-            return
-        x, v, gain, loss, a, driven, lift = advance(
-            t, q[row, X], q[row, V], q[row, FORCE], q[row, DRIVEN], sign, table, gravity, body, p
-        )
-        r[row, X], r[row, V], r[row, FORCE], r[row, DRIVEN] = x, v, a, driven
-        r[row, LIFT], r[row, GAIN], r[row, LOSS] = lift, gain, loss
-
-    @part
-    def both(
-        s: float, t: float, q: Any, r: Any, signs: Any, tables: Any, kicks: Any, drifts: Any,
-        nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> None:  # fmt: skip
-        """Advance both balls by a step of length s, with the trial tables."""
-        for i in range(2):
-            prepare(tables[3 + i], s, kicks, drifts, nodes, bodies[i].rate)
-            go(i, t, q, r, signs[i], tables[3 + i], gravity, bodies[i], p)
-
-    @part
-    def locate_gap(
-        what: int, target: float, low: float, high: float, t: float, q: Any, r: Any, signs: Any,
-        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> float:  # fmt: skip
-        """Return the step length at which the separation, or its rate, reaches `target`."""
-        column, next_column = (X, V) if what == ANGLE else (V, FORCE)
-        both(high, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
-        value = r[0, column] - r[1, column] - target
-        if value == 0.0:
-            return high
-        far = 1.0 if value > 0.0 else -1.0
-        span = high - low
-        slope = r[0, next_column] - r[1, next_column]
-        s = high - value / slope if slope != 0.0 else 0.5 * (low + high)
-        if not low < s < high:
-            s = 0.5 * (low + high)
-        move = span
-        for _ in range(MOST_TRIALS):
-            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
-            value = r[0, column] - r[1, column] - target
-            slope = r[0, next_column] - r[1, next_column]
-            if value == 0.0:
-                return s
-            if value * far > 0.0:
-                high = s
-            else:
-                low = s
-            trial = next_trial(s, value, slope, low, high, move)
-            move = trial - s
-            s = trial
-            curvature = r[0, FORCE] - r[1, FORCE]
-            if high - low <= 4e-16 * span or is_located(move, slope, curvature, span):
-                return s
-        return s
-
-    @part
-    def leave_gap(
-        target: float, far: float, high: float, t: float, q: Any, r: Any, signs: Any,
-        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> float:  # fmt: skip
-        """Return a step length at which balls that start in contact are apart, or zero."""
-        s = 0.5 * high
-        for _ in range(50):
-            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
-            if (r[0, X] - r[1, X] - target) * far < 0.0:
-                return s
-            s *= 0.5
-        return 0.0
-
-    @part
-    def parting(
-        far: float, t: float, q: Any, gravity: float, bodies: Any, p: Any
-    ) -> float:
-        """Return the separation's acceleration away from contact at the balls' own velocities."""
-        apart = 0.0
-        for i in range(2):
-            pull = freed(free_force(t, q[i, X], gravity, bodies[i], p), q[i, V], bodies[i])
-            apart += pull if i == 0 else -pull
-        return -far * apart
-
-    @part
-    def strike(
-        far: float, t: float, q: Any, settings: Any, bodies: Any, p: Any
-    ) -> tuple[float, float, bool]:
-        """Let the balls collide; return impact loss, capture loss and whether rest begins.
-
-        The capture speed counts for each of two mirrored balls, so twice it for the separation.
-        """
-        i1, i2 = bodies[0].inertia, bodies[1].inertia
-        rate = q[0, V] - q[1, V]
-        presses = parting(far, t, q, settings.gravity, bodies, p) <= 0.0
-        reduced = 0.5 * i1 * i2 / (i1 + i2)
-        slow = settings.restitution < 1.0 and abs(rate) <= 2.0 * settings.rest_speed
-        if presses and (rate == 0.0 or slow):
-            q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
-            q[1, V] = q[0, V]
-            return 0.0, reduced * rate * rate, True
-        e = settings.restitution
-        q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, e)
-        if e == 0.0:
-            q[1, V] = q[0, V]
-        return reduced * rate * rate * (1.0 - e * e), 0.0, presses and e == 0.0
-
-    @part
-    def settle_signs(t: float, q: Any, signs: Any, gravity: float, bodies: Any, p: Any) -> None:
-        """Give each ball the sign of its velocity, or of what sets it moving, or none."""
-        for i in range(2):
-            if q[i, V] != 0.0:
-                signs[i] = math.copysign(1.0, q[i, V])
-            else:
-                free = free_force(t, q[i, X], gravity, bodies[i], p)
-                if bodies[i].coulomb > 0.0 and abs(free) <= bodies[i].coulomb:
-                    signs[i] = _STUCK
-                else:
-                    signs[i] = math.copysign(1.0, free)
-            refresh(i, t, q, signs[i], gravity, bodies[i], p)
-
-    @part
-    def join(
-        t: float, q: Any, signs: Any, offset: float, gravity: float, body: Any, p: Any
-    ) -> None:
-        """Make the joint row from the balls' rows."""
-        q[JOINT, X], q[JOINT, V] = q[1, X] + offset, q[1, V]
-        free = free_force(t, q[JOINT, X], gravity, body, p)
-        if q[JOINT, V] != 0.0:
-            signs[JOINT] = math.copysign(1.0, q[JOINT, V])
-        elif body.coulomb > 0.0 and abs(free) <= body.coulomb:
-            signs[JOINT] = _STUCK
-        else:
-            signs[JOINT] = math.copysign(1.0, free)
-        refresh(JOINT, t, q, signs[JOINT], gravity, body, p)
-
-    @part
-    def split(x: float, v: float, offset: float, gap: float, q: Any) -> None:
-        """Write the balls' rows from the joint angle and velocity."""
-        q[1, X] = x - offset
-        q[0, X] = q[1, X] + gap
-        q[0, V] = q[1, V] = v
-
-    @part
-    def joint_margin(
-        s: float, far: float, offset: float, gap: float, t: float, q: Any, r: Any, w: Any,
-        signs: Any, table: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any,
-        p: Any,
-    ) -> float:  # fmt: skip
-        """Return how far the joint motion, s later, is from its end; negative beyond it.
-
-        It ends when the balls would part, or when friction no longer holds both at once.
-        """
-        body = bodies[2 if far < 0.0 else 3]
-        prepare(table, s, kicks, drifts, nodes, body.rate)
-        go(JOINT, t, q, r, signs[JOINT], table, gravity, body, p)
-        split(r[JOINT, X], r[JOINT, V], offset, gap, w)
-        margin = -parting(far, t + s, w, gravity, bodies, p)
-        if signs[JOINT] == _STUCK:
-            slip = abs(free_force(t + s, r[JOINT, X], gravity, body, p))
-            margin = min(margin, body.coulomb - slip)
-        return margin
+    flight = make_flight(acceleration, restoring, compile_part)
+    _, _, locate, leave, follow_slack = flight
+    (
+        free_force,
+        refresh,
+        go,
+        both,
+        locate_gap,
+        leave_gap,
+        parting,
+        strike,
+        settle_signs,
+        join,
+        split,
+        joint_margin,
+    ) = make_pair_flight(flight, acceleration, restoring, compile_part)
 
     def trajectory(
         state: Any,
@@ -444,15 +263,15 @@ def make_pair_trajectory(
                 else:
                     n += 1
                 t = t_new
-                if parts:
-                    # Friction may have let go of both together: then they move on as one.
-                    if parting(far, t, q, g, bodies, p) > 0.0 or signs[JOINT] != _STUCK:
-                        mode = FLIGHT
-                        leaving = far
-                        velocities = (q[0, V], q[1, V])
-                        rows = write_pair_contact(
-                            *table_of_contacts, rows, t, RELEASE, velocities, velocities
-                        )
+                # Friction may have let go of both together: then they move on as one.
+                slips = signs[JOINT] == STUCK and parting(far, t, q, g, bodies, p) <= 0.0
+                if parts and not slips:
+                    mode = FLIGHT
+                    leaving = far
+                    velocities = (q[0, V], q[1, V])
+                    rows = write_pair_contact(
+                        *table_of_contacts, rows, t, RELEASE, velocities, velocities
+                    )
                 settle_signs(t, q, signs, g, bodies, p)
             elif hs > 0.0:
                 regular = not reaches_goal
@@ -476,7 +295,7 @@ def make_pair_trajectory(
                 if nonlinear:
                     for i in range(2):
                         s = hs
-                        if signs[i] == _STUCK:
+                        if signs[i] == STUCK:
                             c = bodies[i].coulomb
                             x = q[i, X]
                             if abs(free_force(t + hs, x, g, bodies[i], p)) <= c:
@@ -521,7 +340,9 @@ def make_pair_trajectory(
                     wall, toward = high, 1.0
                 elif rate < 0.0 < end_rate and min(gap, end_gap) - max(-rate, end_rate) * hs <= low:
                     wall, toward = low, -1.0
-                elif end_rate < 0.0 < rate and max(gap, end_gap) + max(rate, -end_rate) * hs >= high:
+                elif (
+                    end_rate < 0.0 < rate and max(gap, end_gap) + max(rate, -end_rate) * hs >= high
+                ):
                     wall, toward = high, 1.0
                 beyond = (end_gap - wall) * toward >= 0.0
                 if toward != 0.0 and not beyond:  # a valley between the ends
@@ -601,7 +422,7 @@ def make_pair_trajectory(
                         pull_at(r[i, X], r[i, V], r[i, LIFT], g, k),
                     )
                     largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
-                    if signs[i] != _STUCK and smaller < settings.sag * largest:
+                    if signs[i] != STUCK and smaller < settings.sag * largest:
                         first, total = follow_slack(
                             state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
                             r[i, X], r[i, V], r[i, LIFT], t, q[i, X], q[i, V], q[i, FORCE],

@@ -171,7 +171,8 @@ def integrate(
     offsets = (0.0, 0.0)
     if angles == 2:
         joint = [
-            records.joint_record(*rows, gap if math.isfinite(gap) else 0.0) for gap in walls
+            records.joint_record(rows[0], rows[1], gap if math.isfinite(gap) else 0.0)
+            for gap in walls
         ]
         rows += [record for record, _ in joint]
         offsets = (joint[0][1], joint[1][1])

@@ -22,10 +22,8 @@ def kinetic_energy(angular_velocity: float, mass: float, length: float) -> float
 
 @formula
 def potential_energy(potential: float, mass: float, length: float, gravity: float) -> float:
-    """Return m g l V [J], zero in the hanging position.
-
-    # Paper: eq2 puts zero at the pivot; its Fig. 6 needs the zero at the bottom.
-    """
+    """Return m g l V [J], zero in the hanging position."""
+    # Paper: eq2 puts zero at the pivot, but its Fig. 6 (E envelopes U) needs it at the bottom.
     return mass * gravity * length * potential
 
 
@@ -60,9 +58,7 @@ def lab_energy(
 
 
 @formula
-def rod_power(
-    angle: float, drag_force: float, tension: float, pivot_velocity: float
-) -> float:
+def rod_power(angle: float, drag_force: float, tension: float, pivot_velocity: float) -> float:
     """Return F_y y0' [W], the power of pivot and rod on the ball in the laboratory.
 
     ``F_y = T cos(angle) - f sin(angle)`` with T the tension and f the tangential drag force

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from latolato.physics.pendulum import System
-from latolato.quantities import NON_NEGATIVE, quantity_field
-from latolato.registry import check_fields
+from latolato.quantities import NON_NEGATIVE, POSITIVE, quantity_field
+from latolato.registry import check_fields, checked_number
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
 
@@ -35,12 +35,12 @@ class VelocityKicks:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise ValueError(f"seed must be a non-negative integer, got {self.seed!r}")
-        if self.interval is not None and not (
-            isinstance(self.interval, (int, float)) and 0 < self.interval < math.inf
-        ):
-            raise ValueError(f"interval must lie in (0, inf) s, got {self.interval!r}")
+        seed: object = self.seed  # callers may hand over anything
+        if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
+            raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
+        if self.interval is not None:
+            interval = checked_number("interval", self.interval, POSITIVE, "s")
+            object.__setattr__(self, "interval", interval)
 
     @classmethod
     def thermal(cls, system: System, *, temperature: float, seed: int = 0) -> VelocityKicks:

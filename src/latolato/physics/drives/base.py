@@ -1,0 +1,72 @@
+"""What every drive offers, and the registry of drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, ClassVar
+
+from latolato.quantities import QUANTITIES, Range
+from latolato.registry import Registry, check_fields, checked_number
+
+drives: Registry[type] = Registry("drive")
+
+Stretch = tuple[float, tuple[float, ...]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What every drive offers; subclasses are final.
+
+    Attributes
+    ----------
+    stretch_fields : tuple of str
+        Names of the numbers that the formulas read from a stretch.
+    """
+
+    stretch_fields: ClassVar[tuple[str, ...]] = ("unused",)
+    height: ClassVar[Any]
+    velocity: ClassVar[Any]
+    acceleration: ClassVar[Any]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def stretches(self, duration: float) -> list[Stretch]:
+        """Return (start time [s], numbers) of every smooth stretch that meets [0, duration]."""
+        raise TypeError(f"{type(self).__name__} must say its stretches")
+
+    def velocity_jumps(self, duration: float) -> list[float]:
+        """Return the pivot's velocity jump that is transmitted at each start [m/s]."""
+        return [0.0] * len(self.stretches(duration))
+
+    @property
+    def fastest_frequency(self) -> float:
+        """Largest angular frequency in the motion [rad/s]; sets the step."""
+        return 0.0
+
+    @property
+    def largest_acceleration(self) -> float:
+        """Bound of |pivot_acceleration| [m/s^2]; sets the step."""
+        return 0.0
+
+
+def checked_array(name: str, values: Any, allowed: Range, at_least: int = 1) -> tuple[float, ...]:
+    """Return a tuple of checked floats."""
+    unit = QUANTITIES[name].unit
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+    numbers = tuple(checked_number(name, v, allowed, unit) for v in values)
+    if len(numbers) < at_least:
+        raise ValueError(f"{name} must hold at least {at_least} values, got {len(numbers)}")
+    return numbers
+
+
+def check_increasing(name: str, values: tuple[float, ...]) -> None:
+    """Raise ValueError unless each value is larger than the one before."""
+    for i, (a, b) in enumerate(pairwise(values)):
+        if not b > a:
+            raise ValueError(
+                f"{name} must increase strictly, got {b:g} after {a:g} at position {i + 1}; "
+                "sort them and remove repeats"
+            )

@@ -1,0 +1,151 @@
+"""A pivot that follows measured heights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from latolato.physics.drives.base import (
+    Drive,
+    Stretch,
+    check_increasing,
+    checked_array,
+    drives,
+)
+from latolato.quantities import ANY, NON_NEGATIVE, QUANTITIES, quantity_field
+from latolato.scalar import formula
+
+
+@formula
+def _polynomial_height(t: float, p: Any) -> float:
+    """Return the quintic of the stretch."""
+    s = t - p.start
+    return p.c0 + s * (p.c1 + s * (p.c2 + s * (p.c3 + s * (p.c4 + s * p.c5))))
+
+
+@formula
+def _polynomial_velocity(t: float, p: Any) -> float:
+    """Return the quintic's first derivative."""
+    s = t - p.start
+    return p.c1 + s * (2.0 * p.c2 + s * (3.0 * p.c3 + s * (4.0 * p.c4 + s * 5.0 * p.c5)))
+
+
+@formula
+def _polynomial_acceleration(t: float, p: Any) -> float:
+    """Return the quintic's second derivative."""
+    s = t - p.start
+    return 2.0 * p.c2 + s * (6.0 * p.c3 + s * (12.0 * p.c4 + s * 20.0 * p.c5))
+
+
+@drives.register("measured_pivot")
+@dataclass(frozen=True, kw_only=True)
+class MeasuredPivot(Drive):
+    """A pivot that follows measured heights: a quintic spline through, or close to, the samples.
+
+    Parameters
+    ----------
+    times : sequence of float, shape (sample,)
+        Strictly increasing instants [s]; the run must lie between the first and the last.
+    pivot_heights : sequence of float, shape (sample,)
+        Heights at these instants [m].
+    height_sigma : float
+        Standard deviation of the heights [m]; 0 interpolates, larger values smooth until the
+        residual sum of squares is that of such noise (Dierckx's criterion, SciPy's
+        ``UnivariateSpline``).
+    """
+
+    stretch_fields: ClassVar[tuple[str, ...]] = ("start", "c0", "c1", "c2", "c3", "c4", "c5")
+    height: ClassVar[Any] = staticmethod(_polynomial_height)
+    velocity: ClassVar[Any] = staticmethod(_polynomial_velocity)
+    acceleration: ClassVar[Any] = staticmethod(_polynomial_acceleration)
+
+    times: Sequence[float] = field(
+        metadata={"quantity": QUANTITIES["times"], "array": True, "description": "sample instants"}
+    )
+    pivot_heights: Sequence[float] = field(
+        metadata={
+            "quantity": QUANTITIES["pivot_height"],
+            "array": True,
+            "description": "height of the pivot at each instant",
+        }
+    )
+    height_sigma: float = quantity_field(
+        "pivot_height", NON_NEGATIVE, description="standard deviation of the heights", default=0.0
+    )
+    _pieces: list[Stretch] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        times = checked_array("times", self.times, ANY, 6)
+        heights = checked_array("pivot_height", self.pivot_heights, ANY, 6)
+        if len(times) != len(heights):
+            raise ValueError(
+                f"times and pivot_heights must be of one length, got {len(times)} and "
+                f"{len(heights)}"
+            )
+        check_increasing("times", times)
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "pivot_heights", heights)
+        object.__setattr__(self, "_pieces", self._fit())
+
+    def _fit(self) -> list[Stretch]:
+        """Return the spline's pieces as stretches."""
+        from scipy.interpolate import PPoly, UnivariateSpline, make_interp_spline
+
+        if self.height_sigma > 0.0:
+            weights = [1.0 / self.height_sigma] * len(self.times)
+            smooth = UnivariateSpline(self.times, self.pivot_heights, w=weights, k=5)
+            pieces = PPoly.from_spline(smooth._eval_args)
+        else:
+            pieces = PPoly.from_spline(make_interp_spline(self.times, self.pivot_heights, k=5))
+        return [
+            (float(a), (float(a), *(float(c) for c in pieces.c[::-1, i])))
+            for i, (a, b) in enumerate(zip(pieces.x[:-1], pieces.x[1:], strict=True))
+            if b > a
+        ]
+
+    def stretches(self, duration: float) -> list[Stretch]:
+        """Return the pieces between 0 and `duration`.
+
+        Raises
+        ------
+        ValueError
+            If the samples do not cover the run.
+        """
+        first, last = self.times[0], self.times[-1]
+        if first > 0.0 or last < duration:
+            raise ValueError(
+                f"the pivot samples cover {first:g} to {last:g} s, but the run goes from 0 to "
+                f"{duration:g} s; shorten the duration or shift the samples"
+            )
+        starts = [start for start, _ in self._pieces]
+        begin = max(i for i, start in enumerate(starts) if start <= 0.0)
+        return [(start, p) for start, p in self._pieces[begin:] if start <= duration]
+
+    @property
+    def fastest_frequency(self) -> float:
+        """Angular frequency of a cosine of the same height and acceleration [rad/s]."""
+        amplitude = 0.5 * (max(self.pivot_heights) - min(self.pivot_heights))
+        return math.sqrt(self.largest_acceleration / amplitude) if amplitude > 0.0 else 0.0
+
+    @property
+    def largest_acceleration(self) -> float:
+        """Largest acceleration either way [m/s^2]: of each cubic, at its ends and in between."""
+        ends = [start for start, _ in self._pieces[1:]] + [self.times[-1]]
+        largest = 0.0
+        for (start, (_, _, _, c2, c3, c4, c5)), end in zip(self._pieces, ends, strict=True):
+            span = end - start
+            candidates = [0.0, span]
+            a, b, c = 60.0 * c5, 24.0 * c4, 6.0 * c3  # zeros of the third derivative
+            root = b * b - 4.0 * a * c
+            if root >= 0.0:
+                q = -0.5 * (b + math.copysign(math.sqrt(root), b))
+                candidates += [q / a] if a != 0.0 else []
+                candidates += [c / q] if q != 0.0 else []
+            for s in candidates:
+                if 0.0 <= s <= span:
+                    value = 2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))
+                    largest = max(largest, abs(value))
+        return largest

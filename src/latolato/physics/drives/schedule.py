@@ -1,0 +1,181 @@
+"""Cosines whose frequency changes: stages with optional ramps, and the chirp."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, ClassVar
+
+from latolato.physics.drives.base import (
+    Drive,
+    Stretch,
+    check_increasing,
+    checked_array,
+    drives,
+)
+from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, quantity_field
+from latolato.scalar import cosine, formula, sine
+
+
+@formula
+def _swept_height(t: float, p: Any) -> float:
+    """Return A0 cos(phase + w s + rate s^2/2) with s the time since the stretch began."""
+    s = t - p.start
+    return p.drive_amplitude * cosine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
+
+
+@formula
+def _swept_velocity(t: float, p: Any) -> float:
+    """Return the time derivative of `_swept_height`."""
+    s = t - p.start
+    w = p.frequency + p.rate * s
+    return -p.drive_amplitude * w * sine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
+
+
+@formula
+def _swept_acceleration(t: float, p: Any) -> float:
+    """Return the second time derivative of `_swept_height`."""
+    s = t - p.start
+    w = p.frequency + p.rate * s
+    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
+    return -p.drive_amplitude * (w * w * cosine(phase) + p.rate * sine(phase))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Swept(Drive):
+    """A cosine whose frequency is piecewise linear in time, phase-continuous."""
+
+    stretch_fields: ClassVar[tuple[str, ...]] = (
+        "drive_amplitude",
+        "start",
+        "phase",
+        "frequency",
+        "rate",
+    )
+    height: ClassVar[Any] = staticmethod(_swept_height)
+    velocity: ClassVar[Any] = staticmethod(_swept_velocity)
+    acceleration: ClassVar[Any] = staticmethod(_swept_acceleration)
+
+    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
+    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
+
+    def _knots(self) -> list[tuple[float, float, float]]:
+        """Return (start, frequency there, rate of change) of each stretch."""
+        raise TypeError(f"{type(self).__name__} must say its knots")
+
+    def stretches(self, duration: float) -> list[Stretch]:
+        """Return the stretches with the phase carried on from one to the next."""
+        found: list[Stretch] = []
+        knots = self._knots()
+        phase = self.drive_phase
+        for i, (start, frequency, rate) in enumerate(knots):
+            if i:
+                before, w, r = knots[i - 1]
+                s = start - before
+                phase += s * (w + 0.5 * r * s)
+            if start <= duration:
+                found.append((start, (self.drive_amplitude, start, phase, frequency, rate)))
+        return found
+
+    @property
+    def fastest_frequency(self) -> float:
+        """Largest angular frequency of any stretch [rad/s]."""
+        return max(w for _, w, _ in self._knots())
+
+    @property
+    def largest_acceleration(self) -> float:
+        """Bound A0 (w^2 + |rate|) [m/s^2]."""
+        steepest = max(abs(r) for _, _, r in self._knots())
+        return self.drive_amplitude * (self.fastest_frequency**2 + steepest)
+
+
+@drives.register("frequency_schedule")
+@dataclass(frozen=True, kw_only=True)
+class FrequencySchedule(_Swept):
+    """Stages of constant frequency, phase-continuous, with an optional ramp between them.
+
+    Stage k begins at ``times[k]`` (the first at 0) with ``drive_frequencies[k]``; with ``ramp > 0``
+    the frequency moves there linearly within `ramp` seconds from ``times[k]`` on.
+
+    Notes
+    -----
+    With ``ramp = 0`` the pivot's height is continuous but its velocity jumps by
+    ``-A0 (w_new - w_old) sin(phase)``. Each stage's smooth acceleration is used and the jump is
+    not transmitted to the balls, unless ``step_impulse`` is true: then the balls get the velocity
+    that a vanishing ramp would give them, ``-jump sin(angle)/length``, booked as drive work.
+    """
+
+    times: Sequence[float] = field(
+        metadata={"quantity": QUANTITIES["times"], "array": True, "description": "stage starts"}
+    )
+    drive_frequencies: Sequence[float] = field(
+        metadata={
+            "quantity": QUANTITIES["drive_frequencies"],
+            "array": True,
+            "description": "angular frequency of each stage",
+        }
+    )
+    ramp: float = quantity_field("ramp", NON_NEGATIVE, default=0.0, suggested=(0.0, 2.0))
+    step_impulse: bool = field(
+        default=False, metadata={"description": "transmit the pivot's velocity jump at a step"}
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        times = checked_array("times", self.times, ANY, 1)
+        rates = checked_array("drive_frequencies", self.drive_frequencies, NON_NEGATIVE, 1)
+        if len(times) != len(rates):
+            raise ValueError(
+                f"times and drive_frequencies must be of one length, got {len(times)} and "
+                f"{len(rates)}"
+            )
+        if times[0] != 0.0:
+            raise ValueError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
+        check_increasing("times", times)
+        gaps = [b - a for a, b in pairwise(times)]
+        if gaps and self.ramp > min(gaps):
+            raise ValueError(
+                f"ramp must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}"
+            )
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "drive_frequencies", rates)
+
+    def _knots(self) -> list[tuple[float, float, float]]:
+        knots = [(0.0, self.drive_frequencies[0], 0.0)]
+        for start, old, new in zip(
+            self.times[1:], self.drive_frequencies, self.drive_frequencies[1:], strict=False
+        ):
+            if self.ramp > 0.0:
+                knots.append((start, old, (new - old) / self.ramp))
+                if knots[-1][0] + self.ramp not in self.times:
+                    knots.append((start + self.ramp, new, 0.0))
+            else:
+                knots.append((start, new, 0.0))
+        return knots
+
+    def velocity_jumps(self, duration: float) -> list[float]:
+        """Return the transmitted velocity jumps; all zero unless `step_impulse` and no ramp."""
+        found = self.stretches(duration)
+        if not self.step_impulse or self.ramp > 0.0:
+            return [0.0] * len(found)
+        jumps = [0.0]
+        for (_, (_, _, _, old, _)), (_, (amplitude, _, phase, new, _)) in pairwise(found):
+            jumps.append(-amplitude * (new - old) * sine(phase))
+        return jumps
+
+
+@drives.register("chirp")
+@dataclass(frozen=True, kw_only=True)
+class Chirp(_Swept):
+    """A frequency that moves linearly within `sweep_time` and stays at its end value then."""
+
+    drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
+    drive_frequency_final: float = quantity_field(
+        "drive_frequency_final", NON_NEGATIVE, suggested=(0.1, 40.0)
+    )
+    sweep_time: float = quantity_field("sweep_time", POSITIVE, suggested=(1.0, 600.0))
+
+    def _knots(self) -> list[tuple[float, float, float]]:
+        w0, w1, span = self.drive_frequency, self.drive_frequency_final, self.sweep_time
+        return [(0.0, w0, (w1 - w0) / span), (span, w1, 0.0)]
