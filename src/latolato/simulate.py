@@ -34,7 +34,7 @@ from latolato.registry import checked_number, describe
 if TYPE_CHECKING:
     import xarray as xr
 
-DEFAULT_REST_SPEED = 1e-6  # rad/s
+DEFAULT_REST_SPEED = 1e-7  # rad/s
 # A start this close to a wall is on it.
 ON_WALL = 1e-12  # rad
 SAMPLES_PER_PERIOD = 100
@@ -172,7 +172,7 @@ def simulate(
             clamped=clamped,
             progress=progress,
         )
-        seen = _observe(system, drive, trajectory, instants, end)
+        seen = _observe(system, drive, trajectory, instants, end, frame == "both")
         residual, scale = _ledger(system, start, trajectory, seen)
         allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * scale
         if clamped or residual <= allowed or trajectory.status != "complete":
@@ -364,7 +364,12 @@ def _kicks(
 
 
 def _observe(
-    system: System, drive: Drive, trajectory: Trajectory, times: Floats, end: float
+    system: System,
+    drive: Drive,
+    trajectory: Trajectory,
+    times: Floats,
+    end: float,
+    with_lab: bool,
 ) -> dict[str, Floats]:
     """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
     stretches, starts = records.stretch_records(drive, end)
@@ -380,7 +385,10 @@ def _observe(
         system.potential,
     )
     modes = trajectory.samples[records.S_MODE]
-    observe(times, trajectory.samples, modes, stretches, starts, balls, system.gravity, pivot, out)
+    observe(
+        times, trajectory.samples, modes, stretches, starts, balls, system.gravity, with_lab,
+        pivot, out,
+    )  # fmt: skip
     found = dict(zip(PIVOT_ROWS, pivot, strict=True))
     found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
     found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]

@@ -122,10 +122,12 @@ def make_trajectory(
             now = hold(mode, now_t, pull, gravity, coulomb, p)
             high = now_t
             if now >= 0.0:
-                bend = older - 2.0 * old + now
-                if not (older >= old <= now) or old - 0.125 * (now - older) ** 2 / bend > 0.02 * (
-                    now + older
-                ):
+                # The parabola through three samples tells how deep a dip between them can be.
+                dips = i > 1 and older >= old <= now and older + now > 2.0 * old
+                if dips:
+                    bottom = old - 0.125 * (now - older) ** 2 / (older - 2.0 * old + now)
+                    dips = bottom <= 0.02 * (now + older)
+                if not dips:
                     older, old, old_t = old, now, now_t
                     continue
                 a, b = old_t - dt, now_t  # golden section for the bottom of the dip

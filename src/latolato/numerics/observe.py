@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -50,7 +49,10 @@ def make_observer(
     potential: Callable[..., float],
     compile_part: Part | None = None,
 ) -> Callable[..., None]:
-    """Return the function that fills `pivot` (3, time) and `out` (ball, row, time)."""
+    """Return the function that fills `pivot` (3, time) and `out` (ball, row, time).
+
+    The laboratory's rows are left alone unless `with_lab`.
+    """
 
     def observe(
         times: Any,
@@ -60,6 +62,7 @@ def make_observer(
         starts: Any,
         balls: Any,
         gravity: float,
+        with_lab: bool,
         pivot: Any,
         out: Any,
     ) -> None:
@@ -96,7 +99,7 @@ def make_observer(
                 gap = samples[0, i] - samples[2, i]
                 out[0, TENSION, i] += radial_push(torque, b1.length, b2.length, gap)
                 out[1, TENSION, i] += radial_push(torque, b2.length, b1.length, gap)
-            for j in range(len(balls)):
+            for j in range(len(balls) if with_lab else 0):
                 b = balls[j]
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
                 sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
@@ -108,7 +111,7 @@ def make_observer(
         """Return the angular acceleration that a ball would have without the other one."""
         sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
         force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
-        return -(gravity + lift) / b.length * math.sin(angle) - force / (b.mass * b.length)
+        return -(gravity + lift) / b.length * restoring(angle) - force / (b.mass * b.length)
 
     if compile_part is not None:
         _free = compile_part(_free)

@@ -8,9 +8,7 @@ between impacts ``dE/dt = drive_power - damping_power`` with ``drive_power = -m 
 
 from __future__ import annotations
 
-import math
-
-from latolato.scalar import formula
+from latolato.scalar import cosine, formula, sine
 
 
 @formula
@@ -51,9 +49,9 @@ def lab_energy(
 ) -> float:
     """Return m |v|^2/2 + m g y [J] in the laboratory, zero height at the mean pivot."""
     l = length
-    vx = l * angular_velocity * math.cos(angle)
-    vy = pivot_velocity + l * angular_velocity * math.sin(angle)
-    y = pivot_height - l * math.cos(angle)
+    vx = l * angular_velocity * cosine(angle)
+    vy = pivot_velocity + l * angular_velocity * sine(angle)
+    y = pivot_height - l * cosine(angle)
     return mass * (0.5 * (vx * vx + vy * vy) + gravity * y)
 
 
@@ -64,4 +62,4 @@ def rod_power(angle: float, drag_force: float, tension: float, pivot_velocity: f
     ``F_y = T cos(angle) - f sin(angle)`` with T the tension and f the tangential drag force
     (C w for linear drag).
     """
-    return (tension * math.cos(angle) - drag_force * math.sin(angle)) * pivot_velocity
+    return (tension * cosine(angle) - drag_force * sine(angle)) * pivot_velocity

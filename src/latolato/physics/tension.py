@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from latolato.scalar import formula
+from latolato.scalar import cosine, formula
 
 
 @formula
@@ -19,11 +17,11 @@ def tension(
     """Return m l w^2 + m (g + y0'') cos(angle) [N], the tension away from contact."""
     return mass * (
         length * angular_velocity * angular_velocity
-        + (gravity + pivot_acceleration) * math.cos(angle)
+        + (gravity + pivot_acceleration) * cosine(angle)
     )
 
 
 @formula
 def wall_tension(angle: float, pivot_acceleration: float, mass: float, gravity: float) -> float:
     """Return m (g + y0'')/cos(angle) [N], the tension of a ball that rests on the other one."""
-    return mass * (gravity + pivot_acceleration) / math.cos(angle)
+    return mass * (gravity + pivot_acceleration) / cosine(angle)
