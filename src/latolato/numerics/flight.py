@@ -24,9 +24,38 @@ KICK, REACH, OFFSET = 0, 1, 2
 ANGLE, VELOCITY = 0, 1
 
 
+class Point(NamedTuple):
+    """A point of one ball's motion, with what `force` returns there."""
+
+    t: float
+    angle: float
+    velocity: float
+    a: float  # acceleration of a kick [rad/s^2]
+    driven: float  # the drive's part of it
+    lift: float  # pivot_acceleration [m/s^2]
+
+
+class Law(NamedTuple):
+    """What a ball obeys: gravity, its body record, and the drive's present stretch."""
+
+    gravity: float
+    body: Any
+    p: Any
+
+
+class Method(NamedTuple):
+    """A stepper's weights and a table for steps of any length, of shape (3, stages + 1)."""
+
+    table: Any
+    kicks: Any
+    drifts: Any
+    nodes: Any
+
+
 @formula
-def prepare(table: Any, h: float, kicks: Any, drifts: Any, nodes: Any, rate: float) -> None:
-    """Fill a table of shape (3, stages + 1) with what a step of length h [s] needs."""
+def prepare(method: Method, h: float, rate: float) -> None:
+    """Fill the method's table with what a step of length h [s] needs."""
+    table, kicks, drifts, nodes = method
     stages = len(drifts)
     for i in range(stages):
         table[KICK, i] = kicks[i] * h
@@ -78,8 +107,10 @@ class Flight(NamedTuple):
 
     force: Callable[..., Any]
     advance: Callable[..., Any]
+    step_by: Callable[..., Any]
     locate: Callable[..., Any]
     leave: Callable[..., Any]
+    turn: Callable[..., Any]
     follow_slack: Callable[..., Any]
 
 
@@ -88,34 +119,22 @@ def make_flight(
     restoring: Callable[..., float],
     compile_part: Part | None = None,
 ) -> Flight:
-    """Return `force`, `advance`, `locate` and `leave` of a ball under a drive and a restoring law.
+    """Return the functions of a ball under a drive and a restoring law.
 
-    A point of the motion is passed as angle, velocity and the three values that `force` returns
-    there; a step ends with the force at its end, so that no force is computed twice.
+    A step begins and ends with the force at its `Point`, so that no force is computed twice.
     """
     part: Part = compile_part or (lambda function: function)
 
     @part
-    def force(
-        t: float, angle: float, sign: float, gravity: float, body: Any, p: Any
-    ) -> tuple[float, float, float]:
+    def force(t: float, angle: float, sign: float, law: Law) -> tuple[float, float, float]:
         """Return the acceleration of a kick, the drive's part of it, and pivot_acceleration."""
-        lift = acceleration(t, p)
-        pull = body.coupling * restoring(angle)
-        return -(gravity + lift) * pull - body.coulomb * sign, -lift * pull, lift
+        lift = acceleration(t, law.p)
+        pull = law.body.coupling * restoring(angle)
+        return -(law.gravity + lift) * pull - law.body.coulomb * sign, -lift * pull, lift
 
     @part
     def advance(
-        t: float,
-        angle: float,
-        velocity: float,
-        a: float,
-        driven: float,
-        sign: float,
-        table: Any,
-        gravity: float,
-        body: Any,
-        p: Any,
+        point: Point, sign: float, table: Any, law: Law
     ) -> tuple[float, float, float, float, float, float, float]:
         """Return angle, velocity, drive work, damping loss (per inertia) and force after a step.
 
@@ -123,11 +142,12 @@ def make_flight(
         is the drop of w^2/2. Coulomb friction acts in the kicks, linear and quadratic drag in
         the drifts.
         """
+        gravity, body, p = law
+        t, angle, velocity, a, driven, lift = point
         stages = table.shape[1] - 1
         coulomb = body.coulomb * sign
         work = 0.0
         loss = 0.0
-        lift = 0.0
         for i in range(stages):
             h = table[KICK, i]
             change = h * a
@@ -151,33 +171,31 @@ def make_flight(
         return angle, velocity + change, work, loss, a, driven, lift
 
     @part
+    def step_by(
+        h: float, point: Point, sign: float, method: Method, law: Law
+    ) -> tuple[float, float, float, float, float, float, float]:
+        """Return what `advance` returns for a step of any length h."""
+        prepare(method, h, law.body.rate)
+        return advance(point, sign, method.table, law)
+
+    @part
     def locate(
         what: int,
         target: float,
         low: float,
         high: float,
         guess: float,
-        t: float,
-        angle: float,
-        velocity: float,
-        a: float,
-        driven: float,
+        point: Point,
         sign: float,
-        table: Any,
-        kicks: Any,
-        drifts: Any,
-        nodes: Any,
-        gravity: float,
-        body: Any,
-        p: Any,
+        method: Method,
+        law: Law,
     ) -> float:
         """Return the step length in [low, high] at which angle or velocity reaches `target`.
 
         The value minus the target changes its sign between the ends; at `high` it has the sign
         of the far side. Bracketed Newton on the step itself, to rounding.
         """
-        prepare(table, high, kicks, drifts, nodes, body.rate)
-        x, v, _, _, f, _, _ = advance(t, angle, velocity, a, driven, sign, table, gravity, body, p)
+        x, v, _, _, f, _, _ = step_by(high, point, sign, method, law)
         value = x - target if what == ANGLE else v - target
         if value == 0.0:
             return high
@@ -186,15 +204,12 @@ def make_flight(
         s = guess if low < guess < high else 0.5 * (low + high)
         move = span
         for _ in range(MOST_TRIALS):
-            prepare(table, s, kicks, drifts, nodes, body.rate)
-            x, v, _, _, f, _, _ = advance(
-                t, angle, velocity, a, driven, sign, table, gravity, body, p
-            )
+            x, v, _, _, f, _, _ = step_by(s, point, sign, method, law)
             if what == ANGLE:
                 value, slope, curvature = x - target, v, f
             else:
                 # The drag's share of the slope only slows Newton; the bracket keeps it safe.
-                value, slope, curvature = v - target, f - body.rate * v, f
+                value, slope, curvature = v - target, f - law.body.rate * v, f
             if value == 0.0:
                 return s
             if value * far > 0.0:
@@ -214,19 +229,10 @@ def make_flight(
         target: float,
         far: float,
         high: float,
-        t: float,
-        angle: float,
-        velocity: float,
-        a: float,
-        driven: float,
+        point: Point,
         sign: float,
-        table: Any,
-        kicks: Any,
-        drifts: Any,
-        nodes: Any,
-        gravity: float,
-        body: Any,
-        p: Any,
+        method: Method,
+        law: Law,
     ) -> float:
         """Return a step length at which a motion that starts on the target is on its near side.
 
@@ -235,10 +241,7 @@ def make_flight(
         """
         s = 0.5 * high
         for _ in range(50):
-            prepare(table, s, kicks, drifts, nodes, body.rate)
-            x, v, _, _, _, _, _ = advance(
-                t, angle, velocity, a, driven, sign, table, gravity, body, p
-            )
+            x, v, _, _, _, _, _ = step_by(s, point, sign, method, law)
             value = x - target if what == ANGLE else v - target
             if value * far < 0.0:
                 return s
@@ -246,46 +249,40 @@ def make_flight(
         return 0.0
 
     @part
+    def turn(h: float, point: Point, sign: float, method: Method, law: Law) -> float:
+        """Return when, within a step of length h, the velocity returns to zero; h if unseen."""
+        begin = 0.0
+        if point.velocity == 0.0:
+            begin = leave(VELOCITY, 0.0, -sign, h, point, sign, method, law)
+            if begin == 0.0:
+                return h
+        return locate(VELOCITY, 0.0, begin, h, 0.5 * (begin + h), point, sign, method, law)
+
+    @part
     def follow_slack(
         first: float,
         total: float,
-        hs: float,
-        x: float,
-        v: float,
-        end_lift: float,
-        t: float,
-        angle: float,
-        velocity: float,
-        a: float,
-        driven: float,
-        lift: float,
+        h: float,
+        end_pull: float,
+        point: Point,
         sign: float,
-        table: Any,
-        kicks: Any,
-        drifts: Any,
-        nodes: Any,
-        gravity: float,
-        body: Any,
-        p: Any,
+        method: Method,
+        law: Law,
     ) -> tuple[float, float]:
-        """Return the first instant and the total time of slack, carried over a step of length hs.
+        """Return the first instant and the total time of slack, carried over a step of length h.
 
         The tension's zeros are located on the step, one in each half at most. Call it only where
         an end is below what the tension can dip within a step.
         """
-        k = body.coupling
-        begin = pull_at(angle, velocity, lift, gravity, k)
-        end = pull_at(x, v, end_lift, gravity, k)
-        half = 0.5 * hs
-        prepare(table, half, kicks, drifts, nodes, body.rate)
-        xs, vs, _, _, _, _, ls = advance(
-            t, angle, velocity, a, driven, sign, table, gravity, body, p
-        )
-        middle = pull_at(xs, vs, ls, gravity, k)
-        if begin < 0.0 and math.isnan(first):
-            first = t
+        g, k = law.gravity, law.body.coupling
+        begin_pull = pull_at(point.angle, point.velocity, point.lift, g, k)
+        half = 0.5 * h
+        x, v, _, _, _, _, lift = step_by(half, point, sign, method, law)
+        middle_pull = pull_at(x, v, lift, g, k)
+        if begin_pull < 0.0 and math.isnan(first):
+            first = point.t
         for piece in range(2):
-            left, right = (begin, middle) if piece == 0 else (middle, end)
+            left, right = (begin_pull, middle_pull) if piece == 0 else (middle_pull, end_pull)
             s0 = half * piece
             s1 = s0 + half
             if left < 0.0 and right < 0.0:
@@ -294,24 +291,21 @@ def make_flight(
                 b0, b1, f0, f1, kept = s0, s1, left, right, 0
                 for _ in range(MOST_TRIALS):  # regula falsi, an end kept twice is halved (Illinois)
                     s = (b0 * f1 - b1 * f0) / (f1 - f0)
-                    if not b0 < s < b1 or b1 - b0 < 1e-15 * hs:
+                    if not b0 < s < b1 or b1 - b0 < 1e-15 * h:
                         break
-                    prepare(table, s, kicks, drifts, nodes, body.rate)
-                    xs, vs, _, _, _, _, ls = advance(
-                        t, angle, velocity, a, driven, sign, table, gravity, body, p
-                    )
-                    now = pull_at(xs, vs, ls, gravity, k)
+                    x, v, _, _, _, _, lift = step_by(s, point, sign, method, law)
+                    now = pull_at(x, v, lift, g, k)
                     if (now < 0.0) == (left < 0.0):
                         moved, b0, f0 = s - b0, s, now
                         f1, kept = (0.5 * f1 if kept == 1 else f1), 1
                     else:
                         moved, b1, f1 = b1 - s, s, now
                         f0, kept = (0.5 * f0 if kept == 2 else f0), 2
-                    if moved < 1e-13 * hs:
+                    if moved < 1e-13 * h:
                         break
                 total += b1 - s0 if left < 0.0 else s1 - b1
                 if left >= 0.0 and math.isnan(first):
-                    first = t + b1
+                    first = point.t + b1
         return first, total
 
-    return Flight(force, advance, locate, leave, follow_slack)
+    return Flight(force, advance, step_by, locate, leave, turn, follow_slack)

@@ -13,8 +13,10 @@ from typing import Any
 
 from latolato.numerics.flight import (
     ANGLE,
-    VELOCITY,
+    Law,
+    Method,
     Part,
+    Point,
     make_flight,
     prepare,
     pull_at,
@@ -86,7 +88,9 @@ def make_trajectory(
     or when the contact table is full, and can be called again to go on.
     """
     part: Part = compile_part or (lambda function: function)
-    force, advance, locate, leave, follow_slack = make_flight(acceleration, restoring, compile_part)
+    force, advance, step_by, locate, leave, turn, follow_slack = make_flight(
+        acceleration, restoring, compile_part
+    )
 
     @part
     def hold(mode: int, t: float, pull: float, gravity: float, coulomb: float, p: Any) -> float:
@@ -188,8 +192,9 @@ def make_trajectory(
         follows_tension = settings.follows_tension != 0
         pull, sag = math.inf, settings.sag
         strongest = (gravity + settings.lift_bound) * body.coupling
-        full, trial = tables[0], tables[1]
-        prepare(full, h, kicks, drifts, nodes, body.rate)
+        full = tables[0]
+        prepare(Method(full, kicks, drifts, nodes), h, body.rate)
+        method = Method(tables[1], kicks, drifts, nodes)
 
         t_base, angle, velocity = state[T_BASE], state[ANGLE_1], state[VELOCITY_1]
         work, damped, lost = state[WORK], state[DAMPED], state[IMPACT]
@@ -199,8 +204,8 @@ def make_trajectory(
         table_of_contacts = (contact_times, contact_kinds, contact_values)
         rows, room = 0, len(contact_times) - 4
         t = t_base + n * h
-        p = stretches[stretch]
-        a, driven, lift = force(t, angle, sign, gravity, body, p)
+        law = Law(gravity, body, stretches[stretch])
+        a, driven, lift = force(t, angle, sign, law)
         done = 0
 
         if mode == UNSETTLED:
@@ -226,7 +231,7 @@ def make_trajectory(
                 mode = STUCK
             elif velocity == 0.0:
                 sign = math.copysign(1.0, free)
-            a, driven, lift = force(t, angle, sign, gravity, body, p)
+            a, driven, lift = force(t, angle, sign, law)
         pull = pull_at(angle, velocity, lift, gravity, body.coupling)
 
         while t < stop and done < most_steps and rows < room:
@@ -239,7 +244,7 @@ def make_trajectory(
                 goal, at_kick = kick_times[kicked], True
 
             if mode != FLIGHT:
-                release = find_release(mode, t, goal, angle, settings, body, p)
+                release = find_release(mode, t, goal, angle, settings, body, law.p)
                 until = min(release, goal)
                 while sample < len(sample_times) and sample_times[sample] < until:
                     samples[0, sample], samples[1, sample] = angle, 0.0
@@ -248,57 +253,36 @@ def make_trajectory(
                 t_base, n, t = until, 0, until
                 if release <= goal:
                     if mode == STUCK:
-                        free = -(gravity + acceleration(t, p)) * restoring(angle)
+                        free = -(gravity + acceleration(t, law.p)) * restoring(angle)
                         sign = math.copysign(1.0, free)
                     else:
                         sign = 1.0 if mode == REST_LOW else -1.0
                         rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, 0.0)
                     mode = FLIGHT
-                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+                    a, driven, lift = force(t, angle, sign, law)
                     pull = pull_at(angle, velocity, lift, gravity, body.coupling)
             elif goal > t:
-                hs, table = h, full
+                point = Point(t, angle, velocity, a, driven, lift)
+                hs, whole = h, True
                 reaches_goal = t_base + (n + 1) * h >= goal - 1e-9 * h
                 if reaches_goal:
-                    hs, table = goal - t, trial
-                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
-                x, v, dw, dd, a1, driven1, lift1 = advance(
-                    t, angle, velocity, a, driven, sign, table, gravity, body, p
-                )
-                on_low, on_high = angle <= low, angle >= high
-                turned, wall, far = False, 0.0, 0.0
+                    hs, whole = goal - t, False
+                    x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
+                else:
+                    x, v, dw, dd, a1, driven1, lift1 = advance(point, sign, full, law)
 
                 # A step beside a wall within which the force changes sign is taken in parts.
                 reach = (abs(velocity) + abs(v)) * hs
                 if a * a1 < 0.0 and (min(angle, x) - low < reach or high - max(angle, x) < reach):
-                    hs *= _PARTS
-                    reaches_goal = False
-                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
-                    table = trial
-                    x, v, dw, dd, a1, driven1, lift1 = advance(
-                        t, angle, velocity, a, driven, sign, table, gravity, body, p
-                    )
+                    hs, whole, reaches_goal = hs * _PARTS, False, False
+                    x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
 
-                if nonlinear and v * sign < 0.0:
-                    begin = 0.0
-                    if velocity == 0.0:
-                        begin = leave(
-                            VELOCITY, 0.0, -sign, hs, t, angle, velocity, a, driven, sign,
-                            trial, kicks, drifts, nodes, gravity, body, p,
-                        )  # fmt: skip
-                    if velocity != 0.0 or begin > 0.0:
-                        hs = locate(
-                            VELOCITY, 0.0, begin, hs, begin + 0.5 * (hs - begin), t, angle,
-                            velocity, a, driven, sign, trial, kicks, drifts, nodes, gravity,
-                            body, p,
-                        )  # fmt: skip
-                    prepare(trial, hs, kicks, drifts, nodes, body.rate)
-                    table = trial
-                    x, v, dw, dd, a1, driven1, lift1 = advance(
-                        t, angle, velocity, a, driven, sign, table, gravity, body, p
-                    )
-                    turned, reaches_goal = True, False
+                turned = nonlinear and v * sign < 0.0
+                if turned:
+                    hs, whole, reaches_goal = turn(hs, point, sign, method, law), False, False
+                    x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
 
+                wall, far = 0.0, 0.0
                 if x <= low:
                     wall, far = low, -1.0
                 elif x >= high:
@@ -307,67 +291,47 @@ def make_trajectory(
                     wall, far = low, -1.0
                 elif v < 0.0 < velocity and max(angle, x) + max(velocity, -v) * hs >= high:
                     wall, far = high, 1.0
-                beyond = (x - wall) * far >= 0.0
-                if far != 0.0 and not beyond:  # a valley between the ends: look at its bottom
-                    s = locate(
-                        VELOCITY, 0.0, 0.0, hs, 0.5 * hs, t, angle, velocity, a, driven, sign,
-                        trial, kicks, drifts, nodes, gravity, body, p,
-                    )  # fmt: skip
-                    prepare(trial, s, kicks, drifts, nodes, body.rate)
-                    xs, vs, _, _, _, _, _ = advance(
-                        t, angle, velocity, a, driven, sign, trial, gravity, body, p
-                    )
-                    beyond = (xs - wall) * far > 0.0
+                hit = far != 0.0 and (x - wall) * far >= 0.0
+                if far != 0.0 and not hit:  # a valley between the ends: look at its bottom
+                    s = turn(hs, point, sign, method, law)
+                    xs, vs, _, _, _, _, _ = step_by(s, point, sign, method, law)
                     if abs(xs - wall) < 1e-9:
                         counters[GRAZES] += 1
-                    if beyond:
-                        hs, x, v, turned, reaches_goal = s, xs, vs, False, False
-                    elif table is trial:
-                        prepare(trial, hs, kicks, drifts, nodes, body.rate)
-                hit = False
-                if far != 0.0 and beyond:
+                    if (xs - wall) * far > 0.0:
+                        hs, x, v, hit = s, xs, vs, True
+                if hit:
+                    whole, reaches_goal, turned = False, False, False
                     begin, hops = 0.0, False
-                    if (far < 0.0 and on_low) or (far > 0.0 and on_high):
-                        begin = leave(
-                            ANGLE, wall, far, hs, t, angle, velocity, a, driven, sign,
-                            trial, kicks, drifts, nodes, gravity, body, p,
-                        )  # fmt: skip
+                    if (far < 0.0 and angle <= low) or (far > 0.0 and angle >= high):
+                        begin = leave(ANGLE, wall, far, hs, point, sign, method, law)
                         hops = begin == 0.0
-                    if hops:
-                        # The motion off the wall is below the resolution of the angle.
+                    if not hops:
+                        guess = hs - (x - wall) / v if v != 0.0 else 0.5 * hs
+                        hs = locate(ANGLE, wall, begin, hs, guess, point, sign, method, law)
+                        x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
+                        v = far * abs(v)  # rounding may turn a grazing velocity round
+                    else:
+                        # The motion off the wall is below the resolution of the angle: take the
+                        # parabola's flight, or go on resting where there is no velocity.
                         counters[GRAZES] += 1
-                        if velocity * far < 0.0 and a * far > 0.0:
-                            hs = 2.0 * abs(velocity / a)  # the parabola's flight
-                            x, v, hit = wall, -velocity, True
+                        hit = velocity * far < 0.0 and a * far > 0.0
+                        if hit:
+                            hs, v = 2.0 * abs(velocity / a), -velocity
                         else:
-                            hs, x, v = hs * _PARTS / 16.0, wall, 0.0
+                            hs, v = hs * _PARTS / 16.0, 0.0
                             mode = REST_LOW if far < 0.0 else REST_HIGH
                             if rows > 0 and contact_kinds[rows - 1] == RELEASE:
                                 rows -= 1
                         dw = dd = 0.0
-                        a1, driven1, lift1 = force(t + hs, x, sign, gravity, body, p)
-                    else:
-                        hit = True
-                        guess = hs - (x - wall) / v if v != 0.0 else 0.5 * hs
-                        hs = locate(
-                            ANGLE, wall, begin, hs, guess, t, angle, velocity, a, driven, sign,
-                            trial, kicks, drifts, nodes, gravity, body, p,
-                        )  # fmt: skip
-                        prepare(trial, hs, kicks, drifts, nodes, body.rate)
-                        x, v, dw, dd, a1, driven1, lift1 = advance(
-                            t, angle, velocity, a, driven, sign, trial, gravity, body, p
-                        )
-                        x = wall
-                    reaches_goal, turned = False, False
+                        a1, driven1, lift1 = force(t + hs, wall, sign, law)
+                    x = wall
 
                 t_new = goal if reaches_goal else t + hs
-                if not (reaches_goal or hit or turned or mode != FLIGHT) and table is full:
+                if whole:
                     t_new = t_base + (n + 1) * h
                 while sample < len(sample_times) and sample_times[sample] < t_new:
-                    prepare(trial, sample_times[sample] - t, kicks, drifts, nodes, body.rate)
-                    xs, vs, dws, dds, _, _, _ = advance(
-                        t, angle, velocity, a, driven, sign, trial, gravity, body, p
-                    )
+                    s = sample_times[sample] - t
+                    xs, vs, dws, dds, _, _, _ = step_by(s, point, sign, method, law)
                     samples[0, sample], samples[1, sample] = xs, vs
                     write_ledger(
                         samples, sample, work + inertia * dws, damped + inertia * dds, lost,
@@ -384,16 +348,15 @@ def make_trajectory(
                             state[SLACK_FIRST] = t
                     elif min(pull, end_pull) < margin:
                         state[SLACK_FIRST], state[SLACK_TOTAL] = follow_slack(
-                            state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, x, v, lift1, t,
-                            angle, velocity, a, driven, lift, sign, trial, kicks, drifts, nodes,
-                            gravity, body, p,
+                            state[SLACK_FIRST], state[SLACK_TOTAL], t_new - t, end_pull, point,
+                            sign, method, law,
                         )  # fmt: skip
                     pull = end_pull
 
                 angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
                 work += inertia * dw
                 damped += inertia * dd
-                if t_new == t_base + (n + 1) * h and not (hit or turned or reaches_goal):
+                if whole:
                     n += 1
                 else:
                     t_base, n = t_new, 0
@@ -406,9 +369,8 @@ def make_trajectory(
                         mode = STUCK
                     else:
                         sign = -sign if free == 0.0 else math.copysign(1.0, free)
-                        a, driven, lift = force(t, angle, sign, gravity, body, p)
+                        a, driven, lift = force(t, angle, sign, law)
                 if hit:
-                    counters[GRAZES] += 1 if velocity * far <= 0.0 else 0
                     free = (gravity + lift) * body.coupling * restoring(angle) * far
                     velocity, impact, caught, rests = meet_wall(
                         velocity, free, settings.restitution, settings.rest_speed, body.coulomb
@@ -423,14 +385,14 @@ def make_trajectory(
                     lost += inertia * impact
                     captured += inertia * caught
                     sign = -far
-                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+                    a, driven, lift = force(t, angle, sign, law)
                     pull = pull_at(angle, velocity, lift, gravity, body.coupling)
 
             if t >= goal and (at_stretch or at_kick):
                 given = 0.0
                 if at_stretch:
                     stretch += 1
-                    p = stretches[stretch]
+                    law = Law(gravity, body, stretches[stretch])
                     given = -jumps[stretch] * body.coupling * restoring(angle)
                     work += inertia * given * (velocity + 0.5 * given)
                     velocity += given
@@ -440,7 +402,7 @@ def make_trajectory(
                     noise += inertia * more * (velocity + 0.5 * more)
                     velocity += more
                     given += more
-                a, driven, lift = force(t, angle, sign, gravity, body, p)
+                a, driven, lift = force(t, angle, sign, law)
                 if given != 0.0:
                     side = 0.0
                     if angle <= low and velocity < 0.0:
@@ -471,7 +433,7 @@ def make_trajectory(
                         mode = FLIGHT
                     if velocity != 0.0:
                         sign = math.copysign(1.0, velocity)
-                    a, driven, lift = force(t, angle, sign, gravity, body, p)
+                    a, driven, lift = force(t, angle, sign, law)
                 pull = pull_at(angle, velocity, lift, gravity, body.coupling)
                 t_base, n = t, 0
 

@@ -17,6 +17,8 @@ from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
     VELOCITY,
+    Law,
+    Method,
     Part,
     make_flight,
     prepare,
@@ -24,16 +26,17 @@ from latolato.numerics.flight import (
     write_ledger,
 )
 from latolato.numerics.pair_flight import (
-    DRIVEN,
     FORCE,
     GAIN,
     JOINT,
     LIFT,
     LOSS,
     STUCK,
+    Pair,
     V,
     X,
     make_pair_flight,
+    point_of,
     write_pair_contact,
 )
 from latolato.numerics.records import (
@@ -51,8 +54,6 @@ from latolato.numerics.records import (
     REST_HIGH,
     REST_LOW,
     SAMPLE,
-    SIGN_1,
-    SIGN_2,
     SLACK_FIRST,
     SLACK_TOTAL,
     STEPS,
@@ -80,21 +81,11 @@ def make_pair_trajectory(
     both balls and the body they form at the bottom and at the top.
     """
     flight = make_flight(acceleration, restoring, compile_part)
-    _, _, locate, leave, follow_slack = flight
+    turn, follow_slack = flight.turn, flight.follow_slack
     (
-        free_force,
-        refresh,
-        go,
-        both,
-        locate_gap,
-        leave_gap,
-        parting,
-        strike,
-        settle_signs,
-        join,
-        split,
-        joint_margin,
-    ) = make_pair_flight(flight, acceleration, restoring, compile_part)
+        free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
+        split, joint_margin,
+    ) = make_pair_flight(flight, acceleration, restoring, compile_part)  # fmt: skip
 
     def trajectory(
         state: Any,
@@ -126,7 +117,12 @@ def make_pair_trajectory(
         nonlinear = False
         for i in range(2):
             nonlinear = nonlinear or bodies[i].quadratic > 0.0 or bodies[i].coulomb > 0.0
-            prepare(tables[i], h, kicks, drifts, nodes, bodies[i].rate)
+            prepare(Method(tables[i], kicks, drifts, nodes), h, bodies[i].rate)
+        methods = (
+            Method(tables[3], kicks, drifts, nodes),
+            Method(tables[4], kicks, drifts, nodes),
+            Method(tables[5], kicks, drifts, nodes),
+        )
 
         t_base, n = state[T_BASE], counters[STEPS]
         q[0, X], q[0, V], q[1, X], q[1, V] = (
@@ -140,6 +136,11 @@ def make_pair_trajectory(
         rows, room = 0, len(contact_times) - 4
         t = t_base + n * h
         p = stretches[stretch]
+        laws = (
+            Law(g, bodies[0], p), Law(g, bodies[1], p), Law(g, bodies[2], p),
+            Law(g, bodies[3], p),
+        )  # fmt: skip
+        pair = Pair(signs, laws, methods)
         done = 0
         # Which contact the balls are just leaving: their distance from it may be rounding.
         leaving = 0.0
@@ -153,21 +154,19 @@ def make_pair_trajectory(
                 far = -1.0 if gap <= low + 1e-12 else 1.0
                 leaving = far
                 strikes = (q[0, V] - q[1, V]) * far >= 0.0
-            settle_signs(t, q, signs, g, bodies, p)
+            settle_signs(t, q, pair)
         else:
-            signs[0], signs[1] = float(counters[SIGN_1]), float(counters[SIGN_2])
-            for i in range(2):
-                refresh(i, t, q, signs[i], g, bodies[i], p)
+            settle_signs(t, q, pair)
             if mode == FLIGHT:
                 gap = q[0, X] - q[1, X]
                 leaving = -1.0 if gap <= low + 1e-12 else (1.0 if gap >= high - 1e-12 else 0.0)
 
-        while (t < stop or strikes) and done < most_steps and rows < room:
+        while strikes or (t < stop and done < most_steps and rows < room):
             done += 1
             if strikes:
                 strikes = False
                 before = (q[0, V], q[1, V])
-                impact, caught, rests = strike(far, t, q, settings, bodies, p)
+                impact, caught, rests = strike(far, t, q, settings, pair)
                 lost += impact
                 captured += caught
                 after = (q[0, V], q[1, V])
@@ -177,7 +176,7 @@ def make_pair_trajectory(
                     rows = write_pair_contact(*table_of_contacts, rows, t, kind, before, after)
                     if rests and not captures:
                         rows = write_pair_contact(*table_of_contacts, rows, t, REST, after, after)
-                settle_signs(t, q, signs, g, bodies, p)
+                settle_signs(t, q, pair)
                 leaving = far
                 if rests:
                     mode = REST_LOW if far < 0.0 else REST_HIGH
@@ -198,42 +197,22 @@ def make_pair_trajectory(
             if hs > 0.0 and mode != FLIGHT:
                 gap = low if far < 0.0 else high
                 offset = settings.offset_low if far < 0.0 else settings.offset_high
-                body, table = bodies[2 if far < 0.0 else 3], tables[5]
-                join(t, q, signs, offset, g, body, p)
-                parts, turned = False, False
-                margin = joint_margin(
-                    hs, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes, g,
-                    bodies, p,
-                )  # fmt: skip
-                if nonlinear and r[JOINT, V] * signs[JOINT] < 0.0:
-                    begin = 0.0
-                    if q[JOINT, V] == 0.0:
-                        begin = leave(
-                            VELOCITY, 0.0, -signs[JOINT], hs, t, q[JOINT, X], 0.0, q[JOINT, FORCE],
-                            q[JOINT, DRIVEN], signs[JOINT], table, kicks, drifts, nodes, g, body,
-                            p,
-                        )  # fmt: skip
-                    if q[JOINT, V] != 0.0 or begin > 0.0:
-                        hs = locate(
-                            VELOCITY, 0.0, begin, hs, 0.5 * (begin + hs), t, q[JOINT, X],
-                            q[JOINT, V], q[JOINT, FORCE], q[JOINT, DRIVEN], signs[JOINT], table,
-                            kicks, drifts, nodes, g, body, p,
-                        )  # fmt: skip
-                    margin = joint_margin(
-                        hs, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes, g,
-                        bodies, p,
-                    )  # fmt: skip
-                    turned = True
+                law = pair.laws[2] if far < 0.0 else pair.laws[3]
+                inertia = law.body.inertia
+                join(t, q, offset, law, pair)
+                parts = False
+                margin = joint_margin(hs, far, offset, gap, t, q, r, w, law, pair)
+                turned = nonlinear and r[JOINT, V] * signs[JOINT] < 0.0
+                if turned:
+                    hs = turn(hs, point_of(t, q, JOINT), signs[JOINT], methods[JOINT], law)
+                    margin = joint_margin(hs, far, offset, gap, t, q, r, w, law, pair)
                 if margin < 0.0:
                     begin, end = 0.0, hs
                     for _ in range(MOST_TRIALS):
                         s = 0.5 * (begin + end)
                         if s <= begin or s >= end:
                             break
-                        margin = joint_margin(
-                            s, far, offset, gap, t, q, r, w, signs, table, kicks, drifts, nodes,
-                            g, bodies, p,
-                        )  # fmt: skip
+                        margin = joint_margin(s, far, offset, gap, t, q, r, w, law, pair)
                         if margin < 0.0:
                             end = s
                         else:
@@ -243,20 +222,19 @@ def make_pair_trajectory(
                     reaches_goal = False
                     t_new = t + hs
                 while sample < len(sample_times) and sample_times[sample] < t_new:
-                    prepare(table, sample_times[sample] - t, kicks, drifts, nodes, body.rate)
-                    go(JOINT, t, q, r, signs[JOINT], table, g, body, p)
+                    s = sample_times[sample] - t
+                    go_by(s, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
                     split(r[JOINT, X], r[JOINT, V], offset, gap, w)
                     samples[0, sample], samples[1, sample] = w[0, X], w[0, V]
                     samples[2, sample], samples[3, sample] = w[1, X], w[1, V]
                     write_ledger(
-                        samples, sample, work + body.inertia * r[JOINT, GAIN],
-                        damped + body.inertia * r[JOINT, LOSS], lost, captured, noise, mode,
+                        samples, sample, work + inertia * r[JOINT, GAIN],
+                        damped + inertia * r[JOINT, LOSS], lost, captured, noise, mode,
                     )  # fmt: skip
                     sample += 1
-                prepare(table, hs, kicks, drifts, nodes, body.rate)
-                go(JOINT, t, q, r, signs[JOINT], table, g, body, p)
-                work += body.inertia * r[JOINT, GAIN]
-                damped += body.inertia * r[JOINT, LOSS]
+                go_by(hs, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
+                work += inertia * r[JOINT, GAIN]
+                damped += inertia * r[JOINT, LOSS]
                 split(r[JOINT, X], 0.0 if turned else r[JOINT, V], offset, gap, q)
                 if parts or turned or reaches_goal:
                     t_base, n = t_new, 0
@@ -264,7 +242,7 @@ def make_pair_trajectory(
                     n += 1
                 t = t_new
                 # Friction may have let go of both together: then they move on as one.
-                slips = signs[JOINT] == STUCK and parting(far, t, q, g, bodies, p) <= 0.0
+                slips = signs[JOINT] == STUCK and parting(far, t, q, pair) <= 0.0
                 if parts and not slips:
                     mode = FLIGHT
                     leaving = far
@@ -272,14 +250,14 @@ def make_pair_trajectory(
                     rows = write_pair_contact(
                         *table_of_contacts, rows, t, RELEASE, velocities, velocities
                     )
-                settle_signs(t, q, signs, g, bodies, p)
+                settle_signs(t, q, pair)
             elif hs > 0.0:
                 regular = not reaches_goal
                 if regular:
                     for i in range(2):
-                        go(i, t, q, r, signs[i], tables[i], g, bodies[i], p)
+                        go(i, t, q, r, signs[i], tables[i], laws[i])
                 else:
-                    both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    both(hs, t, q, r, pair)
                 gap, end_gap = q[0, X] - q[1, X], r[0, X] - r[1, X]
                 rate, end_rate = q[0, V] - q[1, V], r[0, V] - r[1, V]
                 pull, end_pull = q[0, FORCE] - q[1, FORCE], r[0, FORCE] - r[1, FORCE]
@@ -288,7 +266,7 @@ def make_pair_trajectory(
                 if near and pull * end_pull < 0.0:
                     hs *= _PARTS
                     regular, reaches_goal = False, False
-                    both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    both(hs, t, q, r, pair)
 
                 # Zeros of a velocity under drag that is not smooth there, and friction's end.
                 turning = -1
@@ -298,37 +276,24 @@ def make_pair_trajectory(
                         if signs[i] == STUCK:
                             c = bodies[i].coulomb
                             x = q[i, X]
-                            if abs(free_force(t + hs, x, g, bodies[i], p)) <= c:
+                            if abs(free_force(t + hs, x, laws[i])) <= c:
                                 continue
                             begin = 0.0
                             for _ in range(MOST_TRIALS):
                                 middle = 0.5 * (begin + s)
                                 if middle <= begin or middle >= s:
                                     break
-                                if abs(free_force(t + middle, x, g, bodies[i], p)) > c:
+                                if abs(free_force(t + middle, x, laws[i])) > c:
                                     s = middle
                                 else:
                                     begin = middle
                         elif r[i, V] * signs[i] < 0.0:
-                            begin = 0.0
-                            table = tables[3 + i]
-                            if q[i, V] == 0.0:
-                                begin = leave(
-                                    VELOCITY, 0.0, -signs[i], hs, t, q[i, X], 0.0, q[i, FORCE],
-                                    q[i, DRIVEN], signs[i], table, kicks, drifts, nodes, g,
-                                    bodies[i], p,
-                                )  # fmt: skip
-                            if q[i, V] != 0.0 or begin > 0.0:
-                                s = locate(
-                                    VELOCITY, 0.0, begin, hs, 0.5 * (begin + hs), t, q[i, X],
-                                    q[i, V], q[i, FORCE], q[i, DRIVEN], signs[i], table, kicks,
-                                    drifts, nodes, g, bodies[i], p,
-                                )  # fmt: skip
+                            s = turn(hs, point_of(t, q, i), signs[i], methods[i], laws[i])
                         else:
                             continue
                         if turning < 0 or s < hs:
                             hs, turning = s, i
-                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        both(hs, t, q, r, pair)
                     if turning >= 0:
                         regular, reaches_goal = False, False
 
@@ -346,11 +311,8 @@ def make_pair_trajectory(
                     wall, toward = high, 1.0
                 beyond = (end_gap - wall) * toward >= 0.0
                 if toward != 0.0 and not beyond:  # a valley between the ends
-                    s = locate_gap(
-                        VELOCITY, 0.0, 0.0, hs, t, q, r, signs, tables, kicks, drifts, nodes, g,
-                        bodies, p,
-                    )  # fmt: skip
-                    both(s, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                    s = locate_gap(VELOCITY, 0.0, 0.0, hs, t, q, r, pair)
+                    both(s, t, q, r, pair)
                     depth = (r[0, X] - r[1, X] - wall) * toward
                     beyond = depth > 0.0
                     if abs(depth) < 1e-9:
@@ -358,17 +320,14 @@ def make_pair_trajectory(
                     if beyond:
                         hs = s
                     else:
-                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        both(hs, t, q, r, pair)
                 hopped = False
                 if toward != 0.0 and beyond:
                     far = toward
                     regular, reaches_goal, turning = False, False, -1
                     begin = 0.0
                     if leaving == far:
-                        begin = leave_gap(
-                            wall, far, hs, t, q, r, signs, tables, kicks, drifts, nodes, g,
-                            bodies, p,
-                        )  # fmt: skip
+                        begin = leave_gap(wall, far, hs, t, q, r, pair)
                         hopped = begin == 0.0
                     strikes = True
                     if hopped:
@@ -382,17 +341,14 @@ def make_pair_trajectory(
                             mode = REST_LOW if far < 0.0 else REST_HIGH
                             if rows > 0 and contact_kinds[rows - 1] == RELEASE:
                                 rows -= 1
-                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        both(hs, t, q, r, pair)
                         if strikes:
                             change = 0.5 * (r[0, V] - r[1, V] + rate)
                             r[0, V] -= change
                             r[1, V] += change
                     else:
-                        hs = locate_gap(
-                            ANGLE, wall, begin, hs, t, q, r, signs, tables, kicks, drifts, nodes,
-                            g, bodies, p,
-                        )  # fmt: skip
-                        both(hs, t, q, r, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        hs = locate_gap(ANGLE, wall, begin, hs, t, q, r, pair)
+                        both(hs, t, q, r, pair)
                     shift = 0.5 * (r[0, X] - r[1, X] - wall)
                     r[0, X] -= shift
                     r[1, X] += shift
@@ -402,7 +358,7 @@ def make_pair_trajectory(
                 if sample < len(sample_times) and sample_times[sample] < t_new:
                     while sample < len(sample_times) and sample_times[sample] < t_new:
                         s = sample_times[sample] - t
-                        both(s, t, q, w, signs, tables, kicks, drifts, nodes, g, bodies, p)
+                        both(s, t, q, w, pair)
                         gain = loss = 0.0
                         for i in range(2):
                             samples[2 * i, sample] = w[i, X]
@@ -417,17 +373,13 @@ def make_pair_trajectory(
 
                 for i in range(2):
                     k = bodies[i].coupling
-                    smaller = min(
-                        pull_at(q[i, X], q[i, V], q[i, LIFT], g, k),
-                        pull_at(r[i, X], r[i, V], r[i, LIFT], g, k),
-                    )
+                    end_pull = pull_at(r[i, X], r[i, V], r[i, LIFT], g, k)
+                    smaller = min(end_pull, pull_at(q[i, X], q[i, V], q[i, LIFT], g, k))
                     largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
                     if signs[i] != STUCK and smaller < settings.sag * largest:
                         first, total = follow_slack(
                             state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
-                            r[i, X], r[i, V], r[i, LIFT], t, q[i, X], q[i, V], q[i, FORCE],
-                            q[i, DRIVEN], q[i, LIFT], signs[i], tables[3 + i], kicks, drifts,
-                            nodes, g, bodies[i], p,
+                            end_pull, point_of(t, q, i), signs[i], methods[i], laws[i],
                         )  # fmt: skip
                         state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i] = first, total
                     work += bodies[i].inertia * r[i, GAIN]
@@ -444,7 +396,7 @@ def make_pair_trajectory(
                 if turning >= 0:
                     q[turning, V] = 0.0
                 if turning >= 0 or hopped:
-                    settle_signs(t, q, signs, g, bodies, p)
+                    settle_signs(t, q, pair)
 
             if t >= goal and (at_stretch or at_kick) and not strikes:
                 given = False
@@ -462,6 +414,11 @@ def make_pair_trajectory(
                 if at_stretch:
                     stretch += 1
                     p = stretches[stretch]
+                    laws = (
+                        Law(g, bodies[0], p), Law(g, bodies[1], p), Law(g, bodies[2], p),
+                        Law(g, bodies[3], p),
+                    )  # fmt: skip
+                    pair = Pair(signs, laws, methods)
                 if at_kick:
                     kicked += 1
                 gap = q[0, X] - q[1, X]
@@ -476,7 +433,7 @@ def make_pair_trajectory(
                     rows = write_pair_contact(
                         *table_of_contacts, rows, t, RELEASE, velocities, velocities
                     )
-                settle_signs(t, q, signs, g, bodies, p)
+                settle_signs(t, q, pair)
                 t_base, n = t, 0
 
         if t >= stop:
@@ -494,7 +451,6 @@ def make_pair_trajectory(
         state[CAPTURED], state[NOISE] = captured, noise
         counters[MODE], counters[STRETCH], counters[SAMPLE] = mode, stretch, sample
         counters[KICKED], counters[STEPS] = kicked, n
-        counters[SIGN_1], counters[SIGN_2] = int(signs[0]), int(signs[1])
         counters[CONTACT] += rows
         counters[TOTAL_STEPS] += done
         return rows

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
-from latolato.numerics.flight import ANGLE, Flight, Part, prepare
+from latolato.numerics.flight import ANGLE, Flight, Law, Method, Part, Point, prepare
 from latolato.physics.contacts import pair_impact
 from latolato.physics.damping import drag
 from latolato.scalar import formula
@@ -41,12 +41,23 @@ def write_pair_contact(
     return row + 1
 
 
+class Pair(NamedTuple):
+    """What two balls obey: signs of ball 1, ball 2 and both as one; laws and methods likewise.
+
+    The fourth law is that of the body which both form at the top, the third at the bottom.
+    """
+
+    signs: Any
+    laws: tuple[Law, Law, Law, Law]
+    methods: tuple[Method, Method, Method]
+
+
 class PairFlight(NamedTuple):
     """The functions of two balls; see `make_pair_flight`."""
 
     free_force: Callable[..., Any]
-    refresh: Callable[..., Any]
     go: Callable[..., Any]
+    go_by: Callable[..., Any]
     both: Callable[..., Any]
     locate_gap: Callable[..., Any]
     leave_gap: Callable[..., Any]
@@ -56,6 +67,12 @@ class PairFlight(NamedTuple):
     join: Callable[..., Any]
     split: Callable[..., Any]
     joint_margin: Callable[..., Any]
+
+
+@formula
+def point_of(t: float, q: Any, row: int) -> Point:
+    """Return a row of the motion as the point of one ball."""
+    return Point(t, q[row, X], q[row, V], q[row, FORCE], q[row, DRIVEN], q[row, LIFT])
 
 
 def make_pair_flight(
@@ -73,48 +90,44 @@ def make_pair_flight(
     force, advance = flight.force, flight.advance
 
     @part
-    def free_force(t: float, angle: float, gravity: float, body: Any, p: Any) -> float:
+    def free_force(t: float, angle: float, law: Law) -> float:
         """Return the angular acceleration without drag."""
-        return -(gravity + acceleration(t, p)) * body.coupling * restoring(angle)
+        lift = acceleration(t, law.p)
+        return -(law.gravity + lift) * law.body.coupling * restoring(angle)
 
     @part
-    def refresh(row: int, t: float, q: Any, sign: float, gravity: float, body: Any, p: Any) -> None:
-        """Write the force at a point into its row."""
-        q[row, FORCE], q[row, DRIVEN], q[row, LIFT] = force(t, q[row, X], sign, gravity, body, p)
-
-    @part
-    def go(
-        row: int, t: float, q: Any, r: Any, sign: float, table: Any, gravity: float, body: Any,
-        p: Any,
-    ) -> None:  # fmt: skip
+    def go(row: int, t: float, q: Any, r: Any, sign: float, table: Any, law: Law) -> None:
         """Advance one row of `q` by a prepared step into `r`."""
         if sign == STUCK:
-            r[row, X], r[row, V], r[row, GAIN], r[row, LOSS] = q[row, X], 0.0, 0.0, 0.0
+            r[row, X] = q[row, X]
+            r[row, LIFT] = q[row, LIFT]
+            r[row, V] = r[row, FORCE] = r[row, DRIVEN] = r[row, GAIN] = r[row, LOSS] = 0.0
             return
-        x, v, gain, loss, a, driven, lift = advance(
-            t, q[row, X], q[row, V], q[row, FORCE], q[row, DRIVEN], sign, table, gravity, body, p
-        )
+        x, v, gain, loss, a, driven, lift = advance(point_of(t, q, row), sign, table, law)
         r[row, X], r[row, V], r[row, FORCE], r[row, DRIVEN] = x, v, a, driven
         r[row, LIFT], r[row, GAIN], r[row, LOSS] = lift, gain, loss
 
     @part
-    def both(
-        s: float, t: float, q: Any, r: Any, signs: Any, tables: Any, kicks: Any, drifts: Any,
-        nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> None:  # fmt: skip
-        """Advance both balls by a step of length s, with the trial tables."""
+    def go_by(
+        s: float, row: int, t: float, q: Any, r: Any, sign: float, method: Method, law: Law
+    ) -> None:
+        """Advance one row of `q` by a step of any length s into `r`."""
+        prepare(method, s, law.body.rate)
+        go(row, t, q, r, sign, method.table, law)
+
+    @part
+    def both(s: float, t: float, q: Any, r: Any, pair: Pair) -> None:
+        """Advance both balls by a step of length s."""
         for i in range(2):
-            prepare(tables[3 + i], s, kicks, drifts, nodes, bodies[i].rate)
-            go(i, t, q, r, signs[i], tables[3 + i], gravity, bodies[i], p)
+            go_by(s, i, t, q, r, pair.signs[i], pair.methods[i], pair.laws[i])
 
     @part
     def locate_gap(
-        what: int, target: float, low: float, high: float, t: float, q: Any, r: Any, signs: Any,
-        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> float:  # fmt: skip
+        what: int, target: float, low: float, high: float, t: float, q: Any, r: Any, pair: Pair
+    ) -> float:
         """Return the step length at which the separation, or its rate, reaches `target`."""
         column, next_column = (X, V) if what == ANGLE else (V, FORCE)
-        both(high, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+        both(high, t, q, r, pair)
         value = r[0, column] - r[1, column] - target
         if value == 0.0:
             return high
@@ -126,7 +139,7 @@ def make_pair_flight(
             s = 0.5 * (low + high)
         move = span
         for _ in range(MOST_TRIALS):
-            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+            both(s, t, q, r, pair)
             value = r[0, column] - r[1, column] - target
             slope = r[0, next_column] - r[1, next_column]
             if value == 0.0:
@@ -145,78 +158,76 @@ def make_pair_flight(
 
     @part
     def leave_gap(
-        target: float, far: float, high: float, t: float, q: Any, r: Any, signs: Any,
-        tables: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any, p: Any,
-    ) -> float:  # fmt: skip
+        target: float, far: float, high: float, t: float, q: Any, r: Any, pair: Pair
+    ) -> float:
         """Return a step length at which balls that start in contact are apart, or zero."""
         s = 0.5 * high
         for _ in range(50):
-            both(s, t, q, r, signs, tables, kicks, drifts, nodes, gravity, bodies, p)
+            both(s, t, q, r, pair)
             if (r[0, X] - r[1, X] - target) * far < 0.0:
                 return s
             s *= 0.5
         return 0.0
 
     @part
-    def parting(far: float, t: float, q: Any, gravity: float, bodies: Any, p: Any) -> float:
+    def parting(far: float, t: float, q: Any, pair: Pair) -> float:
         """Return the separation's acceleration away from contact at the balls' own velocities."""
         apart = 0.0
         for i in range(2):
-            pull = freed(free_force(t, q[i, X], gravity, bodies[i], p), q[i, V], bodies[i])
+            law = pair.laws[i]
+            pull = freed(free_force(t, q[i, X], law), q[i, V], law.body)
             apart += pull if i == 0 else -pull
         return -far * apart
 
     @part
     def strike(
-        far: float, t: float, q: Any, settings: Any, bodies: Any, p: Any
+        far: float, t: float, q: Any, settings: Any, pair: Pair
     ) -> tuple[float, float, bool]:
         """Let the balls collide; return impact loss, capture loss and whether rest begins.
 
         The capture speed counts for each of two mirrored balls, so twice it for the separation.
         """
-        i1, i2 = bodies[0].inertia, bodies[1].inertia
+        i1, i2 = pair.laws[0].body.inertia, pair.laws[1].body.inertia
         rate = q[0, V] - q[1, V]
-        presses = parting(far, t, q, settings.gravity, bodies, p) <= 0.0
-        reduced = 0.5 * i1 * i2 / (i1 + i2)
-        slow = settings.restitution < 1.0 and abs(rate) <= 2.0 * settings.rest_speed
-        if presses and (rate == 0.0 or slow):
-            q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
-            q[1, V] = q[0, V]
-            return 0.0, reduced * rate * rate, True
+        presses = parting(far, t, q, pair) <= 0.0
+        energy = 0.5 * i1 * i2 / (i1 + i2) * rate * rate
         e = settings.restitution
+        captures = presses and (rate == 0.0 or (e < 1.0 and abs(rate) <= 2.0 * settings.rest_speed))
+        if captures:
+            e = 0.0
         q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, e)
         if e == 0.0:
-            q[1, V] = q[0, V]
-        return reduced * rate * rate * (1.0 - e * e), 0.0, presses and e == 0.0
+            q[1, V] = q[0, V]  # equal to the last bit: they move as one from here on
+        if captures:
+            return 0.0, energy, True
+        return energy * (1.0 - e * e), 0.0, presses and e == 0.0
 
     @part
-    def settle_signs(t: float, q: Any, signs: Any, gravity: float, bodies: Any, p: Any) -> None:
-        """Give each ball the sign of its velocity, or of what sets it moving, or none."""
+    def sign_of(velocity: float, free: float, coulomb: float) -> float:
+        """Return the sign of the velocity, or of what sets the ball moving, or `STUCK`."""
+        if velocity != 0.0:
+            return math.copysign(1.0, velocity)
+        if coulomb > 0.0 and abs(free) <= coulomb:
+            return STUCK
+        return math.copysign(1.0, free)
+
+    @part
+    def settle_row(row: int, t: float, q: Any, signs: Any, law: Law) -> None:
+        """Write the sign and the force of a row."""
+        signs[row] = sign_of(q[row, V], free_force(t, q[row, X], law), law.body.coulomb)
+        q[row, FORCE], q[row, DRIVEN], q[row, LIFT] = force(t, q[row, X], signs[row], law)
+
+    @part
+    def settle_signs(t: float, q: Any, pair: Pair) -> None:
+        """Write the signs and the forces of both balls."""
         for i in range(2):
-            if q[i, V] != 0.0:
-                signs[i] = math.copysign(1.0, q[i, V])
-            else:
-                free = free_force(t, q[i, X], gravity, bodies[i], p)
-                if bodies[i].coulomb > 0.0 and abs(free) <= bodies[i].coulomb:
-                    signs[i] = STUCK
-                else:
-                    signs[i] = math.copysign(1.0, free)
-            refresh(i, t, q, signs[i], gravity, bodies[i], p)
+            settle_row(i, t, q, pair.signs, pair.laws[i])
 
     @part
-    def join(
-        t: float, q: Any, signs: Any, offset: float, gravity: float, body: Any, p: Any
-    ) -> None:
+    def join(t: float, q: Any, offset: float, law: Law, pair: Pair) -> None:
         """Make the joint row from the balls' rows."""
         q[JOINT, X], q[JOINT, V] = q[1, X] + offset, q[1, V]
-        free = free_force(t, q[JOINT, X], gravity, body, p)
-        if q[JOINT, V] != 0.0:
-            signs[JOINT] = math.copysign(1.0, q[JOINT, V])
-        elif body.coulomb > 0.0 and abs(free) <= body.coulomb:
-            signs[JOINT] = STUCK
-        else:
-            signs[JOINT] = math.copysign(1.0, free)
-        refresh(JOINT, t, q, signs[JOINT], gravity, body, p)
+        settle_row(JOINT, t, q, pair.signs, law)
 
     @part
     def split(x: float, v: float, offset: float, gap: float, q: Any) -> None:
@@ -228,27 +239,24 @@ def make_pair_flight(
     @part
     def joint_margin(
         s: float, far: float, offset: float, gap: float, t: float, q: Any, r: Any, w: Any,
-        signs: Any, table: Any, kicks: Any, drifts: Any, nodes: Any, gravity: float, bodies: Any,
-        p: Any,
+        law: Law, pair: Pair,
     ) -> float:  # fmt: skip
         """Return how far the joint motion, s later, is from its end; negative beyond it.
 
         It ends when the balls would part, or when friction no longer holds both at once.
         """
-        body = bodies[2 if far < 0.0 else 3]
-        prepare(table, s, kicks, drifts, nodes, body.rate)
-        go(JOINT, t, q, r, signs[JOINT], table, gravity, body, p)
+        go_by(s, JOINT, t, q, r, pair.signs[JOINT], pair.methods[JOINT], law)
         split(r[JOINT, X], r[JOINT, V], offset, gap, w)
-        margin = -parting(far, t + s, w, gravity, bodies, p)
-        if signs[JOINT] == STUCK:
-            slip = abs(free_force(t + s, r[JOINT, X], gravity, body, p))
-            margin = min(margin, body.coulomb - slip)
+        margin = -parting(far, t + s, w, pair)
+        if pair.signs[JOINT] == STUCK:
+            slip = abs(free_force(t + s, r[JOINT, X], law))
+            margin = min(margin, law.body.coulomb - slip)
         return margin
 
     return PairFlight(
         free_force,
-        refresh,
         go,
+        go_by,
         both,
         locate_gap,
         leave_gap,

@@ -111,7 +111,7 @@ class CrankSlider(Drive):
 
     @property
     def largest_acceleration(self) -> float:
-        """Bound of the acceleration either way [m/s^2]: its largest value over 720 phases, and a percent."""
+        """Bound of the acceleration [m/s^2]: its largest size at 720 phases, and a percent."""
         stretch = _Phase(self.drive_amplitude, 1.0, self.connecting_rod_length, self.side)
         samples = (_crank_acceleration(math.tau * i / 720.0, stretch) for i in range(720))
         return 1.01 * self.drive_frequency**2 * max(abs(a) for a in samples)
