@@ -57,6 +57,24 @@ from latolato.scalar import formula
 _PARTS = 0.25
 # How much finer than the step the search for the end of rest looks at the drive.
 _REST_FRACTION = 0.25
+# Hops lower than this are taken as parabolas [rad]: thousands of roundings of the angle, while the
+# pull changes by less than a millionth in the time.
+SMALLEST_HOP = 1e-12
+
+
+@formula
+def hop(velocity: float, pull: float, coulomb: float) -> tuple[float, float]:
+    """Return duration [s] and final speed [rad/s] of a hop too small for the angle's digits.
+
+    A parabola: up against the deceleration `pull`, which includes the friction `coulomb`, and
+    down with ``pull - 2 coulomb``. The duration is zero if the hop can be seen, or if friction
+    holds the ball at its top.
+    """
+    fall = pull - 2.0 * coulomb
+    if pull <= 0.0 or fall <= 0.0 or velocity * velocity >= 2.0 * pull * SMALLEST_HOP:
+        return 0.0, 0.0
+    back = abs(velocity) * math.sqrt(fall / pull)
+    return abs(velocity) / pull + back / fall, back
 
 
 @formula
@@ -66,11 +84,13 @@ def meet_wall(
     """Return velocity after, impact loss, capture loss (both per inertia) and whether rest begins.
 
     `outward` is the free acceleration away from the wall. Speeds up to `rest_speed` are captured
-    when restitution is below 1; elastic bounces only at exactly zero speed.
+    where bounces die out in finite time, by restitution below 1 or by Coulomb friction in flight;
+    otherwise only at exactly zero speed.
     """
     presses = outward <= coulomb
     energy = 0.5 * velocity * velocity
-    if presses and (velocity == 0.0 or (restitution < 1.0 and abs(velocity) <= rest_speed)):
+    dies_out = restitution < 1.0 or coulomb > 0.0
+    if presses and (velocity == 0.0 or (dies_out and abs(velocity) <= rest_speed)):
         return 0.0, 0.0, energy, True
     after = wall_impact(velocity, restitution)
     return after, energy - 0.5 * after * after, 0.0, presses and after == 0.0
@@ -265,6 +285,12 @@ def make_trajectory(
                 point = Point(t, angle, velocity, a, driven, lift)
                 hs, whole = h, True
                 reaches_goal = t_base + (n + 1) * h >= goal - 1e-9 * h
+                side = -1.0 if angle <= low else (1.0 if angle >= high else 0.0)
+                small, back = 0.0, 0.0
+                if velocity * side < 0.0 < a * side:
+                    small, back = hop(velocity, abs(a), body.coulomb)
+                if small >= goal - t:
+                    small = 0.0
                 if reaches_goal:
                     hs, whole = goal - t, False
                     x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
@@ -273,17 +299,23 @@ def make_trajectory(
 
                 # A step beside a wall within which the force changes sign is taken in parts.
                 reach = (abs(velocity) + abs(v)) * hs
-                if a * a1 < 0.0 and (min(angle, x) - low < reach or high - max(angle, x) < reach):
+                if (
+                    small == 0.0
+                    and a * a1 < 0.0
+                    and (min(angle, x) - low < reach or high - max(angle, x) < reach)
+                ):
                     hs, whole, reaches_goal = hs * _PARTS, False, False
                     x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
 
-                turned = nonlinear and v * sign < 0.0
+                turned = nonlinear and v * sign < 0.0 and small == 0.0
                 if turned:
                     hs, whole, reaches_goal = turn(hs, point, sign, method, law), False, False
                     x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
 
                 wall, far = 0.0, 0.0
-                if x <= low:
+                if small > 0.0:
+                    wall, far = angle, side
+                elif x <= low:
                     wall, far = low, -1.0
                 elif x >= high:
                     wall, far = high, 1.0
@@ -291,7 +323,7 @@ def make_trajectory(
                     wall, far = low, -1.0
                 elif v < 0.0 < velocity and max(angle, x) + max(velocity, -v) * hs >= high:
                     wall, far = high, 1.0
-                hit = far != 0.0 and (x - wall) * far >= 0.0
+                hit = far != 0.0 and (small > 0.0 or (x - wall) * far >= 0.0)
                 if far != 0.0 and not hit:  # a valley between the ends: look at its bottom
                     s = turn(hs, point, sign, method, law)
                     xs, vs, _, _, _, _, _ = step_by(s, point, sign, method, law)
@@ -301,28 +333,25 @@ def make_trajectory(
                         hs, x, v, hit = s, xs, vs, True
                 if hit:
                     whole, reaches_goal, turned = False, False, False
-                    begin, hops = 0.0, False
-                    if (far < 0.0 and angle <= low) or (far > 0.0 and angle >= high):
+                    begin, seen = 0.0, True
+                    if small == 0.0 and side == far:
                         begin = leave(ANGLE, wall, far, hs, point, sign, method, law)
-                        hops = begin == 0.0
-                    if not hops:
+                        seen = begin > 0.0
+                    if small > 0.0:
+                        hs, v, dw, dd = small, far * back, 0.0, 0.5 * (velocity**2 - back**2)
+                        a1, driven1, lift1 = force(t + hs, wall, sign, law)
+                    elif seen:
                         guess = hs - (x - wall) / v if v != 0.0 else 0.5 * hs
                         hs = locate(ANGLE, wall, begin, hs, guess, point, sign, method, law)
                         x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
                         v = far * abs(v)  # rounding may turn a grazing velocity round
-                    else:
-                        # The motion off the wall is below the resolution of the angle: take the
-                        # parabola's flight, or go on resting where there is no velocity.
+                    else:  # nothing moves that could be seen: go on resting
                         counters[GRAZES] += 1
-                        hit = velocity * far < 0.0 and a * far > 0.0
-                        if hit:
-                            hs, v = 2.0 * abs(velocity / a), -velocity
-                        else:
-                            hs, v = hs * _PARTS / 16.0, 0.0
-                            mode = REST_LOW if far < 0.0 else REST_HIGH
-                            if rows > 0 and contact_kinds[rows - 1] == RELEASE:
-                                rows -= 1
-                        dw = dd = 0.0
+                        hs, v, dw, dd, hit = hs * _PARTS / 16.0, 0.0, 0.0, 0.0, False
+                        captured += 0.5 * inertia * velocity * velocity
+                        mode = REST_LOW if far < 0.0 else REST_HIGH
+                        if rows > 0 and contact_kinds[rows - 1] == RELEASE:
+                            rows -= 1
                         a1, driven1, lift1 = force(t + hs, wall, sign, law)
                     x = wall
 

@@ -25,6 +25,7 @@ from latolato.numerics.flight import (
     pull_at,
     write_ledger,
 )
+from latolato.numerics.fold import hop
 from latolato.numerics.pair_flight import (
     FORCE,
     GAIN,
@@ -65,7 +66,7 @@ from latolato.numerics.records import (
     VELOCITY_2,
     WORK,
 )
-from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
 
 _PARTS = 0.25  # see `latolato.numerics.fold`
 
@@ -115,6 +116,7 @@ def make_pair_trajectory(
         q, r, w = np.zeros((3, 7)), np.zeros((3, 7)), np.zeros((3, 7))
         signs = np.zeros(3)
         nonlinear = False
+        rubs = bodies[0].coulomb > 0.0 or bodies[1].coulomb > 0.0
         for i in range(2):
             nonlinear = nonlinear or bodies[i].quadratic > 0.0 or bodies[i].coulomb > 0.0
             prepare(Method(tables[i], kicks, drifts, nodes), h, bodies[i].rate)
@@ -261,16 +263,22 @@ def make_pair_trajectory(
                 gap, end_gap = q[0, X] - q[1, X], r[0, X] - r[1, X]
                 rate, end_rate = q[0, V] - q[1, V], r[0, V] - r[1, V]
                 pull, end_pull = q[0, FORCE] - q[1, FORCE], r[0, FORCE] - r[1, FORCE]
+                small = 0.0
+                if leaving != 0.0 and rate * leaving < 0.0:
+                    small, _ = hop(rate, -parting(leaving, t, q, pair), 0.0)
+                    slowest = min(abs(q[0, V]), abs(q[1, V]))
+                    if small >= goal - t or (rubs and slowest < 100.0 * abs(rate)):
+                        small = 0.0
                 reach = (abs(rate) + abs(end_rate)) * hs
                 near = min(gap, end_gap) - low < reach or high - max(gap, end_gap) < reach
-                if near and pull * end_pull < 0.0:
+                if small == 0.0 and near and pull * end_pull < 0.0:
                     hs *= _PARTS
                     regular, reaches_goal = False, False
                     both(hs, t, q, r, pair)
 
                 # Zeros of a velocity under drag that is not smooth there, and friction's end.
                 turning = -1
-                if nonlinear:
+                if nonlinear and small == 0.0:
                     for i in range(2):
                         s = hs
                         if signs[i] == STUCK:
@@ -299,7 +307,9 @@ def make_pair_trajectory(
 
                 end_gap, end_rate = r[0, X] - r[1, X], r[0, V] - r[1, V]
                 wall, toward = 0.0, 0.0
-                if end_gap <= low:
+                if small > 0.0:
+                    wall, toward = (low, -1.0) if leaving < 0.0 else (high, 1.0)
+                elif end_gap <= low:
                     wall, toward = low, -1.0
                 elif end_gap >= high:
                     wall, toward = high, 1.0
@@ -309,7 +319,7 @@ def make_pair_trajectory(
                     end_rate < 0.0 < rate and max(gap, end_gap) + max(rate, -end_rate) * hs >= high
                 ):
                     wall, toward = high, 1.0
-                beyond = (end_gap - wall) * toward >= 0.0
+                beyond = small > 0.0 or (end_gap - wall) * toward >= 0.0
                 if toward != 0.0 and not beyond:  # a valley between the ends
                     s = locate_gap(VELOCITY, 0.0, 0.0, hs, t, q, r, pair)
                     both(s, t, q, r, pair)
@@ -321,31 +331,33 @@ def make_pair_trajectory(
                         hs = s
                     else:
                         both(hs, t, q, r, pair)
-                hopped = False
+                rests_on = False
                 if toward != 0.0 and beyond:
                     far = toward
                     regular, reaches_goal, turning = False, False, -1
                     begin = 0.0
-                    if leaving == far:
+                    if leaving == far and small == 0.0:
                         begin = leave_gap(wall, far, hs, t, q, r, pair)
-                        hopped = begin == 0.0
-                    strikes = True
-                    if hopped:
-                        # The motion off the contact is below the resolution of the angles.
-                        counters[GRAZES] += 1
-                        if rate * far < 0.0 and pull * far > 0.0:
-                            hs = 2.0 * abs(rate / pull)
-                        else:
-                            hs *= _PARTS / 16.0
-                            strikes = False
-                            mode = REST_LOW if far < 0.0 else REST_HIGH
-                            if rows > 0 and contact_kinds[rows - 1] == RELEASE:
-                                rows -= 1
+                        rests_on = begin == 0.0
+                    strikes = not rests_on
+                    if small > 0.0:
+                        hs = small
                         both(hs, t, q, r, pair)
-                        if strikes:
-                            change = 0.5 * (r[0, V] - r[1, V] + rate)
-                            r[0, V] -= change
-                            r[1, V] += change
+                        i1, i2 = bodies[0].inertia, bodies[1].inertia
+                        change = (r[0, V] - r[1, V] + rate) / (i1 + i2)
+                        r[0, V] -= change * i2
+                        r[1, V] += change * i1
+                    elif rests_on:  # nothing moves apart that could be seen: stay together
+                        counters[GRAZES] += 1
+                        hs *= _PARTS / 16.0
+                        mode = REST_LOW if far < 0.0 else REST_HIGH
+                        if rows > 0 and contact_kinds[rows - 1] == RELEASE:
+                            rows -= 1
+                        both(hs, t, q, r, pair)
+                        i1, i2 = bodies[0].inertia, bodies[1].inertia
+                        captured += 0.5 * i1 * i2 / (i1 + i2) * (r[0, V] - r[1, V]) ** 2
+                        r[0, V], _ = pair_impact(r[0, V], r[1, V], i1, i2, 0.0)
+                        r[1, V] = r[0, V]
                     else:
                         hs = locate_gap(ANGLE, wall, begin, hs, t, q, r, pair)
                         both(hs, t, q, r, pair)
@@ -392,10 +404,10 @@ def make_pair_trajectory(
                     t_base, n = t_new, 0
                 t = t_new
                 if not strikes:
-                    leaving = far if hopped else 0.0
+                    leaving = far if rests_on else 0.0
                 if turning >= 0:
                     q[turning, V] = 0.0
-                if turning >= 0 or hopped:
+                if turning >= 0 or rests_on:
                     settle_signs(t, q, pair)
 
             if t >= goal and (at_stretch or at_kick) and not strikes:

@@ -16,6 +16,8 @@ from latolato.scalar import formula
 X, V, FORCE, DRIVEN, LIFT, GAIN, LOSS = range(7)
 JOINT = 2
 STUCK = 0.0
+# Below this speed dry friction stops a ball at once [rad/s]: far less than any tolerance.
+STILL = 1e-13
 
 
 @formula
@@ -213,7 +215,9 @@ def make_pair_flight(
 
     @part
     def settle_row(row: int, t: float, q: Any, signs: Any, law: Law) -> None:
-        """Write the sign and the force of a row."""
+        """Write the sign and the force of a row; friction stops what hardly moves."""
+        if law.body.coulomb > 0.0 and abs(q[row, V]) < STILL:
+            q[row, V] = 0.0
         signs[row] = sign_of(q[row, V], free_force(t, q[row, X], law), law.body.coulomb)
         q[row, FORCE], q[row, DRIVEN], q[row, LIFT] = force(t, q[row, X], signs[row], law)
 
@@ -245,10 +249,13 @@ def make_pair_flight(
 
         It ends when the balls would part, or when friction no longer holds both at once.
         """
-        go_by(s, JOINT, t, q, r, pair.signs[JOINT], pair.methods[JOINT], law)
-        split(r[JOINT, X], r[JOINT, V], offset, gap, w)
+        sign = pair.signs[JOINT]
+        go_by(s, JOINT, t, q, r, sign, pair.methods[JOINT], law)
+        # A velocity beyond its zero belongs to the frozen sign only: friction sees it as zero.
+        seen = 0.0 if r[JOINT, V] * sign < 0.0 else r[JOINT, V]
+        split(r[JOINT, X], seen, offset, gap, w)
         margin = -parting(far, t + s, w, pair)
-        if pair.signs[JOINT] == STUCK:
+        if sign == STUCK:
             slip = abs(free_force(t + s, r[JOINT, X], law))
             margin = min(margin, law.body.coulomb - slip)
         return margin
