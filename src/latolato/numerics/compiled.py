@@ -114,16 +114,25 @@ def law_key(*laws: Callable[..., Any]) -> str:
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 
 
-def compile_part(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return `function` compiled as a part of a kernel (never cached alone)."""
-    compiled: Callable[..., Any] = numba.njit(**_OPTIONS)(function)
-    return compiled
+def compile_kernel(
+    make: Callable[..., Callable[..., Any]], name: str, *laws: Callable[..., Any]
+) -> Callable[..., Any]:
+    """Return the kernel that `make` folds from laws, compiled, with a disk cache.
 
+    ``make(*laws, compile_part)`` compiles its parts by the function it is given. Every part gets a
+    name of its own kernel: libraries that two processes compiled may be loaded by a third, and
+    parts of one name would be taken for each other there.
+    """
+    key = f"{name}:{law_key(*laws)}"
+    suffix = hashlib.sha256(key.encode()).hexdigest()[:16]
 
-def compile_kernel(function: Callable[..., Any], key: str) -> Callable[..., Any]:
-    """Return `function` compiled with the disk cache under `key`."""
-    dispatcher: Any = numba.njit(**_OPTIONS)(function)
+    def compile_part(function: Callable[..., Any]) -> Any:
+        function.__qualname__ = f"{function.__qualname__}_{suffix}"
+        return numba.njit(**_OPTIONS)(function)
+
+    function = make(*laws, compile_part)
+    dispatcher = compile_part(function)
     with contextlib.suppress(OSError):  # a read-only home: compile in every process
-        dispatcher._cache = _KernelCache(function, f"{function.__qualname__}:{key}")
+        dispatcher._cache = _KernelCache(function, key)
     compiled: Callable[..., Any] = dispatcher
     return compiled

@@ -126,9 +126,9 @@ def kernel(name: str, *laws: Callable[..., float], compiled: bool = True) -> Cal
     make = _maker(name)
     if not compiled:
         return make(*laws)
-    from latolato.numerics.compiled import compile_kernel, compile_part, law_key
+    from latolato.numerics.compiled import compile_kernel
 
-    return compile_kernel(make(*laws, compile_part), law_key(*laws))
+    return compile_kernel(make, name, *laws)
 
 
 def integrate(
