@@ -1,0 +1,224 @@
+"""Fig. 3a and b: resonance at 6 rad/s and none at 5.9 rad/s, on two very different scales."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis.closed_forms import mathieu_growth_rate, mathieu_tongue_edges
+from latolato.figures import measure, paper, style
+from latolato.figures.cases import Residuals, instants, quantity, stack, variable
+from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.physics.drives import Harmonic
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+TITLE = "On either side of the edge of resonance"
+CAPTION = (
+    "The pendulum of Fig. 2 with two driving frequencies. (a) Resonance at 6 rad/s; the dot marks "
+    "the largest angle. (b) Decay at 5.9 rad/s. The vertical scale of (b) is a thousandth of that "
+    "of (a), as in the paper, whose scales differ as much. The paper's panels (c) and (d) are "
+    "maps and are not part of this figure yet."
+)
+DURATION = 300.0  # s
+RESONANT, QUIET, TWICE = "resonant", "quiet", "twice"
+FREQUENCIES = {
+    RESONANT: paper.RESONANT_FREQUENCY,
+    QUIET: paper.QUIET_FREQUENCY,
+    TWICE: paper.DRIVE.drive_frequency,  # Fig. 2, for comparison
+}
+
+STATEMENTS = (
+    Statement(
+        name="resonance-at-6",
+        where="Fig. 3a, b",
+        words=(
+            "(a) Parametric resonance occurs with driving frequency ω = 6 rad/s. (b) Non-resonant "
+            "case with ω = 5.9 rad/s"
+        ),
+        printed=(
+            Limit("largest_resonant", "largest angle at 6 rad/s", low=1.0, unit="rad"),
+            Limit("growth_quiet", "growth rate at 5.9 rad/s", high=0.0, unit="1/s"),
+            Limit(
+                "last_quiet",
+                "largest angle of the last 20 s at 5.9 rad/s, over the first",
+                high=0.1,
+            ),
+        ),
+        finding=(
+            "At 6 rad/s the angle reaches {largest_resonant:.4f} rad after "
+            "{largest_resonant_time:.1f} s; at 5.9 rad/s it decays to {last_quiet:.1e} of its "
+            "start."
+        ),
+        why=(
+            "6 rad/s lies inside the primary tongue of eq14 (growth rate {growth_resonant:.4f} "
+            "1/s), 5.9 rad/s outside ({growth_quiet:.4f} 1/s)."
+        ),
+    ),
+    Statement(
+        name="scales-of-3ab",
+        where="Fig. 3, caption",
+        words="Note the order-of-magnitude difference in vertical scales between (a) and (b)",
+        printed=(Limit("scale_ratio", "largest angle of (a) over that of (b)", low=10.0),),
+        finding="The largest angles differ by a factor of {scale_ratio:.0f}.",
+        why="It is three orders of magnitude: (b) never exceeds the angle it starts from.",
+    ),
+    Statement(
+        name="more-growth-at-1.92",
+        where="text after Fig. 2",
+        words="identified a more significant amplitude growth at ω = 1.92 ω0",
+        printed=(Limit("gain", "largest angle at 6 rad/s over that of Fig. 2", low=1.1),),
+        finding=(
+            "The largest angle is {largest_resonant:.3f} rad at 6 rad/s and {largest_twice:.3f} "
+            "rad at 6.26 rad/s."
+        ),
+        why=(
+            "It grows further but more slowly ({growth_resonant:.4f} against {growth_twice:.4f} "
+            "1/s): a pendulum softens with its swing, so a slower drive stays in step longer."
+        ),
+    ),
+    Statement(
+        name="edge-1.92",
+        where="text after Fig. 2",
+        words=(
+            "When the ratio ω/ω0 decreases below 1.92, the amplitude undergoes significant "
+            "attenuation"
+        ),
+        printed=(Limit("edge", "lower edge of the tongue, ω/ω0", 1.915, 1.925),),
+        assumed=(
+            Limit("edge_above_quiet", "edge minus the ratio of Fig. 3b", low=0.0),
+            Limit("edge_below_resonant", "ratio of Fig. 3a minus edge", low=0.0),
+        ),
+        assumption="1.92 is the rounded ratio of the sample at 6 rad/s, not the edge itself.",
+        finding=(
+            "The edge is at ω/ω0 = {edge:.6f} (without damping {edge_undamped:.6f}); the samples "
+            "at 5.9 and 6 rad/s are at {ratio_quiet:.4f} and {ratio_resonant:.4f}."
+        ),
+        why=(
+            "A zero of Hill's determinant; runs of eq14 a thousandth below and above it change by "
+            "{rate_below:.5f} and {rate_above:+.5f} 1/s. The two samples bracket it."
+        ),
+    ),
+)
+
+
+def data(quick: bool = False) -> xr.Dataset:
+    """Return the angles at three frequencies, and eq14's growth close to the edge."""
+    from latolato.simulate import simulate
+
+    system, amplitude = paper.PENDULUM, paper.DRIVE.drive_amplitude
+    body = paper.body(system)
+    # The same instants for all, so that they fit into one dataset.
+    times = instants(DURATION, paper.DRIVE.drive_frequency)
+    runs = {
+        label: simulate(
+            system,
+            Harmonic(drive_amplitude=amplitude, drive_frequency=frequency),
+            initial_angle=paper.SMALL_ANGLE,
+            times=times,
+        )
+        for label, frequency in FREQUENCIES.items()
+    }
+    dataset = stack(runs, title=TITLE, keep=("angle", "angular_velocity"))
+    frequencies = list(FREQUENCIES.values())
+    rates = mathieu_growth_rate(drive_amplitude=amplitude, drive_frequency=frequencies, **body)
+    edge, _ = mathieu_tongue_edges(drive_amplitude=amplitude, **body)
+    undamped, _ = mathieu_tongue_edges(drive_amplitude=amplitude, length=system.length)
+    beside = np.array([edge - 1e-3, edge + 1e-3])
+    residuals = Residuals()
+    dataset = dataset.assign(
+        drive_frequency=quantity("drive_frequency", "case", frequencies),
+        growth_rate=quantity("growth_rate", "case", rates),
+        tongue_edge=quantity("frequency_ratio", "damped", [edge, undamped]),
+        ratio_beside_edge=quantity("frequency_ratio", "side", beside),
+        rate_beside_edge=quantity(
+            "growth_rate", "side", [_linear_rate(ratio, residuals) for ratio in beside]
+        ),
+    )
+    return dataset.assign(residuals.variables()).assign_coords(
+        damped=variable("damped", [1, 0], units="1", long_name="with damping"),
+        side=variable("side", [-1, 1], units="1", long_name="side of the edge"),
+    )
+
+
+def _linear_rate(ratio: float, residuals: Residuals) -> float:
+    """Return the growth rate of eq14 at a frequency ratio, from a run [1/s]."""
+    from latolato.simulate import simulate
+
+    frequency = ratio * paper.LINEAR.natural_frequency
+    times = instants(DURATION, frequency, per_period=1)
+    run = simulate(
+        paper.LINEAR,
+        Harmonic(drive_amplitude=paper.DRIVE.drive_amplitude, drive_frequency=frequency),
+        initial_angle=paper.SMALL_ANGLE,
+        times=times,
+    )
+    rate, _ = measure.growth_per_period(
+        times,
+        residuals.of(run).angle.values,
+        samples_per_period=1,
+        first=DURATION / 2,
+        last=DURATION,
+    )
+    return rate
+
+
+def numbers(dataset: xr.Dataset) -> Numbers:
+    """Return the numbers that Fig. 3's statements need."""
+    time = dataset.time.values
+    found: dict[str, float] = {}
+    for case in FREQUENCIES:
+        chosen = dataset.sel(case=case)
+        when, sizes = measure.peaks(time, chosen.angle.values, chosen.angular_velocity.values)
+        start = abs(float(chosen.angle[0]))
+        top = int(np.argmax(sizes))
+        found[f"largest_{case}"] = max(float(sizes[top]), start)
+        found[f"largest_{case}_time"] = float(when[top])
+        found[f"last_{case}"] = float(sizes[when > DURATION - 20.0].max()) / start
+        found[f"growth_{case}"] = float(chosen.growth_rate)
+        found[f"ratio_{case}"] = float(chosen.drive_frequency) / paper.PENDULUM.natural_frequency
+    edge, undamped = (float(value) for value in dataset.tongue_edge)
+    below, above = (float(value) for value in dataset.rate_beside_edge)
+    return found | {
+        "scale_ratio": found["largest_resonant"] / found["largest_quiet"],
+        "gain": found["largest_resonant"] / found["largest_twice"],
+        "edge": edge,
+        "edge_undamped": undamped,
+        "edge_above_quiet": edge - found["ratio_quiet"],
+        "edge_below_resonant": found["ratio_resonant"] - edge,
+        "rate_below": below,
+        "rate_above": above,
+    }
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the figure with panels (a) and (b)."""
+    figure, axes = style.new_figure(2, 1, sharex=True, height=3.8)
+    (a,), (b,) = axes
+    time = dataset.time.values
+    angle = dataset.angle
+    resonant, quiet = angle.sel(case=RESONANT), angle.sel(case=QUIET)
+    a.plot(time, resonant, color=style.BLUE, lw=style.THIN)
+    when, sizes = measure.peaks(
+        time, resonant.values, dataset.angular_velocity.sel(case=RESONANT).values
+    )
+    top = int(np.argmax(sizes))
+    a.plot(when[top], sizes[top], "o", ms=2.6, color=style.RED, clip_on=False)
+    style.note(a, f"{sizes[top]:.3f} rad", (when[top], sizes[top]), (5, 3))
+    style.degree_axis(a, spacing=45)
+    a.set_ylabel(style.label(angle, short=True))
+    b.plot(time, 1e3 * quiet, color=style.GREEN, lw=style.THIN)
+    b.set_ylabel(style.label(angle, short=True).replace("[rad]", "[mrad]"))
+    for panel, letter, case in ((a, "a", RESONANT), (b, "b", QUIET)):
+        frequency = float(dataset.drive_frequency.sel(case=case))
+        ratio = frequency / paper.PENDULUM.natural_frequency
+        style.panel_title(
+            panel, letter, rf"$\omega$ = {frequency:g} rad/s, $\omega/\omega_0$ = {ratio:.4f}"
+        )
+        panel.set_xlim(0.0, DURATION)
+    b.set_xlabel(style.label(dataset.time))
+    return figure

@@ -1,0 +1,178 @@
+"""The reproduction report: every claim with its verdict, every figure with its data, one page."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from latolato.figures.claim import Claim, Verdict
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+# Shapes beside the words, so that no verdict is told by colour alone.
+SHAPES = {Verdict.REPRODUCED: "●", Verdict.ASSUMED: "△", Verdict.NOT_AS_PRINTED: "✕"}
+_COLOURS = {
+    Verdict.REPRODUCED: "green",
+    Verdict.ASSUMED: "yellow",
+    Verdict.NOT_AS_PRINTED: "red",
+}
+INDEX = "index.html"
+DPI, QUICK_DPI = 200, 150
+# Shares of the work, for the progress: computing, drawing.
+_COMPUTED = 0.8
+
+
+@dataclass(frozen=True)
+class Result:
+    """What `reproduce` wrote; may be used where a path of the report is wanted.
+
+    Attributes
+    ----------
+    index : Path
+        The report, ``index.html``.
+    claims : tuple of Claim
+        All judged claims, in the order of the report.
+    """
+
+    index: Path
+    claims: tuple[Claim, ...]
+
+    def __fspath__(self) -> str:
+        return os.fspath(self.index)
+
+
+def reproduce(
+    folder: str | Path,
+    *,
+    quick: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Write figures, their data and a report on the paper's claims into a folder.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Made if it does not exist. Files of an earlier report are replaced when everything is
+        ready; other files are left alone.
+    quick : bool
+        Compute scans with fewer points and draw at a lower resolution.
+    progress : callable, optional
+        Called with the fraction done, from 0 to 1.
+
+    Returns
+    -------
+    Result
+        The path of ``index.html`` and the claims.
+
+    Raises
+    ------
+    NotADirectoryError
+        If `folder` is a file.
+    OSError
+        If the folder cannot be written.
+
+    Notes
+    -----
+    Written are ``index.html`` (self-contained: it shows without a network and without the other
+    files), for each figure ``figNN.png``, ``figNN.svg`` and ``figNN.nc``, and a ``text_*.nc`` for
+    each set of runs behind claims without a figure. An interrupted call leaves an earlier report
+    as it was.
+    """
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"'{folder}' is a file; name a folder for the report")
+    tell = progress or (lambda fraction: None)
+    tell(0.0)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = folder.with_name(f".{folder.name}.{os.getpid()}.{secrets.token_hex(3)}")
+    unfinished.mkdir()
+    try:
+        claims = _write(unfinished, quick, tell)
+        if not folder.exists():
+            os.replace(unfinished, folder)
+        else:
+            # The page last: until then it describes the files that it was made with.
+            names = sorted(os.listdir(unfinished), key=lambda name: (name == INDEX, name))
+            for name in names:
+                os.replace(unfinished / name, folder / name)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+    tell(1.0)
+    return Result(folder / INDEX, claims)
+
+
+def _write(folder: Path, quick: bool, tell: Callable[[float], None]) -> tuple[Claim, ...]:
+    """Compute, draw and write everything into an empty folder and return the claims."""
+    from latolato.figures import catalogue, style
+    from latolato.files import save
+    from latolato.report.page import Part, render
+
+    modules = catalogue.evidence()
+    pictures = catalogue.figures()
+    parts = []
+    for done, (name, module) in enumerate(modules.items()):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RuntimeWarning)
+            dataset = module.data(quick=quick)
+        tell((done + _COMPUTED) / len(modules))
+        caption = None
+        if name in pictures:
+            picture = pictures[name]
+            caption = picture.CAPTION
+            figure = picture.draw(dataset)
+            for suffix in (".png", ".svg"):
+                path = folder / f"{name}{suffix}"
+                style.save_figure(figure, path, dpi=QUICK_DPI if quick else DPI)
+        save(dataset, folder / f"{name}.nc")
+        parts.append(
+            Part(
+                name=name,
+                title=module.TITLE,
+                caption=caption,
+                dataset=dataset,
+                claims=tuple(catalogue.judge(module, dataset)),
+                warnings=tuple(dict.fromkeys(str(found.message) for found in caught)),
+            )
+        )
+        tell((done + 1.0) / len(modules))
+    page = render(parts, folder, quick=quick)
+    (folder / INDEX).write_text(page, encoding="utf-8")
+    return tuple(claim for part in parts for claim in part.claims)
+
+
+def claims_table(claims: Sequence[Claim]) -> Table:
+    """Return the claims as a table for the terminal."""
+    from rich.box import SIMPLE
+    from rich.markup import escape
+    from rich.table import Table
+    from rich.text import Text
+
+    counts = ", ".join(
+        f"{sum(claim.verdict is verdict for claim in claims)} {verdict.value}"
+        for verdict in Verdict
+    )
+    table = Table(title="The paper's claims", caption=counts, box=SIMPLE, expand=True)
+    table.add_column("where", ratio=3)
+    table.add_column("verdict", ratio=3)
+    table.add_column("what an accurate calculation gives", ratio=10)
+    for claim in claims:
+        verdict = Text(f"{SHAPES[claim.verdict]} {claim.verdict.value}")
+        verdict.stylize(_COLOURS[claim.verdict])
+        table.add_row(escape(claim.where), verdict, escape(claim.finding))
+    return table
+
+
+def print_claims(result: Result) -> None:
+    """Print the claims' table and the path of the report."""
+    from rich.console import Console
+
+    console = Console()
+    console.print(claims_table(result.claims))
+    console.print(f"report: {result.index}", soft_wrap=True, highlight=False, markup=False)

@@ -1,0 +1,438 @@
+"""The report's page: one HTML file with everything in it, readable on paper and on a phone."""
+
+from __future__ import annotations
+
+import base64
+import json
+import platform
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+from latolato.figures.claim import Claim, Verdict
+from latolato.figures.style import pretty_unit
+from latolato.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TITLE = "Parametric resonance of the Lato Lato 2.0, recalculated"
+LIBRARIES = ("latolato", "numpy", "scipy", "numba", "xarray", "matplotlib")
+# Left out of tables of parameters: what changes no number, and zeros of what is rarely used.
+_UNTOLD = ("frame",)
+_OFTEN_ZERO = ("quadratic_damping", "coulomb_damping", "drive_phase", "initial_angular_velocity")
+_CLASSES = {Verdict.REPRODUCED: "yes", Verdict.ASSUMED: "part", Verdict.NOT_AS_PRINTED: "no"}
+
+# Claims that need more than single runs: where, the paper's words, and what decides them. A row
+# leaves the list when a statement of its name exists.
+DEFERRED = (
+    (
+        "map-free",
+        "Fig. 3c, d",
+        "boundaries between stable and unstable regions; narrow band at ω/ω0 = 1 in the energy, "
+        "absent in the crossings; left boundary more distinct than the right",
+        "maps of the single pendulum",
+    ),
+    (
+        "map-damping",
+        "text on Fig. 3",
+        "the influence of C can be neglected when only growth is asked for",
+        "maps with and without damping",
+    ),
+    (
+        "map-pair",
+        "Fig. 5",
+        "same structure, blurred; secondary region gone; larger driving amplitude needed",
+        "maps of the colliding pair",
+    ),
+    (
+        "fig7-fit",
+        "Figs. 7, 10",
+        "damping coefficients from measured decays",
+        "fits to videos or tables of measurements",
+    ),
+    ("fig8-measured", "Fig. 8a", "agreement with the measured curve", "the measured curve"),
+    (
+        "fig9",
+        "Fig. 9",
+        "experimental boundaries match; angles below 45° are rare",
+        "a map of the single pendulum and the trials",
+    ),
+    (
+        "fig11",
+        "Fig. 11",
+        "peaks between 2.2 and 2.6, steeper on the left, moving left with the amplitude",
+        "sweeps of the pair over its start, and the trials",
+    ),
+    (
+        "time-crystal",
+        "Abstract, Conclusions",
+        "a response like a discrete time crystal",
+        "maps of the response period, and lifetimes under noise",
+    ),
+)
+
+# Slips that change no number but make a reader stumble.
+ERRATA = (
+    "“(eq11)” in the text on Fig. 2 and in the supplement's Nonlinear phenomena means eq14, the "
+    "small-angle equation; eq11 is the impact law.",
+    "The line before eq7 lacks factors of l; eq7 and eq10 are right. C has the unit kg m/s: the "
+    "drag force is -Cθ', its torque -Clθ'.",
+    "The excitation strength of eq15 is \N{GREEK SMALL LETTER GAMMA} = A0ω²/(2g). In the standard "
+    "form above it a = (2ω0/ω)² and b = 2A0/l, which does not depend on the frequency. The signs "
+    "of eq14 and eq15 agree.",
+    "“Power law” in the captions of Figs. 7 and 10 means the exponential of eq13.",
+    "Potential energy in Fig. 6 must be counted from the lowest point; eq2 counts it from the "
+    "pivot.",
+    "The conservation law of an impact is that of angular momentum about the pivot; it holds for "
+    "every coefficient of restitution.",
+    "Energies, works and losses of the mirror-symmetric pair are per ball here; the pair has "
+    "twice that.",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One module's share of the report; `caption` is None for text without a picture."""
+
+    name: str
+    title: str
+    caption: str | None
+    dataset: xr.Dataset
+    claims: tuple[Claim, ...]
+    warnings: tuple[str, ...]
+
+
+def render(parts: Sequence[Part], folder: Path, *, quick: bool) -> str:
+    """Return the page; pictures are read from `folder` and embedded."""
+    from latolato.citation import PAPER_AUTHORS, PAPER_TITLE, cite
+
+    claims = [claim for part in parts for claim in part.claims]
+    template = Template(files("latolato.report").joinpath("report.html").read_text("utf-8"))
+    sections = ("claims", "later", "figures", "errata", "method", "rerun", "cite")
+    names = ("Claims", "Still open", "Figures", "Slips", "Method", "Compute again", "Cite")
+    contents = "".join(
+        f'<li><a href="#{section}">{name}</a></li>'
+        for section, name in zip(sections, names, strict=True)
+    )
+    kind = "A quick run: some scans have fewer points." if quick else "A full run."
+    return template.substitute(
+        title=_text(TITLE),
+        version=escape(version("latolato")),
+        lead=_text(
+            f"What {PAPER_AUTHORS[0]} and others, “{PAPER_TITLE}”, state about a driven "
+            "pendulum and a colliding pair of pendulums, beside what an accurate calculation "
+            "gives. Every number is computed by the program that wrote this page; every verdict "
+            "follows from the numbers and the limits shown with them."
+        ),
+        meta=_text(
+            f"latolato {version('latolato')}, {datetime.now(UTC):%Y-%m-%d}. {kind} "
+            "SI units; angles from the downward vertical; g = 9.8 m/s² as in the paper."
+        ),
+        tally=_tally(claims),
+        contents=contents,
+        claims_note=_text(
+            "A claim is reproduced if all its limits hold for what the paper prints, reproduced "
+            "with an assumption if they hold once something unprinted is assumed, and else not as "
+            "printed. ✓ and ✗ mark limits that held and did not."
+        ),
+        claims=_claims(claims),
+        deferred=_deferred({claim.name for claim in claims}),
+        figures="".join(_figure(part, folder) for part in parts if part.caption is not None),
+        errata=_list(ERRATA),
+        method=_method(parts),
+        rerun=_rerun(parts),
+        cite=escape(cite()),
+        footer=_text(
+            f"Written by latolato {version('latolato')}. This file holds everything it shows; the "
+            "pictures and data beside it are for further use."
+        ),
+    )
+
+
+def _text(text: str) -> str:
+    """Return escaped text with subscripts, minus signs and powers of ten set."""
+    minus = "\N{MINUS SIGN}"
+    text = escape(text, quote=False)
+    text = re.sub(r"\b0(?:\.0+)?e[+-]00\b", "0", text)
+    text = re.sub(r"(?<![\w.])1e([+-])0*(\d+)\b", r"10<sup>\1\2</sup>", text)
+    times = "\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}"
+    text = re.sub(r"(\d)e([+-])0*(\d+)\b", rf"\1{times}10<sup>\2\3</sup>", text)
+    text = text.replace("<sup>-", f"<sup>{minus}").replace("<sup>+", "<sup>")
+    text = re.sub(r"(?<![A-Za-z_&#])(A|y)([0-9])(?![0-9A-Za-z_])", r"\1<sub>\2</sub>", text)
+    text = re.sub(r"ω([0-9])(?![0-9]|\.[0-9])", r"ω<sub>\1</sub>", text)
+    text = re.sub(r"θ(min|max)", r"θ<sub>\1</sub>", text).replace("m_rod", "m<sub>rod</sub>")
+    # A hyphen before a number or between spaces is a minus.
+    return re.sub(r"(?<![\w.>-])-(?=\d|[A-Zm]l? ?\w)|(?<= )-(?= )", minus, text)
+
+
+def _list(items: Iterable[str]) -> str:
+    """Return an unordered list of plain texts."""
+    return "<ul>" + "".join(f"<li>{_text(item)}</li>" for item in items) + "</ul>"
+
+
+def _shape(verdict: Verdict) -> str:
+    """Return the shape that stands for a verdict."""
+    name = f"#shape-{_CLASSES[verdict]}"
+    return f'<svg class="shape" aria-hidden="true"><use href="{name}"/></svg>'
+
+
+def _tally(claims: Sequence[Claim]) -> str:
+    """Return how many claims met each verdict."""
+    items = []
+    for verdict in Verdict:
+        count = sum(claim.verdict is verdict for claim in claims)
+        items.append(
+            f'<li class="{_CLASSES[verdict]}"><b>{count}</b>{_shape(verdict)} '
+            f"{escape(verdict.value)}</li>"
+        )
+    return f'<ul class="tally">{"".join(items)}</ul>'
+
+
+def _claims(claims: Sequence[Claim]) -> str:
+    """Return the table of claims."""
+    rows = "".join(_claim(claim) for claim in claims)
+    heads = ("Verdict", "The paper's words", "What we find", "Why")
+    return f'<table class="claims">{_head(heads)}<tbody>{rows}</tbody></table>'
+
+
+def _head(names: Iterable[str]) -> str:
+    """Return the head of a table."""
+    cells = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
+    return f"<thead><tr>{cells}</tr></thead>"
+
+
+def _claim(claim: Claim) -> str:
+    """Return one row of the table of claims."""
+    verdict = escape(claim.verdict.value)
+    badge = (
+        f'<span class="badge {_CLASSES[claim.verdict]}">{_shape(claim.verdict)}'
+        f"<span>{verdict}</span></span>"
+    )
+    criteria = "".join(_criterion(text, held) for text, held in claim.criteria)
+    cells = (
+        f'<td class="place">{badge}<span class="where">{_text(claim.where)}</span></td>',
+        f'<td class="quote" data-label="The paper\'s words"><q>{_text(claim.words)}</q></td>',
+        f'<td data-label="What we find">{_text(claim.finding)}',
+        f'<ul class="criteria">{criteria}</ul></td>',
+        f'<td data-label="Why">{_assumed([claim.assumption])}',
+        f'<p class="why">{_text(claim.why)}</p></td>',
+    )
+    return f'<tr id="{_anchor(claim)}">{"".join(cells)}</tr>'
+
+
+def _criterion(text: str, held: bool) -> str:
+    """Return one number beside its limit."""
+    kind, mark, spoken = ("held", "✓", "held") if held else ("failed", "✗", "did not hold")
+    sign = f'<span class="mark" role="img" aria-label="{spoken}">{mark}</span>'
+    return f'<li class="{kind}">{sign}{_text(text)}</li>'
+
+
+def _assumed(assumptions: Iterable[str]) -> str:
+    """Return a paragraph for each different assumption."""
+    return "".join(
+        f'<p class="assumed"><b>Assumed:</b> {_text(text)}</p>'
+        for text in dict.fromkeys(assumptions)
+        if text
+    )
+
+
+def _anchor(claim: Claim) -> str:
+    """Return the identifier of a claim's row."""
+    return "claim-" + re.sub(r"[^a-z0-9]+", "-", claim.name.lower())
+
+
+def _deferred(judged: set[str]) -> str:
+    """Return the list of claims that later work decides."""
+    rows = "".join(
+        f"<li><b>{_text(where)}</b>: {_text(words)}. <i>Needs {_text(needs)}.</i></li>"
+        for name, where, words, needs in DEFERRED
+        if name not in judged
+    )
+    return f"<ul>{rows}</ul>"
+
+
+def _figure(part: Part, folder: Path) -> str:
+    """Return one figure with its caption, parameters and files."""
+    picture = base64.b64encode((folder / f"{part.name}.png").read_bytes()).decode("ascii")
+    number = part.name.removeprefix("fig").lstrip("0")
+    source = f"data:image/png;base64,{picture}"
+    links = ", ".join(
+        f'<a href="{part.name}{suffix}">{part.name}{suffix}</a>'
+        for suffix in (".png", ".svg", ".nc")
+    )
+    judged = ", ".join(
+        f'<a href="#{_anchor(claim)}">{_text(claim.name.replace("-", " "))}</a> '
+        f"({escape(claim.verdict.value)})"
+        for claim in part.claims
+    )
+    pieces = (
+        f'<figure class="plate" id="{part.name}"><div class="paper">',
+        f'<img alt="Figure {number}: {escape(part.title)}" src="{source}"></div><figcaption>',
+        f"<h3>Figure {number}. {_text(part.title)}</h3><p>{_text(part.caption or '')}</p>",
+        _assumed(claim.assumption for claim in part.claims),
+        f'<p class="meta">Claims: {judged or "none"}. {_ledger_sentence(part.dataset)}</p>',
+        f"<details><summary>Parameters</summary>{_parameters(part.dataset)}</details>",
+        f'<p class="files">Files beside this page: {links}</p></figcaption></figure>',
+    )
+    return "".join(pieces)
+
+
+def _scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the runs' parameters as flat dictionaries."""
+    if "scenario" not in dataset:
+        return []
+    found = []
+    for text in dataset.scenario.values:
+        flat: dict[str, Any] = {}
+        for part, entries in json.loads(str(text)).items():
+            for name, value in entries.items():
+                flat[f"{part} kind" if name == "kind" else name] = value
+        found.append(flat)
+    return found
+
+
+def _parameters(dataset: xr.Dataset) -> str:
+    """Return the table of parameters: one value each, or the values over the runs."""
+    runs = _scenarios(dataset)
+    rows = []
+    if not runs:
+        scalars = [
+            (str(name), dataset[name]) for name in dataset.data_vars if not dataset[name].dims
+        ]
+        rows = [(name, [value.item()]) for name, value in scalars]
+    else:
+        names = dict.fromkeys(name for run in runs for name in run)
+        for name in names:
+            values = list(dict.fromkeys(json.dumps(run.get(name)) for run in runs))
+            if name not in _UNTOLD and not (name in _OFTEN_ZERO and set(values) <= {"0.0", "null"}):
+                rows.append((name, [json.loads(value) for value in values]))
+    body = "".join(_parameter(name, values) for name, values in rows)
+    head = _head(("parameter", "value"))
+    return f'<div class="scroll"><table class="numbers">{head}<tbody>{body}</tbody></table></div>'
+
+
+def _parameter(name: str, values: list[Any]) -> str:
+    """Return one row of the table of parameters."""
+    return (
+        f'<tr><th scope="row">{_text(_meaning(name))}</th>'
+        f"<td>{_text(_values(name, values))}</td></tr>"
+    )
+
+
+def _meaning(name: str) -> str:
+    """Return what a parameter is."""
+    return QUANTITIES[name].long_name if name in QUANTITIES else name.replace("_", " ")
+
+
+def _values(name: str, values: list[Any]) -> str:
+    """Return the values of a parameter with their unit, a range where there are many."""
+    unit = pretty_unit(QUANTITIES[name].unit) if name in QUANTITIES else ""
+    unit = "" if unit in ("", "1") else f" {unit}"
+    known = [value for value in values if value is not None]
+    if len(known) > 8 and all(isinstance(value, (int, float)) for value in known):
+        return f"{len(known)} values from {min(known):.6g} to {max(known):.6g}{unit}"
+    if len(known) > 8:
+        return f"{_value(known[0])} … {_value(known[-1])}{unit} ({len(known)} values)"
+    return ", ".join(_value(value) for value in known) + unit
+
+
+def _value(value: Any) -> str:
+    """Return one value as text."""
+    if isinstance(value, float):
+        return f"{value:.8g}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(each) for each in value) + "]"
+    return str(value)
+
+
+def _ledger(dataset: xr.Dataset) -> tuple[int, float]:
+    """Return the number of exact runs and the worst residual of their energy ledgers, relative."""
+    if "energy_residual" not in dataset:
+        return 0, 0.0
+    exact = [run.get("contact") != "clamp" for run in _scenarios(dataset)]
+    relative = (dataset.energy_residual / dataset.largest_energy).values[exact]
+    count, worst = len(relative), float(relative.max())
+    if "scan_runs" in dataset:
+        count += int(dataset.scan_runs)
+        worst = max(worst, float(dataset.scan_residual))
+    return count, worst
+
+
+def _ledger_sentence(dataset: xr.Dataset) -> str:
+    """Return how well the energy ledger closes, in words."""
+    count, worst = _ledger(dataset)
+    if count == 0:
+        return "Nothing is integrated here."
+    runs = "The run's" if count == 1 else f"Of {count} runs the worst"
+    return _text(f"{runs} energy ledger closes to {worst:.0e} of the largest energy.")
+
+
+def _method(parts: Sequence[Part]) -> str:
+    """Return how the numbers were made, with each part's residuals and the versions."""
+    rows = []
+    for part in parts:
+        count, worst = _ledger(part.dataset)
+        if count == 0:
+            continue
+        runs = _scenarios(part.dataset)
+        tolerances = sorted({run["tolerance"] for run in runs})
+        steps = part.dataset.step.values
+        contacts = int((part.dataset.bottom_contacts + part.dataset.top_contacts).sum())
+        cells = (
+            part.name,
+            part.title,
+            str(count),
+            ", ".join(f"{tolerance:.0e}" for tolerance in tolerances),
+            " to ".join(dict.fromkeys(f"{1e3 * step:.3g}" for step in (steps.min(), steps.max()))),
+            f"{contacts:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
+            f"{worst:.0e}",
+        )
+        rows.append("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
+    heads = ("part", "", "exact runs", "tolerance [rad]", "step [ms]", "contacts", "worst residual")
+    versions = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    told = [f"{part.name}: {text}" for part in parts for text in part.warnings]
+    return (
+        "<p>"
+        + _text(
+            "Runs use a symmetric splitting method of sixth order with fixed steps; contacts are "
+            "located on the solution itself, and a pair at rest stays at rest until the pivot "
+            "falls faster than gravity. The residual is the largest error of E(t) - E(0) - work + "
+            "losses, where work and losses are integrals of their own, over the largest energy of "
+            "the run; runs with the clamp artefact are left out, for it breaks the ledger. Growth "
+            "rates, edges and thresholds of eq14 come from Hill's determinant and are checked by "
+            "runs."
+        )
+        + f'</p><div class="scroll"><table class="numbers">{_head(heads)}'
+        + f"<tbody>{''.join(rows)}</tbody></table></div>"
+        + (f"<p>Warnings of the runs:</p>{_list(told)}" if told else "")
+        + f'<p class="meta">{_text(f"Python {platform.python_version()}, {versions}.")}</p>'
+    )
+
+
+def _rerun(parts: Sequence[Part]) -> str:
+    """Return how to make the report, one figure and one run again."""
+    drawn = [part for part in parts if part.caption is not None]
+    example = next((part.name for part in drawn if _scenarios(part.dataset)), drawn[0].name)
+    code = (
+        f"from latolato.figures import {example}\n"
+        "from latolato.figures.style import save_figure\n\n"
+        f"dataset = {example}.data()          # an xarray.Dataset, also in {example}.nc\n"
+        f'save_figure({example}.draw(dataset), "{example}.svg")'
+    )
+    return (
+        "<p>The whole report, then one figure:</p><pre>latolato reproduce</pre>"
+        f"<pre>{escape(code)}</pre><p>"
+        + _text(
+            "Each data file holds, for each of its runs, the scenario as JSON: system, drive, "
+            "start."
+        )
+        + "</p>"
+    )

@@ -1,0 +1,108 @@
+"""Verdicts follow from numbers and limits, on either side of each limit of each statement."""
+
+import math
+
+import pytest
+
+from latolato.figures import catalogue
+from latolato.figures.claim import Limit, Statement, Verdict
+
+STATEMENTS = {s.name: s for module in catalogue.evidence().values() for s in module.STATEMENTS}
+
+
+PRINTED = [s for s in STATEMENTS.values() if s.printed]
+ASSUMED = [s for s in STATEMENTS.values() if s.assumed]
+
+
+def each(statements):
+    """A test for each statement, called by its name."""
+    return pytest.mark.parametrize("statement", statements, ids=lambda s: s.name)
+
+
+def inside(limits):
+    """A value for each number that keeps all limits on it."""
+    values = {}
+    for name in {limit.number for limit in limits}:
+        low = max(limit.low for limit in limits if limit.number == name)
+        high = min(limit.high for limit in limits if limit.number == name)
+        assert low <= high, f"the limits on {name} contradict each other"
+        if low == -math.inf:
+            values[name] = high
+        elif high == math.inf:
+            values[name] = low
+        else:
+            values[name] = 0.5 * (low + high)
+    return values
+
+
+def outside(limit):
+    """Values just beyond each finite end of a limit."""
+    ends = []
+    if limit.low > -math.inf:
+        ends.append(math.nextafter(limit.low, -math.inf))
+    if limit.high < math.inf:
+        ends.append(math.nextafter(limit.high, math.inf))
+    return ends
+
+
+@each(STATEMENTS.values())
+def test_each_limit_has_two_sides(statement):
+    for limit in statement.limits:
+        assert outside(limit), f"{limit.number} is not limited"
+        for value in outside(limit):
+            assert not limit.holds({limit.number: value})
+        for end in (limit.low, limit.high):
+            if math.isfinite(end):
+                assert limit.holds({limit.number: end})
+        assert not limit.holds({limit.number: math.nan})
+
+
+@each(PRINTED)
+def test_a_statement_is_reproduced_only_if_all_printed_limits_hold(statement):
+    numbers = inside(statement.printed)
+    others = {limit.number: math.nan for limit in statement.assumed} | numbers
+    assert statement.verdict(others) is Verdict.REPRODUCED
+    for limit in statement.printed:
+        for value in outside(limit):
+            assert statement.verdict(others | {limit.number: value}) is Verdict.NOT_AS_PRINTED
+
+
+@each(ASSUMED)
+def test_a_statement_needs_its_assumption_if_only_the_assumed_limits_hold(statement):
+    numbers = {limit.number: math.nan for limit in statement.printed} | inside(statement.assumed)
+    assert statement.verdict(numbers) is Verdict.ASSUMED
+    for limit in statement.assumed:
+        for value in outside(limit):
+            assert statement.verdict(numbers | {limit.number: value}) is Verdict.NOT_AS_PRINTED
+
+
+def test_a_statement_without_limits_is_refused():
+    with pytest.raises(ValueError, match="needs at least one limit"):
+        Statement(name="empty", where="", words="", finding="", why="")
+
+
+@pytest.mark.parametrize("assumption, assumed", [("so", ()), ("", (Limit("x", "x", low=0.0),))])
+def test_assumption_and_assumed_limits_come_together(assumption, assumed):
+    with pytest.raises(ValueError, match="both assumed limits and an assumption"):
+        Statement(
+            name="half",
+            where="",
+            words="",
+            finding="",
+            why="",
+            printed=(Limit("x", "x", low=0.0),),
+            assumed=assumed,
+            assumption=assumption,
+        )
+
+
+@pytest.mark.parametrize(
+    "limit, text",
+    [
+        (Limit("x", "size", high=0.01), "size: 0.5 (at most 0.01)"),
+        (Limit("x", "size", low=3.0, unit="rad"), "size: 0.5 rad (at least 3 rad)"),
+        (Limit("x", "size", 1.0, 2.0, "m/s^2"), "size: 0.5 m/s² (1 to 2 m/s²)"),
+    ],
+)
+def test_a_limit_is_reported_beside_its_number(limit, text):
+    assert limit.report({"x": 0.5}) == text

@@ -1,0 +1,210 @@
+"""The report: complete, self-contained, well-formed, and never half-written."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from latolato import report
+from latolato.figures import catalogue
+from latolato.figures.claim import Verdict
+from latolato.report import page
+
+VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}
+
+
+class Reader(HTMLParser):
+    """Collects identifiers and addresses, and checks that tags are closed in order."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.ids, self.links, self.sources, self.text = [], [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.ids += [values["id"]] if "id" in values else []
+        self.links += [values["href"]] if "href" in values else []
+        self.sources += [values[key] for key in ("src", "srcset", "data") if key in values]
+        assert tag not in ("script", "iframe", "link", "object"), f"<{tag}> may load something"
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    told = []
+    folder = tmp_path_factory.mktemp("report") / "out"
+    result = report.reproduce(folder, quick=True, progress=told.append)
+    return result, told
+
+
+@pytest.fixture(scope="module")
+def read(made):
+    reader = Reader()
+    reader.feed(made[0].index.read_text(encoding="utf-8"))
+    reader.close()
+    return reader
+
+
+@pytest.fixture
+def one_figure(monkeypatch):
+    """Only the drawing of the model, which needs no run."""
+    only = {"fig01": catalogue.figures()["fig01"]}
+    monkeypatch.setattr(catalogue, "figures", lambda: only)
+    monkeypatch.setattr(catalogue, "evidence", lambda: only)
+
+
+def test_all_files_are_written(made):
+    folder = made[0].index.parent
+    expected = {"index.html"} | {f"{name}.nc" for name in catalogue.evidence()}
+    expected |= {f"{name}{s}" for name in catalogue.figures() for s in (".png", ".svg")}
+    assert {path.name for path in folder.iterdir()} == expected
+    assert {path.name for path in folder.parent.iterdir()} == {folder.name}
+
+
+def test_the_result_holds_index_and_claims(made):
+    result = made[0]
+    names = [s.name for module in catalogue.evidence().values() for s in module.STATEMENTS]
+    assert result.index.name == "index.html"
+    assert [claim.name for claim in result.claims] == names
+    assert Path(result) == result.index
+
+
+def test_progress_rises_from_zero_to_one(made):
+    told = made[1]
+    assert told[0] == 0.0
+    assert told[-1] == 1.0
+    assert np.all(np.diff(told) >= 0.0)
+
+
+def test_the_page_is_well_formed(read):
+    assert read.open == []
+    assert len(read.ids) == len(set(read.ids))
+
+
+def test_the_page_is_self_contained(made, read):
+    assert read.sources
+    assert all(source.startswith("data:image/png;base64,") for source in read.sources)
+    inner = {f"#{name}" for name in read.ids}
+    beside = {path.name for path in made[0].index.parent.iterdir()}
+    for link in read.links:
+        assert link in inner or link in beside, f"{link} leads out of the report"
+    text = made[0].index.read_text(encoding="utf-8")
+    assert not re.search(r"url\(|@import", text)
+    assert "$" not in "".join(read.text)  # no placeholder is left
+
+
+def test_every_claim_is_on_the_page_with_its_verdict_in_words(made, read):
+    text = re.sub(r"\s+", " ", " ".join(read.text))
+    assert len([name for name in read.ids if name.startswith("claim-")]) == len(made[0].claims)
+    for verdict in Verdict:
+        assert text.count(verdict.value) >= sum(c.verdict is verdict for c in made[0].claims)
+    for claim in made[0].claims:
+        assert claim.where.split(",")[0] in text
+
+
+def test_nothing_of_the_machine_is_on_the_page(made):
+    text = made[0].index.read_text(encoding="utf-8")
+    for secret in (str(made[0].index.parent), "/home/", "/root/", "/tmp/"):
+        assert secret not in text
+
+
+def test_open_claims_are_listed_until_they_are_judged():
+    names = [row[0] for row in page.DEFERRED]
+    everything = page._deferred(set())
+    assert everything.count("<li>") == len(names)
+    assert page._deferred({names[0]}).count("<li>") == len(names) - 1
+
+
+@pytest.mark.parametrize(
+    "text, html",
+    [
+        ("ω0 and 2ω0/n, ω/ω0.", "ω<sub>0</sub> and 2ω<sub>0</sub>/n, ω/ω<sub>0</sub>."),
+        ("A0ω²/g, y0, ω1²", "A<sub>0</sub>ω²/g, y<sub>0</sub>, ω<sub>1</sub>²"),
+        ("A0 = -0.5 m", "A<sub>0</sub> = \N{MINUS SIGN}0.5 m"),
+        ("-Cθ', E - U", "\N{MINUS SIGN}Cθ', E \N{MINUS SIGN} U"),
+        ("0-40 s, θ-t curve, self-start", "0-40 s, θ-t curve, self-start"),
+        ("at most 1e-09 rad", "at most 10<sup>\N{MINUS SIGN}9</sup> rad"),
+        ("0e+00 or 1e+16", "0 or 10<sup>16</sup>"),
+        ("<b> & c", "&lt;b&gt; &amp; c"),
+    ],
+)
+def test_symbols_are_set(text, html):
+    assert page._text(text) == html
+
+
+def test_small_factors_keep_their_digits():
+    assert page._text("7.3e-14").replace("\N{NO-BREAK SPACE}", " ") == (
+        "7.3 \N{MULTIPLICATION SIGN} 10<sup>\N{MINUS SIGN}14</sup>"
+    )
+
+
+def test_a_failed_report_leaves_an_earlier_one_as_it_was(one_figure, tmp_path, monkeypatch):
+    folder = tmp_path / "out"
+    report.reproduce(folder, quick=True)
+    (folder / "notes.txt").write_text("mine")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+
+    def fails(*_, **__):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(page, "render", fails)
+    with pytest.raises(OSError, match="disk full"):
+        report.reproduce(folder, quick=True)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_second_report_replaces_the_first_and_keeps_other_files(one_figure, tmp_path):
+    folder = tmp_path / "deep" / "out"
+    report.reproduce(folder, quick=True)
+    (folder / "notes.txt").write_text("mine")
+    (folder / "fig01.png").write_bytes(b"old")
+    report.reproduce(folder, quick=True)
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert (folder / "fig01.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_file_in_the_way_is_refused(tmp_path):
+    target = tmp_path / "out"
+    target.write_text("mine")
+    with pytest.raises(NotADirectoryError, match="name a folder"):
+        report.reproduce(target, quick=True)
+    assert target.read_text() == "mine"
+
+
+def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path, monkeypatch):
+    import warnings
+
+    module = catalogue.figures()["fig01"]
+    original = module.data
+
+    def data(quick=False):
+        warnings.warn("the ledger is open", RuntimeWarning, stacklevel=2)
+        return original(quick)
+
+    monkeypatch.setattr(module, "data", data)
+    result = report.reproduce(tmp_path / "out", quick=True)
+    assert "the ledger is open" in result.index.read_text(encoding="utf-8")
+
+
+def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
+    report.print_claims(made[0])
+    shown = capsys.readouterr().out
+    assert str(made[0].index) in shown.replace("\n", "")
+    for verdict in Verdict:
+        count = sum(claim.verdict is verdict for claim in made[0].claims)
+        assert shown.count(report.SHAPES[verdict]) == count
