@@ -24,6 +24,16 @@ KICK, REACH, OFFSET = 0, 1, 2
 ANGLE, VELOCITY = 0, 1
 
 
+@formula
+def slack_share(left: float, right: float) -> float:
+    """Return the share of a short interval in which a nearly linear tension is negative."""
+    if left < 0.0 and right < 0.0:
+        return 1.0
+    if left >= 0.0 and right >= 0.0:
+        return 0.0
+    return min(left, right) / (min(left, right) - max(left, right))
+
+
 class Point(NamedTuple):
     """A point of one ball's motion, with what `force` returns there."""
 

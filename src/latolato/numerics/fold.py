@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from latolato.numerics.bounce import hop, meet_wall
 from latolato.numerics.flight import (
     ANGLE,
     Law,
@@ -49,51 +50,12 @@ from latolato.numerics.records import (
     VELOCITY_1,
     WORK,
 )
-from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, wall_impact
-from latolato.scalar import formula
+from latolato.numerics.rest import make_resting
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 
 # A step is cut here when the acceleration changes sign beside a wall, so that a dip in between
 # is seen by one of its parts.
 _PARTS = 0.25
-# How much finer than the step the search for the end of rest looks at the drive.
-_REST_FRACTION = 0.25
-# Hops lower than this are taken as parabolas [rad]: thousands of roundings of the angle, while the
-# pull changes by less than a millionth in the time.
-SMALLEST_HOP = 1e-12
-
-
-@formula
-def hop(velocity: float, pull: float, coulomb: float) -> tuple[float, float]:
-    """Return duration [s] and final speed [rad/s] of a hop too small for the angle's digits.
-
-    A parabola: up against the deceleration `pull`, which includes the friction `coulomb`, and
-    down with ``pull - 2 coulomb``. The duration is zero if the hop can be seen, or if friction
-    holds the ball at its top.
-    """
-    fall = pull - 2.0 * coulomb
-    if pull <= 0.0 or fall <= 0.0 or velocity * velocity >= 2.0 * pull * SMALLEST_HOP:
-        return 0.0, 0.0
-    back = abs(velocity) * math.sqrt(fall / pull)
-    return abs(velocity) / pull + back / fall, back
-
-
-@formula
-def meet_wall(
-    velocity: float, outward: float, restitution: float, rest_speed: float, coulomb: float
-) -> tuple[float, float, float, bool]:
-    """Return velocity after, impact loss, capture loss (both per inertia) and whether rest begins.
-
-    `outward` is the free acceleration away from the wall. Speeds up to `rest_speed` are captured
-    where bounces die out in finite time, by restitution below 1 or by Coulomb friction in flight;
-    otherwise only at exactly zero speed.
-    """
-    presses = outward <= coulomb
-    energy = 0.5 * velocity * velocity
-    dies_out = restitution < 1.0 or coulomb > 0.0
-    if presses and (velocity == 0.0 or (dies_out and abs(velocity) <= rest_speed)):
-        return 0.0, 0.0, energy, True
-    after = wall_impact(velocity, restitution)
-    return after, energy - 0.5 * after * after, 0.0, presses and after == 0.0
 
 
 def make_trajectory(
@@ -107,79 +69,10 @@ def make_trajectory(
     and returns the number of contact rows written. It stops at `stop`, after `most_steps` steps
     or when the contact table is full, and can be called again to go on.
     """
-    part: Part = compile_part or (lambda function: function)
     force, advance, step_by, locate, leave, turn, follow_slack = make_flight(
         acceleration, restoring, compile_part
     )
-
-    @part
-    def hold(mode: int, t: float, pull: float, gravity: float, coulomb: float, p: Any) -> float:
-        """Return how far [rad/s^2] the ball is from leaving rest; negative once it leaves."""
-        free = -(gravity + acceleration(t, p)) * pull
-        if mode == REST_LOW:
-            return coulomb - free
-        if mode == REST_HIGH:
-            return coulomb + free
-        return coulomb - abs(free)
-
-    @part
-    def find_release(
-        mode: int, t: float, goal: float, angle: float, settings: Any, body: Any, p: Any
-    ) -> float:
-        """Return the first instant in [t, goal] at which rest ends, or infinity.
-
-        The hold is sampled four times a step; a dip between samples is followed to its bottom.
-        """
-        gravity, coulomb = settings.gravity, body.coulomb
-        pull = body.coupling * restoring(angle)
-        if hold(mode, t, pull, gravity, coulomb, p) < 0.0:
-            return t
-        if mode == REST_LOW and settings.lift_bound <= gravity:
-            return math.inf
-        if mode == STUCK and (gravity + settings.lift_bound) * abs(pull) <= coulomb:
-            return math.inf
-        dt = settings.step * _REST_FRACTION
-        count = math.ceil((goal - t) / dt)
-        older, old, old_t = math.inf, hold(mode, t, pull, gravity, coulomb, p), t
-        for i in range(1, count + 1):
-            now_t = min(t + i * dt, goal)
-            now = hold(mode, now_t, pull, gravity, coulomb, p)
-            high = now_t
-            if now >= 0.0:
-                # The parabola through three samples tells how deep a dip between them can be.
-                dips = i > 1 and older >= old <= now and older + now > 2.0 * old
-                if dips:
-                    bottom = old - 0.125 * (now - older) ** 2 / (older - 2.0 * old + now)
-                    dips = bottom <= 0.02 * (now + older)
-                if not dips:
-                    older, old, old_t = old, now, now_t
-                    continue
-                a, b = old_t - dt, now_t  # golden section for the bottom of the dip
-                for _ in range(80):
-                    left, right = a + 0.382 * (b - a), a + 0.618 * (b - a)
-                    if hold(mode, left, pull, gravity, coulomb, p) < hold(
-                        mode, right, pull, gravity, coulomb, p
-                    ):
-                        b = right
-                    else:
-                        a = left
-                high = 0.5 * (a + b)
-                if hold(mode, high, pull, gravity, coulomb, p) >= 0.0:
-                    older, old, old_t = old, now, now_t
-                    continue
-                low = old_t - dt
-            else:
-                low = old_t
-            for _ in range(200):  # bisection to neighbouring doubles
-                middle = 0.5 * (low + high)
-                if middle <= low or middle >= high:
-                    break
-                if hold(mode, middle, pull, gravity, coulomb, p) < 0.0:
-                    high = middle
-                else:
-                    low = middle
-            return high
-        return math.inf
+    find_release, held_slack = make_resting(acceleration, restoring, compile_part)
 
     def trajectory(
         state: Any,
@@ -270,6 +163,10 @@ def make_trajectory(
                     samples[0, sample], samples[1, sample] = angle, 0.0
                     write_ledger(samples, sample, work, damped, lost, captured, noise, mode)
                     sample += 1
+                if follows_tension:
+                    state[SLACK_FIRST], state[SLACK_TOTAL] = held_slack(
+                        state[SLACK_FIRST], state[SLACK_TOTAL], t, until, angle, settings, law
+                    )
                 t_base, n, t = until, 0, until
                 if release <= goal:
                     if mode == STUCK:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
@@ -25,7 +26,6 @@ from latolato.numerics.flight import (
     pull_at,
     write_ledger,
 )
-from latolato.numerics.fold import hop
 from latolato.numerics.pair_flight import (
     FORCE,
     GAIN,
@@ -36,6 +36,7 @@ from latolato.numerics.pair_flight import (
     Pair,
     V,
     X,
+    add_slack,
     make_pair_flight,
     point_of,
     write_pair_contact,
@@ -85,7 +86,7 @@ def make_pair_trajectory(
     turn, follow_slack = flight.turn, flight.follow_slack
     (
         free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
-        split, joint_margin,
+        split, joint_margin, joint_pulls,
     ) = make_pair_flight(flight, acceleration, restoring, compile_part)  # fmt: skip
 
     def trajectory(
@@ -237,7 +238,11 @@ def make_pair_trajectory(
                 go_by(hs, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
                 work += inertia * r[JOINT, GAIN]
                 damped += inertia * r[JOINT, LOSS]
+                begin_1, begin_2 = joint_pulls(t, q, gap, pair)
                 split(r[JOINT, X], 0.0 if turned else r[JOINT, V], offset, gap, q)
+                end_1, end_2 = joint_pulls(t_new, q, gap, pair)
+                add_slack(state, 0, begin_1, end_1, t, t_new)
+                add_slack(state, 1, begin_2, end_2, t, t_new)
                 if parts or turned or reaches_goal:
                     t_base, n = t_new, 0
                 else:
@@ -388,7 +393,13 @@ def make_pair_trajectory(
                     end_pull = pull_at(r[i, X], r[i, V], r[i, LIFT], g, k)
                     smaller = min(end_pull, pull_at(q[i, X], q[i, V], q[i, LIFT], g, k))
                     largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
-                    if signs[i] != STUCK and smaller < settings.sag * largest:
+                    if signs[i] == STUCK:
+                        lift = acceleration(t_new, laws[i].p)
+                        begin_pull = pull_at(q[i, X], 0.0, q[i, LIFT], g, k)
+                        end_pull = pull_at(q[i, X], 0.0, lift, g, k)
+                        r[i, LIFT] = lift
+                        add_slack(state, i, begin_pull, end_pull, t, t_new)
+                    elif smaller < settings.sag * largest:
                         first, total = follow_slack(
                             state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
                             end_pull, point_of(t, q, i), signs[i], methods[i], laws[i],

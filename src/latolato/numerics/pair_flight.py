@@ -7,9 +7,21 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
-from latolato.numerics.flight import ANGLE, Flight, Law, Method, Part, Point, prepare
+from latolato.numerics.flight import (
+    ANGLE,
+    Flight,
+    Law,
+    Method,
+    Part,
+    Point,
+    prepare,
+    pull_at,
+    slack_share,
+)
+from latolato.numerics.records import SLACK_FIRST, SLACK_TOTAL
 from latolato.physics.contacts import pair_impact
 from latolato.physics.damping import drag
+from latolato.physics.pair import contact_torque, radial_push
 from latolato.scalar import formula
 
 # Columns of a point of the motion and of a step's result; rows are ball 1, ball 2, both as one.
@@ -43,6 +55,15 @@ def write_pair_contact(
     return row + 1
 
 
+@formula
+def add_slack(state: Any, ball: int, left: float, right: float, t: float, end: float) -> None:
+    """Add the slack of an interval in which the tension is nearly linear."""
+    share = slack_share(left, right)
+    state[SLACK_TOTAL + 2 * ball] += share * (end - t)
+    if share > 0.0 and math.isnan(state[SLACK_FIRST + 2 * ball]):
+        state[SLACK_FIRST + 2 * ball] = t if left < 0.0 else end - share * (end - t)
+
+
 class Pair(NamedTuple):
     """What two balls obey: signs of ball 1, ball 2 and both as one; laws and methods likewise.
 
@@ -69,6 +90,7 @@ class PairFlight(NamedTuple):
     join: Callable[..., Any]
     split: Callable[..., Any]
     joint_margin: Callable[..., Any]
+    joint_pulls: Callable[..., Any]
 
 
 @formula
@@ -260,6 +282,25 @@ def make_pair_flight(
             margin = min(margin, law.body.coulomb - slip)
         return margin
 
+    @part
+    def joint_pulls(t: float, q: Any, gap: float, pair: Pair) -> tuple[float, float]:
+        """Return both tensions in lasting contact, each over mass and length."""
+        one, two = pair.laws[0], pair.laws[1]
+        lift = acceleration(t, one.p)
+        torque = contact_torque(
+            freed(free_force(t, q[0, X], one), q[0, V], one.body),
+            freed(free_force(t, q[1, X], two), q[1, V], two.body),
+            one.body.inertia,
+            two.body.inertia,
+        )
+        l1, l2 = 1.0 / one.body.coupling, 1.0 / two.body.coupling
+        push_1 = radial_push(torque, l1, l2, gap) * l1 / one.body.inertia
+        push_2 = radial_push(torque, l2, l1, gap) * l2 / two.body.inertia
+        return (
+            pull_at(q[0, X], q[0, V], lift, one.gravity, one.body.coupling) + push_1,
+            pull_at(q[1, X], q[1, V], lift, two.gravity, two.body.coupling) + push_2,
+        )
+
     return PairFlight(
         free_force,
         go,
@@ -273,4 +314,5 @@ def make_pair_flight(
         join,
         split,
         joint_margin,
+        joint_pulls,
     )

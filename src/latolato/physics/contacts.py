@@ -76,8 +76,9 @@ def contact_separation(right: Any, left: Any) -> float:
             f"for lengths {l1:g} and {l2:g}"
         )
     separation = 2.0 * math.asin(sine)
-    short = right if l1 <= l2 else left
-    half_width = math.asin(short.radius / short.length)
+    # A rod passes beside a ball at its own length or above: of equal rods either may hit.
+    met = [b for b in (right, left) if b.length <= min(l1, l2)]
+    half_width = max(math.asin(b.radius / b.length) for b in met)
     # Equal balls have half_width = separation / 2: only truly unequal ones can fail here.
     if half_width > separation:
         raise ValueError(
