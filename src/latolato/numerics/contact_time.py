@@ -11,8 +11,8 @@ MOST_TRIALS = 120
 @formula
 def next_trial(
     s: float, value: float, slope: float, low: float, high: float, last_move: float
-) -> float:
-    """Return the next trial point of a search for value(s) = 0 between `low` and `high`.
+) -> tuple[float, bool]:
+    """Return the next trial of a search for value(s) = 0 in a bracket, and whether it is Newton's.
 
     Newton's step, or the middle of the bracket where Newton would leave it or halves the last
     move too slowly (Numerical Recipes' safeguard).
@@ -21,8 +21,8 @@ def next_trial(
         move = value / slope
         trial = s - move
         if low < trial < high and abs(2.0 * move) < abs(last_move):
-            return trial
-    return 0.5 * (low + high)
+            return trial, True
+    return 0.5 * (low + high), False
 
 
 @formula

@@ -226,10 +226,12 @@ def make_flight(
                 high = s
             else:
                 low = s
-            trial = next_trial(s, value, slope, low, high, move)
+            trial, newton = next_trial(s, value, slope, low, high, move)
             move = trial - s
             s = trial
-            if high - low <= 4e-16 * span or is_located(move, slope, curvature, span):
+            if newton and is_located(move, slope, curvature, span):
+                return s
+            if high - low <= 4e-16 * span:
                 return s
         return s
 

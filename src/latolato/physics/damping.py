@@ -50,7 +50,8 @@ def drift(
     quadratic : float
         c2 = quadratic_damping/(mass length) [1].
     """
-    slowed = velocity * (1.0 - rate * reach)
+    # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
+    slowed = velocity - velocity * (rate * reach)
     if quadratic == 0.0:
         return velocity * reach, slowed
     stretch = quadratic * sign * velocity * reach
