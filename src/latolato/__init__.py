@@ -5,7 +5,7 @@ Quantities are in SI units and radians; angles are measured from the downward ve
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from latolato.physics.contacts import Clamp, Exact, NoContact
 from latolato.physics.drives import (
@@ -27,8 +27,24 @@ from latolato.physics.pendulum import (
 )
 from latolato.simulate import simulate
 
+if TYPE_CHECKING:
+    from latolato.citation import cite
+    from latolato.figures.animate import animate
+    from latolato.figures.run import plot
+    from latolato.files import load, save
+    from latolato.scenario import Scenario, load_scenario, scenarios
+
 # Names that are imported on first use, with the module they live in.
-_LATE: dict[str, str] = {}
+_LATE: dict[str, str] = {
+    "Scenario": "latolato.scenario",
+    "animate": "latolato.figures.animate",
+    "cite": "latolato.citation",
+    "load": "latolato.files",
+    "load_scenario": "latolato.scenario",
+    "plot": "latolato.figures.run",
+    "save": "latolato.files",
+    "scenarios": "latolato.scenario",
+}
 
 __all__ = [
     "Ball",
@@ -44,9 +60,17 @@ __all__ = [
     "MeasuredPivot",
     "NoContact",
     "Pendulum",
+    "Scenario",
     "Static",
     "VelocityKicks",
+    "animate",
+    "cite",
     "equivalent_pendulum",
+    "load",
+    "load_scenario",
+    "plot",
+    "save",
+    "scenarios",
     "simulate",
 ]
 

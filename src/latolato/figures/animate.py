@@ -1,0 +1,336 @@
+"""Animations of a run: pivot, rods and balls to scale, beside the curves with a moving cursor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.run import ball_angles
+from latolato.files import atomic_path, check_folder, check_suffix
+from latolato.quantities import Range
+from latolato.registry import checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Pixels = NDArray[np.uint8]
+
+SUFFIXES = (".mp4", ".gif")
+# Width and height [pixel]; video codecs need even numbers.
+SIZES = {".mp4": (960, 540), ".gif": (640, 360)}
+# More frames than this are refused: nobody would watch them.
+MOST_FRAMES = 100_000
+FRAME_RATES = Range(low=1.0, high=100.0)
+SPEEDS = Range(low=0.0, high=1e6, open_low=True)
+_ALMOST_WHITE = 246
+# Palette entry of a GIF that leaves a pixel as it was.
+_UNCHANGED = 255
+# A ball of unknown or zero radius is drawn with this share of the length.
+_SHOWN_RADIUS = 0.04
+# Length of the zoomed curve, in natural periods.
+_WINDOW = 8.0
+
+
+def animate(
+    run: xr.Dataset,
+    path: str | Path,
+    *,
+    speed: float = 1.0,
+    fps: float = 30.0,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write an animation of a run as MP4 or GIF by suffix and return the path.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What `latolato.simulate` or `latolato.load` returned.
+    path : str or Path
+        A name ending in ``.mp4`` (needs the extra `video`) or ``.gif``.
+    speed : float
+        How much faster than reality it plays.
+    fps : float
+        Frames per second, in [1, 100]; a GIF rounds the time of a frame to 10 ms.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Raises
+    ------
+    ValueError
+        For an unknown suffix, a number out of range or more than 100000 frames.
+    ModuleNotFoundError
+        For MP4 without the extra `video`.
+    OSError
+        If the file cannot be written; nothing is left of it.
+    """
+    path = Path(path)
+    check_target(path, speed, fps)
+    suffix = path.suffix.lower()
+    pause = 1 / Fraction(fps)
+    if suffix == ".gif":
+        pause = Fraction(max(2, round(100 * pause)), 100)  # s; most viewers slow down below 20 ms
+    write = _write_gif if suffix == ".gif" else _write_mp4
+    frames = _frames(run, SIZES[suffix], float(pause) * speed, f"speed {speed:g}", progress)
+    with atomic_path(path) as unfinished:
+        write(frames, SIZES[suffix], pause, unfinished)
+    return path
+
+
+def check_target(path: str | Path, speed: float, fps: float) -> None:
+    """Raise unless `animate` can do this: a known suffix, its extra, a folder, numbers in range."""
+    checked_number("speed", speed, SPEEDS, "times reality")
+    checked_number("fps", fps, FRAME_RATES, "frames per second")
+    if check_suffix(path, SUFFIXES, "the name of an animation") == ".mp4":
+        _av()
+    check_folder(Path(path))
+
+
+def _frames(
+    run: xr.Dataset,
+    size: tuple[int, int],
+    step: float,
+    note: str,
+    progress: Callable[[float], None] | None,
+) -> Iterator[Pixels]:
+    """Yield the pictures, shape (height, width, 4), every `step` seconds of the run.
+
+    The array is the same one each time: use it before asking for the next.
+    """
+    if "angle" not in run or "time" not in run.dims:
+        raise ValueError("animate needs a run: a dataset with angle over time")
+    finite = np.isfinite(next(iter(ball_angles(run).values())))
+    run = run.isel(time=slice(0, int(np.count_nonzero(finite))))
+    span = float(run["time"][-1] - run["time"][0])
+    count = math.floor(span / step) + 1
+    if count > MOST_FRAMES:
+        raise ValueError(
+            f"the animation would have {count} frames, more than {MOST_FRAMES}; "
+            f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or lower fps"
+        )
+    instants = float(run["time"][0]) + step * np.arange(count)
+    with style.use_style():
+        scene = Scene(run, size, note)
+        for i, instant in enumerate(instants.tolist()):
+            yield scene.picture(instant)
+            if progress is not None and (i % 16 == 15 or i == count - 1):
+                progress((i + 1) / count)
+
+
+class Scene:
+    """A picture of which only the moving parts are drawn again.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        The run, without NaN.
+    size : tuple of int
+        Width and height [pixel].
+    note : str
+        How fast it plays.
+    """
+
+    def __init__(self, run: xr.Dataset, size: tuple[int, int], note: str) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        self._time = run["time"].values
+        self._angles = ball_angles(run)
+        self._pivot = run["pivot_height"].values
+        self._lengths, self._radii = _sizes(run)
+        width, height = size
+        dpi = width / style.PAGE
+        figure = Figure(figsize=(style.PAGE, height / dpi), dpi=dpi)
+        make_canvas: Any = FigureCanvasAgg
+        self._canvas = make_canvas(figure)
+        self._moving: list[tuple[Any, Any]] = []
+        self._draw_mechanism(figure, note)
+        self._draw_curves(figure, run)
+        self._canvas.draw()
+        self._background = self._canvas.copy_from_bbox(figure.bbox)
+
+    def picture(self, instant: float) -> Pixels:
+        """Return the picture at an instant [s], shape (height, width, 4)."""
+        height = float(np.interp(instant, self._time, self._pivot))
+        self._block.set_y(height - 0.5 * self._block.get_height())
+        for name, angle in self._angles.items():
+            now, length = float(np.interp(instant, self._time, angle)), self._lengths[name]
+            x, y = length * math.sin(now), height - length * math.cos(now)
+            self._rods[name].set_data([0.0, x], [height, y])
+            self._balls[name].set_center((x, y))
+        self._clock.set_text(f"t = {instant:.2f} s")
+        self._cursor.set_xdata([instant, instant])
+        half = 0.5 * self._window
+        first, last = np.searchsorted(self._time, [instant - half, instant + half])
+        for name, line in self._zoomed.items():
+            part = slice(max(first - 1, 0), last + 1)
+            line.set_data(self._time[part] - instant, self._angles[name][part])
+        self._canvas.restore_region(self._background)
+        for axes, artist in self._moving:
+            axes.draw_artist(artist)
+        return np.asarray(self._canvas.buffer_rgba())
+
+    def _add(self, axes: Any, artist: Any) -> Any:
+        """Return an artist that is drawn anew in every picture."""
+        artist.set_animated(True)
+        self._moving.append((axes, artist))
+        return artist
+
+    def _draw_mechanism(self, figure: Any, note: str) -> None:
+        """Draw the guide; prepare pivot, rods and balls in a view that holds the whole motion."""
+        from matplotlib.patches import Circle, Rectangle
+
+        axes = figure.add_axes((0.01, 0.02, 0.42, 0.96))
+        axes.set_axis_off()
+        longest = max(self._lengths.values())
+        reach, low, high = 0.0, self._pivot.min(), self._pivot.max()
+        for name, angle in self._angles.items():
+            length, radius = self._lengths[name], self._radii[name]
+            heights = self._pivot - length * np.cos(angle)
+            reach = max(reach, length * float(np.abs(np.sin(angle)).max()) + radius)
+            low = min(low, float(heights.min()) - radius)
+            high = max(high, float(heights.max()) + radius)
+        # Both directions get the scale at which the motion fits with a margin.
+        box = axes.get_window_extent()
+        margin = 0.08 * longest
+        scale = max(2.0 * (reach + margin) / box.width, (high - low + 2.0 * margin) / box.height)
+        middle = 0.5 * (low + high)
+        axes.set_xlim(-0.5 * scale * box.width, 0.5 * scale * box.width)
+        axes.set_ylim(middle - 0.5 * scale * box.height, middle + 0.5 * scale * box.height)
+        guide = [float(self._pivot.min()), float(self._pivot.max())]
+        axes.plot([0.0, 0.0], guide, color=style.PALE_GREY, lw=6.0, solid_capstyle="round")
+        width, height = 0.10 * longest, 0.05 * longest
+        block = Rectangle((-0.5 * width, 0.0), width, height, fc=style.GREY, ec=style.INK)
+        self._rods: dict[str, Any] = {}
+        self._balls: dict[str, Any] = {}
+        for name in self._angles:
+            (rod,) = axes.plot([], [], color=style.INK)
+            self._rods[name] = self._add(axes, rod)
+        self._block = self._add(axes, axes.add_patch(block))
+        for name in self._angles:
+            colour = style.RED if name == "left" else style.BLUE
+            ball = Circle((0.0, 0.0), self._radii[name], fc=colour, ec=style.INK)
+            self._balls[name] = self._add(axes, axes.add_patch(ball))
+        figure.text(0.02, 0.03, note, color=style.GREY)
+        clock = figure.text(0.02, 0.95, "", fontsize=style.LARGE, va="top")
+        self._clock = self._add(figure, clock)
+
+    def _draw_curves(self, figure: Any, run: xr.Dataset) -> None:
+        """Draw the whole curve; prepare its cursor and, for a long run, the part around now."""
+        span = float(self._time[-1] - self._time[0])
+        self._window = _WINDOW * 2.0 * math.pi / float(run.attrs["natural_frequency"])
+        is_long = span > 2.0 * self._window
+        whole = figure.add_axes((0.52, 0.60 if is_long else 0.14, 0.46, 0.36 if is_long else 0.82))
+        colours = {name: style.RED if name == "left" else style.BLUE for name in self._angles}
+        for name, angle in self._angles.items():
+            whole.plot(self._time, angle, color=colours[name], lw=style.THIN)
+        whole.set_ylabel(style.label(run["angle"], short=True))
+        whole.set_xlabel(style.label(run["time"]))
+        cursor = whole.axvline(self._time[0], color=style.INK, lw=style.LINE)
+        self._cursor = self._add(whole, cursor)
+        self._zoomed: dict[str, Any] = {}
+        if not is_long:
+            return
+        part = figure.add_axes((0.52, 0.14, 0.46, 0.30))
+        part.set_xlim(-0.5 * self._window, 0.5 * self._window)
+        part.set_ylim(whole.get_ylim())
+        part.axvline(0.0, color=style.INK, lw=style.LINE)
+        part.set_ylabel(style.label(run["angle"], short=True))
+        part.set_xlabel(f"time from now [{run['time'].attrs['units']}]")
+        for name in self._angles:
+            (line,) = part.plot([], [], color=colours[name])
+            self._zoomed[name] = self._add(part, line)
+
+
+def _sizes(run: xr.Dataset) -> tuple[dict[str, float], dict[str, float]]:
+    """Return length and drawn radius of every ball [m]."""
+    lengths, radii = {}, {}
+    for name in ball_angles(run):
+        prefix = f"{name}_" if "ball" in run["angle"].dims else ""
+        lengths[name] = float(run.attrs[f"{prefix}length"])
+        radius = float(run.attrs.get(f"{prefix}radius", 0.0))
+        radii[name] = radius or _SHOWN_RADIUS * lengths[name]
+    return lengths, radii
+
+
+def _write_mp4(
+    frames: Iterator[Pixels], size: tuple[int, int], pause: Fraction, path: Path
+) -> None:
+    """Write pictures as H.264, which every browser plays."""
+    av = _av()
+    with av.open(str(path), "w", options={"movflags": "+faststart"}) as file:
+        stream = file.add_stream("libx264", rate=1 / pause)
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
+        stream.options = {"preset": "veryfast", "crf": "20"}
+        for pixels in frames:
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgba")))
+        file.mux(stream.encode())
+
+
+def _write_gif(
+    frames: Iterator[Pixels], size: tuple[int, int], pause: Fraction, path: Path
+) -> None:
+    """Write pictures one by one; Pillow's own writer would keep them all in memory."""
+    from PIL import GifImagePlugin, Image
+
+    gif: Any = GifImagePlugin
+    about: dict[str, Any] = {"duration": int(1000 * pause), "loop": 0}
+    with path.open("wb") as file:
+        palette, shown = None, np.empty(0, np.uint8)
+        for pixels in frames:
+            picture = Image.frombytes("RGBA", size, pixels.tobytes()).convert("RGB")
+            if palette is None:
+                palette = _palette_of(picture)
+                first = picture.quantize(palette=palette, dither=Image.Dither.NONE)
+                shown = np.asarray(first)
+                file.writelines(gif.getheader(first.copy(), info=about)[0])
+                file.writelines(gif.getdata(first, **about))
+                continue
+            new = np.asarray(picture.quantize(palette=palette, dither=Image.Dither.NONE))
+            part, corner = _difference(new, shown)
+            change = Image.frombytes("P", part.shape[::-1], part.tobytes())
+            file.writelines(
+                gif.getdata(change, corner, transparency=_UNCHANGED, disposal=1, **about)
+            )
+            shown = new
+        file.write(b";")
+
+
+def _palette_of(picture: Any) -> Any:
+    """Return an image whose palette suits a picture and leaves one entry free."""
+    found = picture.quantize(_UNCHANGED)
+    colours = np.array(found.getpalette()).reshape(-1, 3)
+    # Pillow takes any of several near-whites for white, which would tint the ground.
+    colours[colours.min(axis=1) > _ALMOST_WHITE] = 255
+    found.putpalette(colours.ravel().tolist() + [0] * (3 * 256 - colours.size))
+    return found
+
+
+def _difference(new: Pixels, shown: Pixels) -> tuple[Pixels, tuple[int, int]]:
+    """Return the smallest part that holds every changed pixel, and its left upper corner."""
+    changed = new != shown
+    rows, columns = np.flatnonzero(changed.any(axis=1)), np.flatnonzero(changed.any(axis=0))
+    if not rows.size:
+        return np.full((1, 1), _UNCHANGED, np.uint8), (0, 0)
+    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    part = np.where(changed[box], new[box], np.uint8(_UNCHANGED))
+    return part, (int(columns[0]), int(rows[0]))
+
+
+def _av() -> Any:
+    """Return PyAV, or raise with the extra that installs it."""
+    try:
+        import av
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            'MP4 needs PyAV: pip install "latolato[video]", or write a .gif'
+        ) from None
+    return av

@@ -1,0 +1,328 @@
+"""Result files: NetCDF, CSV and Parquet by extension, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUFFIXES = (".nc", ".csv", ".parquet")
+_BALLS = ("right", "left")
+# Values and attributes of variables along one dimension.
+Columns = dict[str, tuple[Any, dict[str, str]]]
+# One column of a text file as its header describes it.
+_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
+
+
+@contextmanager
+def atomic_path(path: str | Path) -> Iterator[Path]:
+    """Give the name of a temporary file beside `path` that becomes `path` when the block ends.
+
+    If the block raises, or is interrupted, nothing is left. The temporary name keeps the suffix,
+    from which many writers choose their format.
+
+    Raises
+    ------
+    OSError
+        If the folder does not exist or `path` is a folder.
+    """
+    path = Path(path)
+    check_folder(path)
+    unfinished = path.with_name(f".{path.stem}.{os.getpid()}.{secrets.token_hex(3)}{path.suffix}")
+    try:
+        yield unfinished
+        os.replace(unfinished, path)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        # The temporary name would say nothing to anyone.
+        raise OSError(error.errno, error.strerror, str(path)) from None
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def check_folder(path: Path) -> None:
+    """Raise OSError unless a file can be named `path`."""
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"the folder '{path.parent}' does not exist; create it first")
+
+
+def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
+    """Return the suffix of a file name in lower case, or raise ValueError naming what is known."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in known:
+        raise ValueError(f"{what} must end in {', '.join(known)}, got '{Path(path).name}'")
+    return suffix
+
+
+def check_target(path: str | Path) -> None:
+    """Raise unless `save` can write to `path`: a known suffix, its extra, an existing folder."""
+    if check_suffix(path, SUFFIXES, "the name of a result file") == ".parquet":
+        _pyarrow()
+    check_folder(Path(path))
+
+
+def save(dataset: xr.Dataset, path: str | Path) -> Path:
+    """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
+
+    NetCDF holds everything. CSV and Parquet hold runs: one row per instant, the variables of a
+    `BallPair` as columns ``angle_right`` and ``angle_left``; contacts, if any were possible, go to
+    a second file ``<stem>.contacts.csv``. An interrupted or failed call leaves no file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run, or for NetCDF any dataset.
+    path : str or Path
+        A name ending in ``.nc``, ``.csv`` or ``.parquet``; an existing file is replaced.
+
+    Raises
+    ------
+    ValueError
+        For an unknown suffix, or a dataset without time for CSV and Parquet.
+    OSError
+        If the file cannot be written.
+    ModuleNotFoundError
+        For Parquet without the extra `parquet`.
+    """
+    path = Path(path)
+    check_target(path)
+    suffix = path.suffix.lower()
+    if suffix == ".nc":
+        with atomic_path(path) as unfinished:
+            _write_netcdf(dataset, unfinished)
+        return path
+    if "time" not in dataset.dims:
+        raise ValueError(f"{suffix} files hold runs with a time; use .nc for other datasets")
+    write = _write_csv if suffix == ".csv" else _write_parquet
+    if dataset.attrs.get("contact", "none") != "none":
+        with atomic_path(_contacts_path(path)) as second, atomic_path(path) as first:
+            write(dataset, "contact", second)
+            write(dataset, "time", first)
+    else:
+        with atomic_path(path) as first:
+            write(dataset, "time", first)
+    return path
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """Return the dataset in a file that `save` wrote.
+
+    Raises
+    ------
+    ValueError
+        For an unknown suffix or a file of something else.
+    OSError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    suffix = check_suffix(path, SUFFIXES, "the name of a result file")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    if suffix == ".nc":
+        return _read_netcdf(path)
+    read = _read_csv if suffix == ".csv" else _read_parquet
+    columns, attributes = read(path)
+    contacts: Columns = {}
+    if attributes.get("contact", "none") != "none":
+        contacts, _ = read(_contacts_path(path))
+    return _assembled(columns, contacts, attributes)
+
+
+def _contacts_path(path: Path) -> Path:
+    """Return the name of the second file, which holds the contacts."""
+    return path.with_name(f"{path.stem}.contacts{path.suffix}")
+
+
+def _write_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """Write everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
+    path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+
+def _read_netcdf(path: Path) -> xr.Dataset:
+    """Return the dataset with attributes as plain Python values."""
+    import xarray as xr
+
+    try:
+        dataset = xr.load_dataset(path, engine="h5netcdf")
+    except OSError as error:
+        raise ValueError(f"'{path}' is no NetCDF-4 file: {error}") from None
+    dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
+    return dataset
+
+
+def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
+    """Return the variables along a dimension as columns, one a ball where there are two."""
+    found: Columns = {}
+    names = [name for name in dataset.variables if dimension in dataset.variables[name].dims]
+    for name in sorted(names, key=lambda name: name != dimension):  # the dimension's own first
+        variable = dataset.variables[name]
+        if variable.dims == (dimension,):
+            found[str(name)] = (variable.values, dict(variable.attrs))
+        else:
+            for i, ball in enumerate(dataset["ball"].values):
+                found[f"{name}_{ball}"] = (variable.isel(ball=i).values, dict(variable.attrs))
+    return found
+
+
+def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) -> xr.Dataset:
+    """Return the dataset that was taken apart by `_columns`."""
+    import numpy as np
+    import xarray as xr
+
+    two = f"angle_{_BALLS[0]}" in columns
+    variables: dict[str, Any] = {}
+    for dimension, part in (("time", columns), ("contact", contacts or _no_contacts(two))):
+        for name, (values, about) in part.items():
+            base, _, ball = name.rpartition("_")
+            if not (two and ball in _BALLS):
+                variables[name] = ((dimension,), values, about)
+            elif ball == _BALLS[0]:
+                both = np.stack([part[f"{base}_{each}"][0] for each in _BALLS])
+                variables[base] = (("ball", dimension), both, about)
+    dataset = xr.Dataset(variables, attrs=attributes).set_coords("time")
+    return dataset.assign_coords(ball=list(_BALLS)) if two else dataset
+
+
+def _no_contacts(two: bool) -> Columns:
+    """Return the empty contact table of a system without walls."""
+    import numpy as np
+
+    names = ["contact_time", "contact_kind"]
+    for name in ("angular_velocity_before", "angular_velocity_after"):
+        names += [f"{name}_{ball}" for ball in _BALLS] if two else [name]
+    return {name: (np.array([], dtype=_kind(name)), _about(name)) for name in names}
+
+
+def _write_csv(dataset: xr.Dataset, dimension: str, path: Path) -> None:
+    """Write the variables along a dimension below a header of ``# key: value`` lines."""
+    import csv
+
+    columns = _columns(dataset, dimension)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for key, value in dataset.attrs.items():
+            plain = value if isinstance(value, str) else json.dumps(_plain(value))
+            file.write(f"# {key}: {plain}\n")
+        for name, (_, about) in columns.items():
+            unit, meaning = about.get("units", "1"), about.get("long_name", name)
+            file.write(f"# column {name} [{unit}]: {meaning}\n")
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(zip(*(values.tolist() for values, _ in columns.values()), strict=True))
+
+
+def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes of a file written by `_write_csv`."""
+    import csv
+
+    import numpy as np
+
+    attributes: dict[str, Any] = {}
+    about: dict[str, dict[str, str]] = {}
+    with path.open(encoding="utf-8", newline="") as file:
+        line = file.readline()
+        while line.startswith("# "):
+            column = _COLUMN.fullmatch(line[2:].rstrip("\n"))
+            if column:
+                name, unit, meaning = column.groups()
+                about[name] = _about(name) | {"units": unit, "long_name": meaning}
+            else:
+                key, _, value = line[2:].rstrip("\n").partition(": ")
+                attributes[key] = _parsed(value)
+            line = file.readline()
+        names = line.rstrip("\n").split(",")
+        if not about or names != list(about):
+            raise ValueError(f"'{path}' is no run of latolato: its header is missing")
+        rows = list(csv.reader(file))
+    cells = zip(*rows, strict=True) if rows else ((),) * len(names)
+    columns: Columns = {}
+    for name, values in zip(names, cells, strict=True):
+        columns[name] = (np.array(values, dtype=_kind(name)), about[name])
+    return columns, attributes
+
+
+def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
+    """Write the variables along a dimension, their units with each field."""
+    pyarrow = _pyarrow()
+    columns = _columns(dataset, dimension)
+    arrays = [pyarrow.array(values) for values, _ in columns.values()]
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(name, array.type, metadata=about)
+            for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
+        ],
+        metadata={k: json.dumps(_plain(v)) for k, v in dataset.attrs.items()},
+    )
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+
+
+def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes of a file written by `_write_parquet`."""
+    pyarrow = _pyarrow()
+    table = pyarrow.parquet.read_table(path)
+    metadata = table.schema.metadata or {}
+    attributes = {
+        key.decode(): json.loads(value)
+        for key, value in metadata.items()
+        if not key.startswith((b"ARROW:", b"pandas"))
+    }
+    if "scenario" not in attributes:
+        raise ValueError(f"'{path}' is no run of latolato: its metadata are missing")
+    columns: Columns = {}
+    for name in table.column_names:
+        found = table.schema.field(name).metadata or {}
+        about = {key.decode(): value.decode() for key, value in found.items()}
+        columns[name] = (table[name].to_numpy().astype(_kind(name)), about)
+    return columns, attributes
+
+
+def _pyarrow() -> Any:
+    """Return pyarrow, or raise with the extra that installs it."""
+    try:
+        import pyarrow.parquet
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
+        ) from None
+    return pyarrow
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _parsed(text: str) -> Any:
+    """Return the value of a header line; the scenario stays the text that it is."""
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    return text if isinstance(value, dict) else value
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of a column's variable, as far as they are known."""
+    for ball in _BALLS:
+        name = name.removesuffix(f"_{ball}")
+    if name not in QUANTITIES:
+        return {}
+    quantity = QUANTITIES[name]
+    return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+
+
+def _kind(name: str) -> type:
+    """Return the type of a column's values."""
+    return str if name == "contact_kind" else float

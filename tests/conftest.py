@@ -1,0 +1,141 @@
+"""Fixtures that run a test for every registered drive, system and damping law.
+
+Examples are built from the fields' own metadata, so that a new law is covered by the generic
+tests without an edit here. Compiled kernels stay in the user's cache between sessions.
+"""
+
+import dataclasses
+import importlib.util
+import itertools
+import json
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from latolato.numerics.compiled import cache_directory
+from latolato.physics.drives import drives
+from latolato.physics.pendulum import Ball, systems
+
+# Subprocesses share the compiled kernels whatever their HOME is.
+os.environ.setdefault("LATOLATO_CACHE_DIR", str(cache_directory()))
+
+# Long enough for every run of a generic test.
+SAMPLED = np.linspace(0.0, 12.0, 121)
+# Values of the fields that hold a sequence.
+ARRAYS = {
+    ("times", "drive_frequencies"): lambda: (0.0, 1.5, 4.0),
+    ("drive_frequencies", "times"): lambda: (7.0, 4.0, 5.5),
+    ("times", "pivot_heights"): lambda: tuple(SAMPLED),
+    ("pivot_heights", "times"): lambda: tuple(
+        0.03 * np.cos(5.0 * SAMPLED) + 0.01 * np.sin(2.0 * SAMPLED)
+    ),
+}
+
+
+def field_value(kind, field, share):
+    """A value for a field: `share` of its suggested interval, a ball, or an example array."""
+    names = {f.name for f in dataclasses.fields(kind)}
+    if field.metadata.get("array"):
+        for (name, partner), make in ARRAYS.items():
+            if name == field.name and partner in names:
+                return make()
+        raise LookupError(f"give an example of {kind.__name__}.{field.name} in ARRAYS")
+    if field.type in ("Ball", Ball):
+        # The right ball is the longer one, by less than the radii reach.
+        length = 0.9 if field.name == "right" else 0.85
+        return Ball(length=length, mass=0.5 if field.name == "right" else 0.3, radius=0.09)
+    low, high = field.metadata["suggested"]
+    return low + share * (high - low)
+
+
+def examples(kind):
+    """Yield (name, instance): required fields only, then every field with each choice."""
+    fields = [f for f in dataclasses.fields(kind) if f.init]
+    required = [f for f in fields if f.default is dataclasses.MISSING]
+    yield "required", kind(**{f.name: field_value(kind, f, 0.25) for f in required})
+    optional = [f for f in fields if f not in required]
+    if not optional:
+        return
+    choices = [
+        f.metadata.get("choices", (True,))
+        if isinstance(f.default, (str, bool))
+        else (field_value(kind, f, 0.4),)
+        if f.metadata.get("suggested")
+        else (f.default,)
+        for f in optional
+    ]
+    for chosen in itertools.product(*choices):
+        given = {f.name: field_value(kind, f, 0.15) for f in required}
+        given.update({f.name: value for f, value in zip(optional, chosen, strict=True)})
+        words = [str(c) for c in chosen if isinstance(c, str)]
+        yield "-".join(["full", *words]), kind(**given)
+
+
+def all_examples(registry):
+    """Instances of every entry of a registry as pytest parameters."""
+    return [
+        pytest.param(instance, id=f"{name}-{how}")
+        for name, kind in registry.items()
+        for how, instance in examples(kind)
+    ]
+
+
+DAMPING_FIELDS = [f.name for f in dataclasses.fields(Ball) if f.name.endswith("damping")]
+STRENGTHS = dict(zip(DAMPING_FIELDS, (0.06, 0.05, 0.08), strict=True))
+DAMPING_LAWS = [
+    pytest.param({name: STRENGTHS[name] for name in names}, id="+".join(names) or "undamped")
+    for count in range(len(DAMPING_FIELDS) + 1)
+    for names in itertools.combinations(DAMPING_FIELDS, count)
+]
+
+
+@pytest.fixture(params=all_examples(drives))
+def drive(request):
+    """Every registered drive, in several forms, defined on [0, 12] s at least."""
+    return request.param
+
+
+@pytest.fixture(params=DAMPING_LAWS)
+def damping_law(request):
+    """Every sum of damping laws, as keyword arguments of a ball."""
+    return request.param
+
+
+@pytest.fixture(params=list(systems))
+def make_system(request):
+    """For every registered system: a function of a damping law that returns it."""
+    kind = systems[request.param]
+    if request.param == "ballpair" and not importlib.util.find_spec("latolato.numerics.fold_pair"):
+        pytest.skip("the kernel of two balls is not there yet")
+
+    def make(**law):
+        names = {f.name for f in dataclasses.fields(kind)}
+        if "right" in names:
+            return kind(
+                right=Ball(length=0.9, mass=0.5, radius=0.09, **law),
+                left=Ball(length=0.85, mass=0.3, radius=0.09, **law),
+                restitution=0.85,
+            )
+        own = {"length": 0.9, "mass": 0.5, "radius": 0.09, "restitution": 0.85}
+        return kind(**{k: v for k, v in own.items() if k in names}, **law)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def reference_cases():
+    """High-precision cases by name: the shared ones and those of make_cases.py."""
+    folder = Path(__file__).parent / "reference"
+    cases = {}
+    for file in sorted(folder.glob("*.json")):
+        cases.update(json.loads(file.read_text()))
+    return {name: case for name, case in cases.items() if not name.startswith("_")}
+
+
+@pytest.fixture(scope="session")
+def toy_angle():
+    """The contact angle of a ball of radius 0.1 at length 1 [rad]."""
+    return math.asin(0.1)

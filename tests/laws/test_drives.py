@@ -1,0 +1,328 @@
+"""Laws that every drive obeys, and what each of them is in a limit."""
+
+import dataclasses
+import functools
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.numerics.records import python_view, stretch_records
+from latolato.physics.drives import drives
+
+END = 10.0
+
+
+@functools.lru_cache(maxsize=8)
+def pieces(drive, end=END):
+    """(begin, end, numbers) of each smooth stretch within [0, end]."""
+    records, starts = stretch_records(drive, end)
+    edges = [*starts, end]
+    return [
+        (max(a, 0.0), b, p)
+        for a, b, p in zip(edges, edges[1:], python_view(records), strict=False)
+        if b > max(a, 0.0)
+    ]
+
+
+def motion(drive, t, end=END):
+    """Height, velocity, acceleration at `t`, in the stretch that begins last before it."""
+    p = [p for a, _, p in pieces(drive, end) if a <= t][-1]
+    return drive.height(t, p), drive.velocity(t, p), drive.acceleration(t, p)
+
+
+def difference(function, t, h):
+    """Central difference of order 6: its error is h^6/140 of the seventh derivative."""
+    return (
+        45.0 * (function(t + h) - function(t - h))
+        - 9.0 * (function(t + 2 * h) - function(t - 2 * h))
+        + (function(t + 3 * h) - function(t - 3 * h))
+    ) / (60.0 * h)
+
+
+def test_velocity_and_acceleration_are_the_derivatives_of_height(drive):
+    # h = 2e-3 s at up to 15 rad/s: (w h)^7/140 < 1e-12, rounding eps/h = 1e-13 of the scale.
+    h = 2e-3
+    scale = max(drive.fastest_frequency, 1.0)
+    for begin, end, p in pieces(drive):
+        size = max(abs(drive.height(t, p)) for t in np.linspace(begin, end, 50)) + 1e-3
+        for t in np.linspace(begin, end, 23):
+            slope = difference(lambda s, p=p: drive.height(s, p), t, h)
+            bend = difference(lambda s, p=p: drive.velocity(s, p), t, h)
+            assert drive.velocity(t, p) == pytest.approx(slope, abs=1e-9 * size * scale)
+            assert drive.acceleration(t, p) == pytest.approx(bend, abs=1e-9 * size * scale**2)
+
+
+def test_height_is_continuous_where_stretches_meet(drive):
+    found = pieces(drive)
+    for (_, end, p), (_, _, q) in zip(found, found[1:], strict=False):
+        assert drive.height(end, p) == pytest.approx(drive.height(end, q), abs=1e-14)
+
+
+def test_starts_increase_and_the_first_covers_time_zero(drive):
+    starts = [start for start, _ in drive.stretches(END)]
+    assert starts[0] <= 0.0
+    assert all(b > a for a, b in zip(starts, starts[1:], strict=False))
+    assert all(start <= END for start in starts)
+    assert len(drive.velocity_jumps(END)) == len(starts)
+
+
+def test_acceleration_never_exceeds_its_declared_bound(drive):
+    # Rest is taken to last for ever where the bound is below gravity: it must be a bound.
+    largest = max(
+        abs(drive.acceleration(t, p))
+        for begin, end, p in pieces(drive)
+        for t in np.linspace(begin, end, 400)
+    )
+    assert largest <= drive.largest_acceleration * (1.0 + 1e-12)
+
+
+def test_every_field_of_a_stretch_is_a_number(drive):
+    for _, numbers in drive.stretches(END):
+        assert len(numbers) == len(drive.stretch_fields)
+        assert all(isinstance(number, float) for number in numbers)
+
+
+def test_fastest_frequency_is_not_below_the_rate_of_the_motion(drive):
+    if drive.fastest_frequency == 0.0:
+        assert isinstance(drive, ll.Static)
+        return
+    heights = np.array([motion(drive, t)[0] for t in np.linspace(0.0, END, 4001)])
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(heights))))
+    # Each period has two turning points; a factor two is spared for sampled motions.
+    assert 2.0 * drive.fastest_frequency * END / math.pi >= turns
+
+
+@pytest.mark.parametrize("name", [n for n in drives if n != "static"])
+def test_zero_amplitude_is_a_pivot_at_rest(name):
+    kind = drives[name]
+    numbers = {
+        "drive_amplitude": 0.0,
+        "drive_frequency": 5.0,
+        "drive_frequency_final": 7.0,
+        "sweep_time": 3.0,
+        "connecting_rod_length": 0.1,
+        "times": (0.0, 1.0, 2.0) if name == "frequency_schedule" else tuple(np.arange(0.0, 12.0)),
+        "drive_frequencies": (5.0, 3.0, 4.0),
+        "pivot_heights": (0.0,) * 12,
+    }
+    names = {f.name for f in dataclasses.fields(kind)}
+    still = kind(**{k: v for k, v in numbers.items() if k in names})
+    for t in np.linspace(0.0, END, 37):
+        assert motion(still, t) == (0.0, 0.0, 0.0)
+    assert still.largest_acceleration == 0.0
+
+
+class TestHarmonic:
+    def test_height_is_the_papers_cosine(self):
+        found = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26, drive_phase=0.7)
+        for t in (0.0, 0.3, 8.1):
+            y, v, a = motion(found, t)
+            assert y == pytest.approx(0.2 * math.cos(6.26 * t + 0.7), abs=1e-15)
+            assert v == pytest.approx(-0.2 * 6.26 * math.sin(6.26 * t + 0.7), abs=1e-14)
+            assert a == pytest.approx(-0.2 * 6.26**2 * math.cos(6.26 * t + 0.7), abs=1e-13)
+
+
+class TestSwept:
+    def test_frequency_at_an_instant_is_that_of_the_stage(self):
+        found = ll.FrequencySchedule(
+            drive_amplitude=0.03, times=[0.0, 4.0], drive_frequencies=[19.83, 15.11], ramp=0.5
+        )
+        # The phase grows by the integral of the frequency: trapezoids are exact for a ramp.
+        phase = 4.0 * 19.83 + 0.5 * (19.83 + 15.11) / 2.0 + 1.5 * 15.11
+        assert motion(found, 6.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
+        middle = 4.0 * 19.83 + 0.25 * (19.83 + (19.83 + 15.11) / 2.0) / 2.0
+        y, v, _ = motion(found, 4.25)
+        assert y == pytest.approx(0.03 * math.cos(middle), abs=1e-14)
+        assert v == pytest.approx(-0.03 * (19.83 + 15.11) / 2.0 * math.sin(middle), abs=1e-13)
+
+    def test_step_without_ramp_keeps_the_phase(self):
+        found = ll.FrequencySchedule(
+            drive_amplitude=0.03, times=[0.0, 4.166], drive_frequencies=[19.83, 15.11]
+        )
+        phase = 4.166 * 19.83 + (9.0 - 4.166) * 15.11
+        assert motion(found, 9.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
+
+    def test_one_stage_is_the_harmonic_drive(self):
+        one = ll.FrequencySchedule(
+            drive_amplitude=0.1, times=[0.0], drive_frequencies=[6.0], drive_phase=0.4
+        )
+        same = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0, drive_phase=0.4)
+        for t in np.linspace(0.0, END, 29):
+            assert motion(one, t) == pytest.approx(motion(same, t), abs=1e-13)
+
+    def test_short_ramp_tends_to_the_step(self):
+        given = {"drive_amplitude": 0.03, "times": [0.0, 2.0], "drive_frequencies": [9.0, 5.0]}
+        step = ll.FrequencySchedule(**given)
+        y = motion(step, 6.0)[0]
+        gaps = [
+            abs(motion(ll.FrequencySchedule(**given, ramp=ramp), 6.0)[0] - y)
+            for ramp in (1e-2, 1e-3)
+        ]
+        # The phase differs by (9 - 5) ramp / 2.
+        assert gaps[0] < 0.03 * 2.0 * 1e-2
+        assert gaps[1] < 0.03 * 2.0 * 1e-3
+
+    def test_chirp_is_a_schedule_with_one_long_ramp(self):
+        chirp = ll.Chirp(
+            drive_amplitude=0.02, drive_frequency=4.0, drive_frequency_final=9.0, sweep_time=5.0
+        )
+        y, v, _ = motion(chirp, 5.0 - 1e-12)
+        phase = 5.0 * 6.5
+        assert y == pytest.approx(0.02 * math.cos(phase), abs=1e-12)
+        assert v == pytest.approx(-0.02 * 9.0 * math.sin(phase), abs=1e-10)
+        assert motion(chirp, 7.0)[0] == pytest.approx(0.02 * math.cos(phase + 18.0), abs=1e-14)
+
+    def test_transmitted_jump_is_the_pivots_velocity_jump(self):
+        given = {"drive_amplitude": 0.03, "times": [0.0, 2.0, 5.0], "drive_frequencies": [9, 5, 8]}
+        step = ll.FrequencySchedule(**given, step_impulse=True)
+        found = pieces(step)
+        for (_, end, p), (_, _, q), jump in zip(
+            found, found[1:], step.velocity_jumps(END)[1:], strict=False
+        ):
+            assert jump == pytest.approx(step.velocity(end, q) - step.velocity(end, p), abs=1e-13)
+            assert jump != 0.0
+        assert ll.FrequencySchedule(**given).velocity_jumps(END) == [0.0, 0.0, 0.0]
+
+    def test_starts_increase_where_a_ramp_fills_its_stage(self):
+        # Rounding of start + ramp must not put a knot behind the next stage.
+        rng = np.random.default_rng(3)
+        for _ in range(300):
+            times = np.cumsum(np.round(rng.uniform(0.1, 2.0, 4), 1)).round(1)
+            times = [0.0, *map(float, times)]
+            ramp = min(b - a for a, b in zip(times, times[1:], strict=False))
+            found = ll.FrequencySchedule(
+                drive_amplitude=0.03,
+                times=times,
+                drive_frequencies=[5.0, 6.0, 4.0, 7.0, 5.0],
+                ramp=ramp,
+            )
+            starts = [s for s, _ in found.stretches(100.0)]
+            assert all(b > a for a, b in zip(starts, starts[1:], strict=False)), (times, ramp)
+
+
+class TestCrankSlider:
+    @pytest.mark.parametrize("guide", ["below", "above"])
+    def test_long_rod_is_harmonic(self, guide):
+        same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0, drive_phase=0.3)
+        for rod in (10.0, 1e3):
+            crank = ll.CrankSlider(
+                drive_amplitude=0.02,
+                drive_frequency=15.0,
+                drive_phase=0.3,
+                connecting_rod_length=rod,
+                guide=guide,
+            )
+            lam = 0.02 / rod
+            gaps = [
+                abs(motion(crank, t)[2] - motion(same, t)[2]) for t in np.linspace(0.0, 2.0, 200)
+            ]
+            # The overtone of the acceleration is lam of the whole (PHYSICS section 7).
+            assert max(gaps) == pytest.approx(0.02 * 15.0**2 * lam, rel=0.02)
+
+    @pytest.mark.parametrize("guide,side", [("below", -1), ("above", 1)])
+    @pytest.mark.parametrize("lam", [0.1, 0.5, 0.95])
+    def test_formulas_agree_with_mpmaths_derivatives(self, guide, side, lam):
+        a, w, phase = 0.02, 15.0, 0.4
+        rod = a / lam
+        crank = ll.CrankSlider(
+            drive_amplitude=a,
+            drive_frequency=w,
+            drive_phase=phase,
+            connecting_rod_length=rod,
+            guide=guide,
+        )
+
+        def height(t):
+            p = w * t + phase
+            root = mp.sqrt(mp.mpf(rod) ** 2 - mp.mpf(a) ** 2 * mp.sin(p) ** 2)
+            return a * mp.cos(p) + side * (root - rod)
+
+        with mp.workdps(40):
+            for t in (0.0, 0.1, 0.234, 0.31):
+                exact = [float(mp.diff(height, mp.mpf(t), n)) for n in (0, 1, 2)]
+                found = motion(crank, t)
+                size = crank.largest_acceleration
+                for order, (mine, true) in enumerate(zip(found, exact, strict=True)):
+                    assert mine == pytest.approx(true, abs=1e-13 * max(size / w ** (2 - order), a))
+
+    @pytest.mark.parametrize("guide", ["below", "above"])
+    def test_stroke_is_twice_the_crank(self, guide):
+        crank = ll.CrankSlider(
+            drive_amplitude=0.02, drive_frequency=2.0, connecting_rod_length=0.05, guide=guide
+        )
+        heights = [motion(crank, t)[0] for t in np.linspace(0.0, math.pi, 2001)]
+        assert max(heights) == pytest.approx(0.02, abs=1e-12)
+        assert min(heights) == pytest.approx(-0.02, abs=1e-8)
+
+    def test_guide_below_lingers_at_the_top(self):
+        # The piston below the crank has its larger acceleration at the bottom dead centre.
+        crank = ll.CrankSlider(
+            drive_amplitude=0.02, drive_frequency=2.0, connecting_rod_length=0.05, guide="below"
+        )
+        top, bottom = motion(crank, 0.0)[2], motion(crank, math.pi / 2.0)[2]
+        assert abs(top) == pytest.approx(0.02 * 4.0 * (1.0 - 0.4), rel=1e-12)
+        assert abs(bottom) == pytest.approx(0.02 * 4.0 * (1.0 + 0.4), rel=1e-12)
+
+    @pytest.mark.parametrize("lam", [0.05, 0.3, 0.6, 0.8, 0.9, 0.99, 0.9999])
+    def test_bound_holds_up_to_the_jamming_crank(self, lam):
+        crank = ll.CrankSlider(
+            drive_amplitude=0.02, drive_frequency=2.0, connecting_rod_length=0.02 / lam
+        )
+        (_, _, p), *_ = pieces(crank)
+        largest = max(abs(crank.acceleration(t, p)) for t in np.linspace(0.0, math.pi, 20001))
+        assert largest <= crank.largest_acceleration * (1.0 + 1e-12)
+
+
+class TestMeasuredPivot:
+    def sampled_cosine(self, rate, **given):
+        times = np.arange(0.0, 5.0 + 0.5 / rate, 1.0 / rate)
+        return ll.MeasuredPivot(times=times, pivot_heights=0.02 * np.cos(15.0 * times), **given)
+
+    def test_sampled_cosine_is_close_to_harmonic(self):
+        # A quintic spline's second derivative is of order h^4: two rates differ by 16.
+        same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
+        gaps = []
+        for rate in (120.0, 240.0):
+            found = self.sampled_cosine(rate)
+            inner = np.linspace(1.0, 4.0, 301)
+            gaps.append(
+                max(abs(motion(found, t, 5.0)[2] - motion(same, t, 5.0)[2]) for t in inner)
+            )
+        assert gaps[0] < 1e-4 * 0.02 * 15.0**2
+        assert gaps[0] / gaps[1] == pytest.approx(16.0, rel=0.2)
+
+    def test_heights_pass_through_the_samples(self):
+        found = self.sampled_cosine(60.0)
+        for t, y in zip(found.times, found.pivot_heights, strict=True):
+            assert motion(found, t, 5.0)[0] == pytest.approx(y, abs=1e-15)
+
+    def test_acceleration_is_smooth_across_samples(self):
+        found = self.sampled_cosine(60.0)
+        joints = pieces(found, 5.0)
+        for (_, end, p), (_, _, q) in zip(joints, joints[1:], strict=False):
+            assert found.acceleration(end, p) == pytest.approx(found.acceleration(end, q), abs=1e-9)
+
+    def test_smoothing_takes_the_noise_away(self):
+        rng = np.random.default_rng(1)
+        times = np.arange(0.0, 5.0, 1.0 / 120.0)
+        clean = 0.02 * np.cos(15.0 * times)
+        noisy = clean + 1e-4 * rng.standard_normal(times.size)
+        rough = ll.MeasuredPivot(times=times, pivot_heights=noisy)
+        smooth = ll.MeasuredPivot(times=times, pivot_heights=noisy, height_sigma=1e-4)
+        inner = np.linspace(1.0, 4.0, 301)
+
+        def error(found):
+            gaps = [motion(found, t, 4.9)[2] + 15.0**2 * 0.02 * math.cos(15.0 * t) for t in inner]
+            return float(np.sqrt(np.mean(np.square(gaps))))
+
+        assert error(smooth) < 0.05 * error(rough)
+        residual = [motion(smooth, t, 4.9)[0] - y for t, y in zip(times[:-3], noisy, strict=False)]
+        assert np.std(residual) == pytest.approx(1e-4, rel=0.1)
+
+    def test_run_outside_the_samples_is_refused(self):
+        found = self.sampled_cosine(60.0)
+        with pytest.raises(ValueError, match="cover 0 to 5 s, but the run goes from 0 to 6 s"):
+            found.stretches(6.0)

@@ -1,0 +1,457 @@
+"""The command line: what it writes and prints, and how it refuses bad input in one line."""
+
+import dataclasses
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import latolato as ll
+from latolato.cli import app, main
+from latolato.options import law_options
+from latolato.physics.drives import drives
+from latolato.physics.pendulum import systems
+from latolato.scenario import scenarios
+
+COMMAND = [sys.executable, "-c", "import sys; from latolato.cli import main; sys.exit(main())"]
+TOY = [
+    "--system",
+    "latolato",
+    "--length",
+    "1",
+    "--mass",
+    "0.8",
+    "--radius",
+    "0.1",
+    "--initial-angle",
+    "0.5",
+    "--duration",
+    "1",
+]
+PAIR = [
+    "--system",
+    "ballpair",
+    "--right-length",
+    "1",
+    "--left-length",
+    "1",
+    "--right-mass",
+    "1",
+    "--left-mass",
+    "1",
+    "--right-radius",
+    "0.1",
+    "--left-radius",
+    "0.1",
+    "--initial-angle",
+    "0.5,-0.4",
+    "--duration",
+    "1",
+]
+MEASURED = ["--drive", "measured_pivot", "--pivot-heights", "0,0,0,0,0,0", "--drive-times"]
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def run(*arguments):
+    """Exit code, standard output and standard error of the command line in this process."""
+    done = CliRunner().invoke(app, [str(a) for a in arguments])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done
+
+
+def simulate(*arguments):
+    """The JSON summary of a run."""
+    return json.loads(run("simulate", *arguments, "--json").stdout)
+
+
+def refused(capsys, *arguments):
+    """The one line that `main` prints for bad input; nothing else may happen."""
+    before = sorted(Path().rglob("*"))
+    assert main([str(a) for a in arguments]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("latolato: ")
+    assert printed.err.count("\n") == 1
+    assert sorted(Path().rglob("*")) == before
+    return printed.err.removeprefix("latolato: ").rstrip("\n")
+
+
+BAD_INPUT = [
+    ([*TOY, "--length", "nan"], "length must be finite, got nan; give a number in m"),
+    ([*TOY, "--mass", "inf"], "mass must be finite, got inf; give a number in kg"),
+    ([*TOY, "--damping", "-inf"], "damping must be finite, got -inf; give a number in kg*m/s"),
+    ([*TOY, "--mass", "-1"], "mass must lie in (0, inf) kg, got -1"),
+    ([*TOY, "--length", "-1 m"], "length must lie in (0, inf) m, got -1"),
+    ([*TOY, "--restitution", "-0.1"], "restitution must lie in [0, 1]"),
+    ([*TOY, "--restitution", "1.5"], "restitution must lie in [0, 1]"),
+    ([*TOY, "--radius", "1"], "radius must lie in [0, length), got 1 for length 1"),
+    ([*TOY, "--gravity", "0"], "gravity must lie in (0, inf) m/s^2, got 0"),
+    ([*TOY, "--duration", "-1"], "duration must lie in (0, inf) s, got -1"),
+    ([*TOY, "--tolerance", "1"], "tolerance must lie in [1e-14, 0.01] rad, got 1"),
+    (
+        [*TOY, "--initial-angle", "0.05"],
+        "initial_angle must lie between the contact angles [0.100167421, 3.04142523] rad, got 0.05",
+    ),
+    (["fig04a", "--initial-offset", "-1 deg"], "initial_offset must lie in [0, inf) rad"),
+    ([*TOY, "--initial-angle", "nan"], "initial_angle must be finite, got nan"),
+    ([*TOY, "--times", "0,1,1"], "times must increase strictly, got 1 after 1 at position 2"),
+    ([*TOY, "--times", "0,2,1"], "times must increase strictly, got 1 after 2 at position 2"),
+    ([*TOY, "--times", "0 s, nan s"], "times must be finite, got nan at position 1"),
+    ([*TOY, "--length", "24.5 kg"], "length must be given in m (or a unit that converts to it)"),
+    ([*TOY, "--drive-amplitude", "1 Hz"], "drive_amplitude must be given in m"),
+    ([*TOY, "--drive-amplitude", "1 cm"], "Harmonic needs 'drive_frequency' [rad/s]"),
+    (
+        [
+            *(*TOY, "--drive", "frequency_schedule", "--drive-amplitude", "1 cm"),
+            *("--drive-times", "0,2,1", "--drive-frequencies", "3,2,1"),
+        ],
+        "times must increase strictly, got 1 after 2 at position 2",
+    ),
+    ([*TOY, *MEASURED, "0,1,2,3,5,4"], "times must increase strictly, got 4 after 5"),
+    ([*TOY, *MEASURED, "0,1"], "times must hold at least 6 values, got 2"),
+    ([*TOY, *MEASURED, ""], "times must be given in s"),
+    ([*TOY, *MEASURED, "0,1,2,3,4,5", "--duration", "9"], "the pivot samples cover 0 to 5 s, but"),
+    ([*PAIR, "--left-length", "0.5"], "the balls never meet: the lengths must differ by less"),
+    (
+        [*PAIR, *("--left-length", "0.89", "--right-radius", "0.01", "--left-radius", "0.11")],
+        "the longer rod would hit the shorter ball before the balls meet",
+    ),
+    ([*PAIR, "--left-radius", "1"], "radius must lie in [0, length), got 1 for length 1"),
+    ([*PAIR, "--initial-angle", "0.5"], "initial_angle of a BallPair must be two numbers"),
+    ([*PAIR, "--initial-angle", "0.1,0"], "must lie between the contact angles"),
+    ([*TOY, "--system", "latolat"], "unknown system 'latolat': did you mean 'latolato'?"),
+    ([*TOY, "--drive", "harmonics"], "unknown drive 'harmonics': did you mean 'harmonic'?"),
+    ([*TOY, "--contact", "clam"], "unknown contact law 'clam': did you mean 'clamp'?"),
+    ([*TOY, "--frame", "moon"], "frame must be 'pivot' or 'both', got 'moon'"),
+    ([*TOY, "--noise-strength", "-1"], "strength must lie in [0, inf) rad/s^(3/2), got -1"),
+    ([*TOY, "--lenght", "1"], "No such option: --lenght"),
+    ([*TOY, "--samples", "many"], "Invalid value for '--samples'"),
+    (["zen"], "there is no scenario or file 'zen': did you mean 'zeno'?"),
+    ([], "name what to run: a scenario"),
+    (["zeno", "--from", "run.nc"], "give either a scenario or --from, not both"),
+    (["--from", "run.nc"], "there is no file 'run.nc'"),
+    (["zeno", "--output", "run.xls"], "the name of a result file must end in .nc, .csv, .parquet"),
+    (["zeno", "--plot", "run.jpg"], "the name of a picture must end in .png, .svg, .pdf"),
+    (["zeno", "--animate", "run.avi"], "the name of an animation must end in .mp4, .gif"),
+    (["zeno", "--plot", "no/run.png"], "the folder 'no' does not exist; create it first"),
+    (["zeno", "--animate", "run.gif", "--speed", "0"], "speed must lie in (0, 1e+06]"),
+]
+
+
+@pytest.mark.parametrize("arguments, message", BAD_INPUT, ids=[m[:45] for _, m in BAD_INPUT])
+def test_bad_input_gives_one_line_with_value_and_rule_and_writes_nothing(
+    arguments, message, capsys
+):
+    asked = [] if {"--output", "--plot", "--animate"} & set(arguments) else ["--output", "run.nc"]
+    assert message in refused(capsys, "simulate", *arguments, *asked)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("lenght = 1", "unknown parameter 'lenght' of Pendulum: did you mean 'length'?"),
+        ("length = '24.5 kg'", "length must be given in m"),
+        ("length = true", "length must be a number in m, got True"),
+        ("[runn]", "unknown entry 'runn': did you mean 'run'?"),
+        ("length = 1\n[run]\ndurration = 1", "unknown entry 'durration' of [run]: did you mean"),
+        ("[drive", "mine.toml is no TOML file: "),
+    ],
+)
+def test_a_bad_scenario_file_gives_one_line_and_writes_nothing(text, message, capsys):
+    Path("mine.toml").write_text(f"[system]\nkind = 'pendulum'\nmass = 1\n{text}\n")
+    assert message in refused(capsys, "simulate", "mine.toml", "--output", "run.nc")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["simulate", *TOY, "--length", "nan", "--output", "run.nc"],
+        ["simulate", "zeno", "--no-such-option"],
+        ["no-such-command"],
+        ["plot", "missing.nc"],
+        ["scenarios", "show", "zen"],
+    ],
+)
+def test_the_process_ends_with_code_2_and_one_line(arguments):
+    done = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+    assert list(Path().iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are others on Windows")
+@pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_process_leaves_no_file(number, code):
+    arguments = ["simulate", "fig02", "--animate", "long.gif"]  # 9000 frames, about a minute
+    process = subprocess.Popen([*COMMAND, *arguments], stderr=subprocess.PIPE, text=True)
+    begun = time.monotonic()
+    while not list(Path().iterdir()):
+        assert process.poll() is None
+        assert time.monotonic() - begun < 120.0  # a first run compiles its kernels
+        time.sleep(0.02)
+    process.send_signal(number)
+    _, printed = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert printed == ""
+    assert list(Path().iterdir()) == []
+
+
+def test_plain_options_run_the_toy_of_the_experiment():
+    # the example of the documentation
+    found = simulate(
+        *("--system", "latolato", "--length", "24.5 cm", "--mass", "0.1", "--radius", "2 cm"),
+        *("--damping", "0.005", "--drive-amplitude", "20 mm", "--drive-frequency", "15.1"),
+        *("--initial-angle", "20 deg", "--duration", "10", "--output", "run.nc"),
+    )
+    toy = ll.LatoLato(length=0.245, mass=0.1, radius=0.02, damping=0.005)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1)
+    wanted = ll.simulate(toy, drive, initial_angle=math.radians(20), duration=10.0)
+    written = ll.load("run.nc")
+    np.testing.assert_array_equal(written.angle, wanted.angle)
+    assert found["largest_angle"] == float(abs(wanted.angle).max())
+    assert found["contacts"] == {"bottom": wanted.sizes["contact"]}
+    assert found["files"] == ["run.nc"]
+    assert found["status"] == "complete"
+    assert found["energy_residual"] < 1e-9 * found["largest_energy"]  # the promise of the ledger
+
+
+def test_a_frequency_in_hertz_is_turned_into_an_angular_one():
+    run(
+        "simulate",
+        *TOY,
+        "--drive-amplitude",
+        "0",
+        "--drive-frequency",
+        "1.6 Hz",
+        "--output",
+        "a.nc",
+    )
+    assert ll.load("a.nc").attrs["drive_frequency"] == pytest.approx(10.053096, abs=1e-6)
+
+
+def test_options_replace_what_the_scenario_says():
+    run(
+        "simulate",
+        "fig04a_push",
+        *("--drive-amplitude", "2 cm", "--duration", "1", "--output", "a.nc"),
+    )
+    attributes = ll.load("a.nc").attrs
+    assert attributes["drive_amplitude"] == 0.02
+    assert attributes["duration"] == 1.0
+    assert attributes["drive_frequency"] == 6.26
+
+
+def test_two_balls_are_set_by_right_and_left_options():
+    run(
+        "simulate",
+        *PAIR,
+        "--left-mass",
+        "2 kg",
+        "--initial-angle",
+        "20 deg, -25 deg",
+        "--output",
+        "a.nc",
+    )
+    written = ll.load("a.nc")
+    assert (written.attrs["right_mass"], written.attrs["left_mass"]) == (1.0, 2.0)
+    np.testing.assert_allclose(np.degrees(written.angle[:, 0]), [20, -25], rtol=1e-15)
+
+
+def test_times_come_from_a_list_or_a_file_and_samples_are_even():
+    Path("times.txt").write_text("0\n0.25\n1\n")
+    run("simulate", *TOY, "--times", "times.txt", "--output", "a.nc")
+    np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.25, 1.0])
+    run("simulate", *TOY, "--times", "0,250 ms,1 s", "--output", "a.nc")
+    np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.25, 1.0])
+    run("simulate", *TOY, "--samples", "3", "--output", "a.nc")
+    np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.5, 1.0])
+
+
+def test_a_result_file_is_run_again_to_the_same_numbers():
+    run("simulate", *TOY, "--times", "0,0.3,1", "--output", "a.nc")
+    run("simulate", "--from", "a.nc", "--output", "b.csv")
+    np.testing.assert_array_equal(ll.load("b.csv").angle, ll.load("a.nc").angle)
+    assert simulate("--from", "b.csv", "--duration", "2")["duration"] == 2.0
+
+
+def test_a_result_a_picture_and_an_animation_are_written_in_one_go():
+    names = ["run.csv", "run.svg", "run.gif"]
+    options = zip(("--output", "--plot", "--animate"), names, strict=True)
+    found = simulate(*TOY, *(part for option in options for part in option), "--speed", "4")
+    assert found["files"] == names
+    assert {p.name for p in Path().iterdir()} == {*names, "run.contacts.csv"}
+    assert Path("run.svg").read_text().startswith("<?xml")
+    assert Path("run.gif").read_bytes().startswith(b"GIF89a")
+
+
+def test_existing_files_are_replaced():
+    Path("run.nc").write_text("old")
+    run("simulate", *TOY, "--output", "run.nc")
+    assert ll.load("run.nc").attrs["duration"] == 1.0
+
+
+def test_a_saved_run_is_plotted_beside_its_file_by_default():
+    run("simulate", *TOY, "--output", "run.nc")
+    assert run("plot", "run.nc").stdout == "run.png\n"
+    assert Path("run.png").read_bytes().startswith(b"\x89PNG")
+    run("plot", "run.nc", "--output", "other.pdf", "--animate", "run.gif", "--speed", "4")
+    assert Path("other.pdf").read_bytes().startswith(b"%PDF")
+    assert Path("run.gif").exists()
+
+
+def test_without_json_the_summary_is_for_reading():
+    printed = run("simulate", *TOY).stdout
+    assert "status           complete" in printed
+    assert "contacts         1 bottom" in printed
+    assert "nothing; name a file with --output" in printed
+
+
+def test_the_largest_angle_counts_swings_to_the_left():
+    pendulum = ["--system", "pendulum", "--length", "1", "--mass", "1"]
+    assert (
+        simulate(*pendulum, "--initial-angle", "-0.5", "--duration", "0.1")["largest_angle"] == 0.5
+    )
+
+
+def test_json_is_strict_and_has_null_for_what_never_happened():
+    printed = run("simulate", *TOY, "--json").stdout
+
+    def refuse(constant):
+        raise ValueError(constant)
+
+    assert json.loads(printed, parse_constant=refuse)["slack_time"] is None
+
+
+def test_a_warning_is_one_line_on_standard_error(capsys):
+    options = ["--duration", "400", "--samples", "9", "--contact-limit", "100", "--json"]
+    assert main(["simulate", *TOY, *options]) == 0
+    printed = capsys.readouterr()
+    assert printed.err.startswith("latolato: warning: the run is ")
+    assert printed.err.count("\n") == 1
+    assert json.loads(printed.out)["status"] != "complete"
+
+
+def test_all_shipped_scenarios_are_listed_and_shown():
+    listed = run("scenarios").stdout.splitlines()
+    assert [line.split()[0] for line in listed] == list(scenarios())
+    shown = run("scenarios", "show", "zeno").stdout
+    Path("mine.toml").write_text(shown)
+    assert ll.load_scenario("mine.toml").system == ll.load_scenario("zeno").system
+
+
+def test_every_parameter_of_every_law_is_an_option():
+    paths = {option.path for option in law_options().values()}
+    for part, registry in (("system", systems), ("drive", drives)):
+        for law in registry.values():
+            for field in dataclasses.fields(law):
+                if field.init and field.name not in ("right", "left"):
+                    assert (part, field.name) in paths
+    for field in dataclasses.fields(ll.Ball):
+        assert {("system", "right", field.name), ("system", "left", field.name)} <= paths
+    for field in dataclasses.fields(ll.VelocityKicks):
+        assert ("noise", field.name) in paths
+
+
+@pytest.mark.parametrize(
+    "command", [[], ["simulate"], ["scenarios"], ["plot"], ["reproduce"], ["cite"]]
+)
+def test_help_is_printed_with_code_0(command):
+    assert "Usage: " in run(*command, "--help").stdout
+
+
+def test_without_a_command_help_is_printed():
+    assert run().stdout == run("--help").stdout
+
+
+def test_the_version_is_printed():
+    assert run("--version").stdout == f"latolato {ll.__version__}\n"
+
+
+def test_the_citation_names_software_and_paper_as_the_citation_file_does():
+    printed = run("cite").stdout
+    file = (Path(__file__).parents[1] / "CITATION.cff").read_text(encoding="utf-8")
+    title = "Parametric resonance and nonlinear dynamics in a coupled double-pendulum system"
+    for text in (title, "The latolato developers", ll.__version__):
+        assert text in file
+        assert text in printed
+    for family in ("Niu", "Liu", "Fan", "Bai", "Zhang"):
+        assert f"family-names: {family}" in file
+        assert family in printed
+    assert printed == ll.cite() + "\n"
+
+
+def test_reproduce_hands_folder_and_quickness_on(monkeypatch):
+    from latolato import report
+
+    asked = []
+
+    def reproduce(folder, *, quick, progress):
+        asked.append((folder, quick))
+        return "result"
+
+    monkeypatch.setattr(report, "reproduce", reproduce)
+    monkeypatch.setattr(report, "print_claims", print)
+    assert run("reproduce", "--quick", "--output", "there").stdout == "result\n"
+    assert asked == [(Path("there"), True)]
+
+
+def test_a_bar_is_drawn_on_a_screen_for_long_work_only(monkeypatch, capsys):
+    from latolato import cli
+
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with cli._progress("working") as show:
+        show(0.5)
+        assert capsys.readouterr().err == ""
+        monkeypatch.setattr(cli, "_PATIENCE", 0.0)
+        show(1.0)
+    assert capsys.readouterr().out == ""  # standard output stays for results
+
+
+def test_starting_imports_nothing_heavy():
+    heavy = [
+        "matplotlib",
+        "pint",
+        "numba",
+        "xarray",
+        "pandas",
+        "scipy",
+        "rich",
+        "h5py",
+        "av",
+        "PIL",
+    ]
+    code = f"import sys, latolato.cli; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_a_run_without_pictures_does_not_load_matplotlib():
+    code = (
+        "import sys; from latolato.cli import main\n"
+        "code = main(['simulate', 'zeno', '--output', 'run.nc'])\n"
+        "sys.exit(code or 'matplotlib' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+def test_the_installed_command_runs_main():
+    script = Path(sys.executable).with_name("latolato.exe" if os.name == "nt" else "latolato")
+    if not script.exists():
+        pytest.skip("the package is not installed beside this Python")
+    done = subprocess.run([script, "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"latolato {ll.__version__}\n"

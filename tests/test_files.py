@@ -1,0 +1,230 @@
+"""Result files hold the whole run, and are written whole or not at all."""
+
+import os
+import stat
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import latolato as ll
+from latolato.files import SUFFIXES, atomic_path, load, save
+
+BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
+TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
+SAMPLED = np.linspace(0.0, 6.0, 10_001)
+MEASURED = ll.MeasuredPivot(times=SAMPLED, pivot_heights=0.01 * np.cos(SAMPLED))
+SCHEDULE = ll.FrequencySchedule(
+    drive_amplitude=0.02, times=[0.0, 1.0], drive_frequencies=[7.0, 6.0]
+)
+
+
+@pytest.fixture(
+    scope="module",
+    params=["toy", "no contact yet", "pair", "pair without walls", "pendulum", "mathieu"],
+)
+def run(request):
+    """Runs with and without walls, contacts, a second ball, noise, long sample lists."""
+    if request.param == "toy":
+        return ll.simulate(TOY, SCHEDULE, initial_angle=0.5, duration=6.0, frame="both")
+    if request.param == "no contact yet":
+        return ll.simulate(TOY, initial_angle=0.5, duration=0.1)
+    if request.param == "pair":
+        noise = ll.VelocityKicks(strength=0.05, seed=2)
+        pair = ll.BallPair(right=BALL, left=BALL)
+        return ll.simulate(pair, initial_angle=(0.5, -0.4), duration=3.0, noise=noise)
+    if request.param == "pair without walls":
+        pair = ll.BallPair(right=BALL, left=BALL)
+        return ll.simulate(pair, initial_angle=(0.5, -0.4), duration=3.0, contact=None)
+    if request.param == "pendulum":
+        return ll.simulate(
+            ll.Pendulum(length=1.0, mass=1.0), MEASURED, initial_angle=0.5, duration=3.0
+        )
+    return ll.simulate(ll.Mathieu(length=1.0, mass=1.0), initial_angle=0.5, duration=3.0)
+
+
+def plain(attributes):
+    return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in attributes.items()}
+
+
+def need(suffix):
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow", reason="Parquet needs the extra 'parquet'")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_saved_run_comes_back_to_the_last_bit(run, tmp_path, suffix):
+    need(suffix)
+    path = save(run, tmp_path / f"run{suffix}")
+    found = load(path)
+    xr.testing.assert_identical(
+        found.drop_attrs(deep=False).drop_encoding(), run.drop_attrs(deep=False)
+    )
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_attributes_come_back_as_plain_values(run, tmp_path, suffix):
+    need(suffix)
+    found = load(save(run, tmp_path / f"run{suffix}")).attrs
+    wanted = plain(run.attrs)
+    assert found.keys() == wanted.keys()
+    for name, value in found.items():
+        np.testing.assert_equal(value, wanted[name])
+        assert type(value) is type(wanted[name]), name
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_contacts_are_a_second_file_for_systems_with_walls_only(tmp_path, suffix):
+    need(suffix)
+    toy = ll.simulate(TOY, initial_angle=0.5, duration=2.0)
+    save(toy, tmp_path / f"toy{suffix}")
+    free = ll.simulate(ll.Pendulum(length=1.0, mass=1.0), initial_angle=0.5, duration=2.0)
+    save(free, tmp_path / f"free{suffix}")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {f"toy{suffix}", f"toy.contacts{suffix}", f"free{suffix}"}
+
+
+def test_a_csv_file_reads_as_a_table_with_comments(tmp_path):
+    toy = ll.simulate(TOY, initial_angle=0.5, duration=2.0)
+    path = save(toy, tmp_path / "toy.csv")
+    lines = path.read_text().splitlines()
+    assert "# length: 1.0" in lines
+    assert "# column angle [rad]: angle from the downward vertical" in lines
+    header = next(line for line in lines if not line.startswith("#"))
+    assert header.startswith("time,angle,angular_velocity")
+    table = pd.read_csv(path, comment="#")
+    np.testing.assert_allclose(table["angle"], toy.angle, rtol=1e-14)  # pandas' own reading
+
+
+def test_two_balls_are_two_columns(tmp_path):
+    pair = ll.BallPair(right=BALL, left=BALL)
+    run = ll.simulate(pair, initial_angle=(0.5, -0.4), duration=1.0)
+    path = save(run, tmp_path / "pair.csv")
+    table = pd.read_csv(path, comment="#")
+    left = run.angle.sel(ball="left")
+    np.testing.assert_allclose(table["angle_left"], left, rtol=1e-14)  # pandas' own reading
+
+
+def test_parquet_fields_carry_their_units(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet needs the extra 'parquet'")
+    run = ll.simulate(TOY, initial_angle=0.5, duration=1.0)
+    schema = parquet.read_schema(save(run, tmp_path / "run.parquet"))
+    assert schema.field("angular_velocity").metadata[b"units"] == b"rad/s"
+
+
+def test_any_dataset_goes_to_netcdf_but_only_runs_to_tables(tmp_path):
+    other = xr.Dataset({"energy": (("x", "y"), np.eye(2))})
+    assert load(save(other, tmp_path / "map.nc"))["energy"].sum() == 2.0
+    with pytest.raises(ValueError, match=r".csv files hold runs with a time; use .nc"):
+        save(other, tmp_path / "map.csv")
+
+
+@pytest.mark.parametrize("name", ["run.xls", "run", ".nc"])
+def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path, name):
+    run = xr.Dataset({"angle": ("time", [0.0])})
+    with pytest.raises(ValueError, match=rf"must end in \.nc, \.csv, \.parquet, got '{name}'"):
+        save(run, tmp_path / name)
+    with pytest.raises(ValueError, match="must end in"):
+        load(tmp_path / name)
+
+
+def test_a_missing_folder_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"folder '.*no' does not exist; create it first"):
+        save(xr.Dataset(), tmp_path / "no" / "run.nc")
+    (tmp_path / "folder.nc").mkdir()
+    with pytest.raises(IsADirectoryError, match="is a folder; name a file in it"):
+        save(xr.Dataset(), tmp_path / "folder.nc")
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"there is no file '.*run\.nc'"):
+        load(tmp_path / "run.nc")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_of_something_else_is_refused(tmp_path, suffix):
+    need(suffix)
+    path = tmp_path / f"run{suffix}"
+    path.write_bytes(b"time,angle\n0,1\n")
+    with pytest.raises((ValueError, OSError), match="run"):
+        load(path)
+
+
+def test_parquet_without_its_extra_names_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(ModuleNotFoundError, match=r'pip install "latolato\[parquet\]"'):
+        save(xr.Dataset({"angle": ("time", [0.0])}), tmp_path / "run.parquet")
+
+
+class Interruption(BaseException):
+    """Like KeyboardInterrupt, which would end the tests themselves."""
+
+
+def half_written(path, error):
+    with atomic_path(path) as unfinished:
+        unfinished.write_text("half of the n")
+        raise error
+
+
+@pytest.mark.parametrize(
+    "error", [Interruption(), OSError(28, "No space left on device"), ValueError()]
+)
+def test_an_interrupted_write_leaves_the_old_file_and_no_litter(tmp_path, error):
+    path = tmp_path / "run.txt"
+    path.write_text("old")
+    with pytest.raises(type(error)) as caught:
+        half_written(path, error)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+    if isinstance(error, OSError):
+        assert caught.value.filename == str(path)  # not the temporary name
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_writer_that_fails_leaves_no_file(tmp_path, suffix, monkeypatch):
+    need(suffix)
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    run = ll.simulate(TOY, initial_angle=0.5, duration=1.0)
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(OSError, match="No space left on device"):
+        save(run, tmp_path / f"run{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of file sizes")
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_full_disk_gives_one_line_and_no_file(tmp_path, suffix):
+    need(suffix)
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))\n"
+        "from latolato.cli import main; sys.exit(main())"
+    )
+    # HDF5 would end with a segmentation fault here if it wrote the file itself
+    command = ["simulate", "zeno", "--samples", "2000", "--output", f"run{suffix}"]
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", code, *command],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "too large" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_get_the_usual_permissions(tmp_path):
+    usual = tmp_path / "usual"
+    usual.write_text("")
+    with atomic_path(tmp_path / "ours") as unfinished:
+        unfinished.write_text("")
+    modes = [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("usual", "ours")]
+    assert modes[0] == modes[1]

@@ -1,0 +1,88 @@
+"""The picture of a run shows its angles, contacts, energies and pivot, labelled from metadata."""
+
+import numpy as np
+import pytest
+
+import latolato as ll
+
+BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
+PENDULUM = ll.Pendulum(length=1.0, mass=0.8)
+TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.6)
+
+
+def toy(**options):
+    return ll.simulate(TOY, initial_angle=1.0, duration=7.0, **options)
+
+
+def lines(axes):
+    return {line.get_label(): line for line in axes.get_lines()}
+
+
+def test_both_mirrored_balls_of_the_toy_are_drawn():
+    run = toy()
+    drawn = lines(ll.plot(run).axes[0])
+    np.testing.assert_array_equal(drawn["right ball"].get_ydata(), run.angle)
+    np.testing.assert_array_equal(drawn["left ball"].get_ydata(), -run.angle)
+
+
+def test_two_balls_are_drawn_by_their_own_angles():
+    pair = ll.BallPair(right=BALL, left=BALL)
+    run = ll.simulate(pair, initial_angle=(0.5, -0.4), duration=2.0)
+    figure = ll.plot(run)
+    drawn = lines(figure.axes[0])
+    np.testing.assert_array_equal(drawn["left ball"].get_ydata(), run.angle.sel(ball="left"))
+    total = lines(figure.axes[1])["total energy $E$"].get_ydata()
+    np.testing.assert_array_equal(total, run.total_energy.values.sum(axis=0))
+
+
+def test_contacts_are_marked_on_the_curves_and_counted_by_kind():
+    run = toy()
+    counts = dict(zip(*np.unique(run.contact_kind, return_counts=True), strict=True))
+    marks = {c.get_label(): c for c in ll.plot(run).axes[0].collections}
+    for kind in ("bottom", "rest"):
+        points = marks[f"{kind} ({counts[kind]})"].get_offsets()
+        # half a sample of 0.02 s at 3 rad/s
+        np.testing.assert_allclose(points[:, 1], np.arcsin(0.1), atol=0.03)
+
+
+def test_the_drawn_ledger_closes():
+    run = ll.simulate(
+        TOY, ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26), initial_angle=1.0, duration=7.0
+    )
+    drawn = {name: line.get_ydata() for name, line in lines(ll.plot(run).axes[2]).items()}
+    balance = drawn["drive work $W_{in}$"] - drawn["impact loss $D_e$"] - drawn["energy gained"]
+    captured = drawn.get("capture loss $D_c$", 0.0)
+    # losses below 1e-9 of the largest energy are not drawn
+    assert np.abs(balance - captured).max() < 2e-9 * float(run.total_energy.max())
+
+
+def test_what_is_zero_throughout_is_not_drawn():
+    run = ll.simulate(PENDULUM, initial_angle=1.0, duration=2.0)
+    assert set(lines(ll.plot(run).axes[2])) == {"energy gained"}
+
+
+def test_labels_come_from_the_metadata():
+    figure = ll.plot(toy())
+    angles, energies, _, pivot = figure.axes[:4]
+    assert angles.get_ylabel() == r"$\theta$ [rad]"
+    assert energies.get_ylabel() == "energy [J]"
+    assert pivot.get_ylabel() == "$y_0$ [m]"
+    assert pivot.get_xlabel() == "time $t$ [s]"
+
+
+def test_the_clamp_is_called_an_artefact():
+    titles = [axes.get_title(loc="left") for axes in ll.plot(toy(contact=ll.Clamp())).axes]
+    assert "Angles (a fixed-step artefact)" in titles
+
+
+def test_a_loaded_run_gives_the_same_picture(tmp_path):
+    run = toy()
+    again = ll.load(ll.save(run, tmp_path / "run.csv"))
+    for ours, loaded in zip(ll.plot(run).axes, ll.plot(again).axes, strict=True):
+        assert ours.get_title(loc="left") == loaded.get_title(loc="left")
+        assert lines(ours).keys() == lines(loaded).keys()
+
+
+def test_a_dataset_that_is_no_run_is_refused():
+    with pytest.raises(ValueError, match="plot needs a run: a dataset with angle over time"):
+        ll.plot(toy().drop_vars("angle"))

@@ -1,0 +1,283 @@
+"""Scenarios are read from TOML, changed, stored with a run and run again."""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.figures import paper
+from latolato.scenario import RUN_OPTIONS, Scenario, load_scenario, overridden, scenarios
+
+SHIPPED = sorted(scenarios())
+TOY = {"kind": "latolato", "length": 1.0, "mass": 0.8, "radius": 0.1}
+PENDULUM = {"kind": "pendulum", "length": 1.0, "mass": 0.8}
+RUN = {"initial_angle": 0.5, "duration": 1.0}
+
+
+def scenario(system=PENDULUM, **tables):
+    return Scenario.from_dict({"system": system, "run": RUN, **tables})
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_scenario_says_what_it_is_and_survives_json(name):
+    shipped = load_scenario(name)
+    assert shipped.name == name
+    assert shipped.title
+    assert shipped.description.endswith(".")
+    assert Scenario.from_dict(json.loads(json.dumps(shipped.to_dict()))) == shipped
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_scenario_stored_with_a_run_gives_the_same_run(name):
+    run = load_scenario(name).simulate(duration=1.0)
+    again = Scenario.from_dict(json.loads(run.attrs["scenario"])).simulate()
+    np.testing.assert_array_equal(again.angle, run.angle)
+
+
+@pytest.mark.parametrize(
+    "name, system, drive",
+    [
+        ("fig02", paper.PENDULUM, paper.DRIVE),
+        ("fig02_mathieu", paper.LINEAR, paper.DRIVE),
+        ("fig04a_push", paper.TOY, paper.STRONG_DRIVE),
+        ("fig04b_push", paper.TOY, paper.WEAK_DRIVE),
+        ("fig08", paper.SINGLE, None),
+        ("fig12", paper.COUPLED, None),
+        ("fig13b", paper.LINEAR_UNDAMPED, paper.DRIVE),
+        ("fig13d", paper.UNDAMPED, paper.DRIVE),
+    ],
+)
+def test_scenarios_and_figures_of_the_paper_use_the_same_parameters(name, system, drive):
+    shipped = load_scenario(name)
+    for part, expected in ((shipped.system, system), (shipped.drive, drive)):
+        if expected is not None:
+            found = dataclasses.asdict(part)
+            # 0.08 * 0.245 m and 0.0196 m differ by a rounding
+            assert found == pytest.approx(dataclasses.asdict(expected), rel=1e-15)
+
+
+def test_the_printed_start_of_figure_4_never_moves_and_the_push_reaches_the_top():
+    still = load_scenario("fig04a").simulate()
+    assert np.ptp(still.angle.values) == 0.0
+    pushed = load_scenario("fig04a_push").simulate()
+    assert float(pushed.angle.max()) == pytest.approx(math.pi - math.asin(0.1), abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["fig12", "fig12_sudden"])
+@pytest.mark.parametrize("phase", [0.0, 1.0, 3.0])
+def test_the_frequency_step_of_figure_12_catches_on_at_every_phase(name, phase):
+    shipped = load_scenario(name)
+    drive = dataclasses.replace(shipped.drive, drive_phase=phase)
+    run = shipped.simulate(drive=drive, duration=60.0)
+    late = run.angle.sel(time=slice(50.0, None))
+    assert math.degrees(float(late.max())) == pytest.approx(42.0, abs=0.05)  # as it is written
+
+
+def test_a_frequency_ratio_counts_natural_frequencies():
+    table = {"kind": "harmonic", "drive_amplitude": 0.02, "frequency_ratio": 1.942}
+    found = scenario(drive=table)
+    assert found.drive.drive_frequency == 1.942 * found.system.natural_frequency
+
+
+def test_frequency_ratios_of_stages_and_of_a_chirp_count_natural_frequencies():
+    stages = {
+        "kind": "frequency_schedule",
+        "drive_amplitude": 0.02,
+        "times": [0, "2 s"],
+        "frequency_ratios": [3, 2],
+    }
+    natural = math.sqrt(9.8)
+    assert scenario(drive=stages).drive.drive_frequencies == (3 * natural, 2 * natural)
+    chirp = {
+        "kind": "chirp",
+        "drive_amplitude": 0.02,
+        "frequency_ratio": 1,
+        "frequency_ratio_final": 2,
+        "sweep_time": "1 min",
+    }
+    assert scenario(drive=chirp).drive.drive_frequency_final == 2 * natural
+    assert scenario(drive=chirp).drive.sweep_time == 60.0
+
+
+def test_two_balls_are_two_tables():
+    ball = {"length": "1 m", "mass": "500 g", "radius": "10 cm"}
+    found = Scenario.from_dict(
+        {
+            "system": {"kind": "ballpair", "right": ball, "left": ball},
+            "run": {"initial_angle": ["20 deg", "-25 deg"], "duration": 1},
+        }
+    )
+    assert found.system.right == ll.Ball(length=1.0, mass=0.5, radius=0.1)
+    assert found.run["initial_angle"] == pytest.approx((math.pi / 9, -math.radians(25)))
+
+
+def test_noise_and_clamp_are_built_from_their_tables():
+    found = scenario(
+        TOY,
+        noise={"strength": 0.1, "seed": 3},
+        run={**RUN, "contact": "clamp", "clamp_step": "2 ms"},
+    )
+    assert found.run["noise"] == ll.VelocityKicks(strength=0.1, seed=3)
+    assert found.run["contact"] == ll.Clamp(step=2e-3)
+    assert Scenario.from_dict(found.to_dict()) == found
+
+
+def test_samples_are_evenly_spaced_over_the_duration():
+    run = scenario(run={**RUN, "samples": 5}).simulate()
+    np.testing.assert_array_equal(run.time, [0.0, 0.25, 0.5, 0.75, 1.0])
+
+
+def test_data_files_are_looked_for_beside_the_scenario(tmp_path):
+    instants = np.linspace(0.0, 1.0, 21)
+    table = np.column_stack([instants, 0.01 * np.cos(instants)])
+    np.savetxt(tmp_path / "pivot.csv", table, delimiter=",", header="time,height", comments="")
+    (tmp_path / "mine.toml").write_text(
+        "[system]\nkind = 'pendulum'\nlength = 1\nmass = 1\n"
+        "[drive]\nkind = 'measured_pivot'\n"
+        "times = 'pivot.csv:time'\npivot_heights = 'pivot.csv:height'\n"
+    )
+    assert load_scenario(tmp_path / "mine.toml").drive.times == tuple(instants)
+
+
+def test_overrides_take_the_place_of_what_excludes_them():
+    pushed = load_scenario("fig04a_push")
+    assert float(pushed.simulate(initial_angle=0.7, duration=1.0).angle[0]) == 0.7
+    sampled = scenario(run={**RUN, "samples": 5})
+    assert float(sampled.simulate(duration=2.0).time[-1]) == 2.0
+    assert sampled.simulate(times=[0.0, 3.0]).sizes["time"] == 2
+
+
+def test_a_changed_kind_keeps_the_parameters_that_it_knows():
+    tables = {
+        "system": TOY,
+        "drive": {"kind": "harmonic", "drive_amplitude": 0.02, "frequency_ratio": 2},
+        "run": RUN,
+    }
+    changes = {
+        "system": {"kind": "pendulum"},
+        "drive": {"kind": "crank_slider", "connecting_rod_length": 0.2},
+    }
+    found = Scenario.from_dict(overridden(tables, changes))
+    assert found.system == ll.Pendulum(length=1.0, mass=0.8)
+    assert found.drive.drive_amplitude == 0.02
+    assert found.drive.connecting_rod_length == 0.2
+
+
+def test_changing_one_ball_keeps_the_other_values_of_both():
+    ball = {"length": 1, "mass": 1, "radius": 0.1}
+    tables = {"system": {"kind": "ballpair", "right": ball, "left": ball}, "run": RUN}
+    changed = overridden(tables, {"system": {"left": {"mass": 2}}})
+    assert changed["system"]["left"] == {"length": 1, "mass": 2, "radius": 0.1}
+    assert changed["system"]["right"] == ball
+    assert tables["system"]["left"]["mass"] == 1
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".csv", ".parquet"])
+def test_a_result_file_is_a_scenario_with_the_same_instants(tmp_path, suffix):
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow", reason="Parquet needs the extra 'parquet'")
+    run = load_scenario("fig04a_push").simulate(times=[0.0, 0.3, 2.0, 2.5], duration=3.0)
+    path = ll.save(run, tmp_path / f"run{suffix}")
+    again = load_scenario(path).simulate()
+    np.testing.assert_array_equal(again.time, run.time)
+    np.testing.assert_array_equal(again.angle, run.angle)
+    np.testing.assert_array_equal(again.contact_time, run.contact_time)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("[systm]\nkind = 'pendulum'", "unknown entry 'systm': did you mean 'system'?"),
+        ("[run]\nduration = 1", "a scenario needs [system] with a kind: pendulum,"),
+        ("[system]\nkind = 'pendulm'", "unknown system 'pendulm': did you mean 'pendulum'?"),
+        ("[system]\nlength = 1", "[system] needs a kind: pendulum,"),
+        ("[system]\nkind = 1", "the kind of system must be a text, got 1"),
+        ("system = 3", "system must be a table of names and values, got 3"),
+        ("[system", "mine.toml is no TOML file: "),
+        ("title = 3\n[system]\nkind = 'pendulum'", "title must be a text, got 3"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, message):
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises((TypeError, ValueError)) as refused:
+        load_scenario(path)
+    assert str(refused.value).startswith("mine.toml: ")
+    assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "tables, message",
+    [
+        (
+            {"system": {**PENDULUM, "lenght": 2}},
+            "unknown parameter 'lenght' of Pendulum: did you mean 'length'?",
+        ),
+        ({"system": {"kind": "pendulum", "mass": 1}}, "Pendulum needs 'length' [m]"),
+        (
+            {"system": {**PENDULUM, "length": "24.5 kg"}},
+            "length must be given in m (or a unit that converts to it), got '24.5 kg'",
+        ),
+        ({"system": {**PENDULUM, "mass": True}}, "mass must be a number in kg, got True"),
+        ({"system": {**PENDULUM, "mass": [1]}}, "mass must be a number in kg, got [1]"),
+        (
+            {"system": {"kind": "ballpair", "length": 1}},
+            "BallPair has no 'length' of its own: give right.length and left.length",
+        ),
+        ({"drive": {"drive_amplitude": 1}}, "[drive] needs a kind: "),
+        ({"drive": {"kind": "harmonics"}}, "unknown drive 'harmonics': did you mean 'harmonic'?"),
+        (
+            {"drive": {"kind": "harmonic", "drive_frequency": 1, "frequency_ratio": 1}},
+            "give either drive_frequency or frequency_ratio, got both",
+        ),
+        (
+            {"drive": {"kind": "harmonic", "drive_amplitude": 0.1, "frequency_ratio": -1}},
+            "frequency_ratio must lie in [0, inf) times the natural frequency, got -1",
+        ),
+        (
+            {"drive": {"kind": "frequency_schedule", "frequency_ratios": 2}},
+            "frequency_ratios must be a sequence of numbers, got 2",
+        ),
+        (
+            {"drive": {"kind": "frequency_schedule", "step_impulse": "yes"}},
+            "step_impulse must be true or false, got 'yes'",
+        ),
+        ({"run": {"durration": 1}}, "unknown entry 'durration' of [run]: did you mean 'duration'?"),
+        ({"run": {**RUN, "contact": "clam"}}, "unknown contact law 'clam': did you mean 'clamp'?"),
+        ({"run": {**RUN, "clamp_step": 1}}, "clamp_step needs contact 'clamp', got None"),
+        ({"run": {**RUN, "samples": 1}}, "samples must be a whole number of at least 2, got 1"),
+        ({"run": {"samples": 9}}, "samples needs a duration"),
+        ({"run": {"samples": 9, "times": [1]}}, "give either times or samples, got both"),
+        ({"noise": {"strenght": 1}}, "unknown parameter 'strenght' of VelocityKicks"),
+        ({"noise": 1}, "noise must be a table of names and values, got 1"),
+    ],
+)
+def test_wrong_names_types_and_units_are_refused_with_the_rule(tables, message):
+    with pytest.raises((TypeError, ValueError)) as refused:
+        scenario(**tables).simulate()
+    assert message in str(refused.value)
+
+
+def test_an_unknown_name_is_refused_with_the_closest_one():
+    with pytest.raises(
+        FileNotFoundError, match="no scenario or file 'fig4a': did you mean 'fig04a'"
+    ):
+        load_scenario("fig4a")
+
+
+def test_a_dataset_without_a_scenario_is_refused(tmp_path):
+    import xarray as xr
+
+    path = ll.save(xr.Dataset({"a": 1}), tmp_path / "other.nc")
+    with pytest.raises(ValueError, match=r"other\.nc holds no run of latolato"):
+        load_scenario(path)
+
+
+def test_every_run_option_is_an_argument_of_simulate_or_turned_into_one():
+    import inspect
+
+    known = set(inspect.signature(ll.simulate).parameters)
+    assert set(RUN_OPTIONS) - known == {"samples", "clamp_step"}
