@@ -115,9 +115,7 @@ class TestLedger:
         self, amplitude, frequency, phase, damping, e, share, offset, speed
     ):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=damping, radius=share, restitution=e)
-        drive = ll.Harmonic(
-            drive_amplitude=amplitude, drive_frequency=frequency, drive_phase=phase
-        )
+        drive = ll.Harmonic(drive_amplitude=amplitude, drive_frequency=frequency, drive_phase=phase)
         run = ll.simulate(
             toy,
             drive,
@@ -128,7 +126,9 @@ class TestLedger:
         )
         # Damped elastic bounces grow flat and frequent without end (PHYSICS section 3).
         flat = e > 0.97 and damping > 0.0
-        assert run.attrs["status"] == "complete" or (flat and "contact_limit" in run.attrs["status"])
+        assert run.attrs["status"] == "complete" or (
+            flat and "contact_limit" in run.attrs["status"]
+        )
         largest = max(float(run.total_energy.max()), 0.4 * speed**2)
         assert run.attrs["energy_residual"] <= 1e-9 * largest
         assert np.nanmin(run.angle.values) >= toy.contact_angle_low
@@ -154,9 +154,7 @@ class TestLedger:
             coulomb_damping=coulomb,
         )
         drive = ll.Harmonic(drive_amplitude=amplitude, drive_frequency=frequency)
-        run = ll.simulate(
-            system, drive, initial_angle=angle, times=np.linspace(0.0, 100.0, 1001)
-        )
+        run = ll.simulate(system, drive, initial_angle=angle, times=np.linspace(0.0, 100.0, 1001))
         largest = float(run.total_energy.max())
         assert run.attrs["energy_residual"] <= 1e-9 * largest + 1e-18
 
@@ -181,9 +179,7 @@ class TestLedger:
         # A short ramp gives the velocity that the impulse gives at once.
         ramp = dataclasses.replace(drive, step_impulse=False, ramp=1e-4)
         times = np.linspace(0.0, 3.0, 31)
-        jump, ramped = (
-            ll.simulate(toy, d, initial_angle=0.7, times=times) for d in (drive, ramp)
-        )
+        jump, ramped = (ll.simulate(toy, d, initial_angle=0.7, times=times) for d in (drive, ramp))
         np.testing.assert_allclose(jump.angle, ramped.angle, atol=1e-3)
         no_jump = ll.simulate(
             toy, dataclasses.replace(drive, step_impulse=False), initial_angle=0.7, times=times
@@ -496,9 +492,7 @@ class TestTwoBalls:
         )
         pair = ll.BallPair(right=right, left=left, restitution=e)
         drive = ll.Harmonic(drive_amplitude=amplitude, drive_frequency=frequency)
-        run = ll.simulate(
-            pair, drive, initial_angle=starts, times=np.linspace(0.0, 60.0, 1201)
-        )
+        run = ll.simulate(pair, drive, initial_angle=starts, times=np.linspace(0.0, 60.0, 1201))
         assert run.attrs["status"] == "complete"
         assert residual(run) <= 1e-9
         gap = (run.angle[0] - run.angle[1]).values
@@ -522,7 +516,13 @@ class TestKernelChunks:
         walls = (toy.contact_angle_low, toy.contact_angle_high)
         found = [
             integrate(
-                toy, drive, Start((0.6,), (0.0,)), times, 20.0, walls=walls, step=0.02,
+                toy,
+                drive,
+                Start((0.6,), (0.0,)),
+                times,
+                20.0,
+                walls=walls,
+                step=0.02,
                 rest_speed=1e-6,
             )  # fmt: skip
             for times in (np.array([20.0]), np.linspace(0.0, 20.0, 20_001))

@@ -401,7 +401,9 @@ class TestCoulombFriction:
         system = toy(coulomb_damping=0.5)
         run = ll.simulate(system, harmonic(1.5), initial_offset=0.0, duration=20.0)
         assert np.all(run.angle.values == system.contact_angle_low)
-        run = ll.simulate(toy(coulomb_damping=0.3), harmonic(1.5), initial_offset=0.0, duration=20.0)
+        run = ll.simulate(
+            toy(coulomb_damping=0.3), harmonic(1.5), initial_offset=0.0, duration=20.0
+        )
         assert float(run.angle.max()) > system.contact_angle_low
 
     def test_friction_ends_elastic_bounces_in_finite_time(self):

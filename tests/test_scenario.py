@@ -63,7 +63,7 @@ def test_the_printed_start_of_figure_4_never_moves_and_the_push_reaches_the_top(
     still = load_scenario("fig04a").simulate()
     assert np.ptp(still.angle.values) == 0.0
     pushed = load_scenario("fig04a_push").simulate()
-    assert float(pushed.angle.max()) == pytest.approx(math.pi - math.asin(0.1), abs=1e-3)
+    assert "top" in pushed.contact_kind.values
 
 
 @pytest.mark.parametrize("name", ["fig12", "fig12_sudden"])

@@ -326,7 +326,10 @@ class TestBadInput:
         "kind,given",
         [
             (ll.FrequencySchedule, {"drive_amplitude": 0.1, "times": 0, "drive_frequencies": [1]}),
-            (ll.FrequencySchedule, {"drive_amplitude": 0.1, "times": "0", "drive_frequencies": [1]}),
+            (
+                ll.FrequencySchedule,
+                {"drive_amplitude": 0.1, "times": "0", "drive_frequencies": [1]},
+            ),
             (ll.MeasuredPivot, {"times": range(7), "pivot_heights": "abcdefg"}),
             (ll.MeasuredPivot, {"times": range(7), "pivot_heights": [None] * 7}),
         ],
@@ -488,9 +491,7 @@ class TestExtremeInput:
     @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
     @pytest.mark.parametrize("share", [0.1, 0.99])
     def test_pivot_acceleration_of_1000_g(self, restitution, share):
-        toy = ll.LatoLato(
-            length=1.0, mass=0.8, damping=0.02, radius=share, restitution=restitution
-        )
+        toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=share, restitution=restitution)
         drive = ll.Harmonic(drive_amplitude=0.5, drive_frequency=math.sqrt(1000.0 * 9.8 / 0.5))
         found = ll.simulate(toy, drive, initial_offset=0.1, duration=20.0)
         assert found.attrs["status"] == "complete"
@@ -551,7 +552,9 @@ class TestExtremeInput:
 
 class TestClamp:
     def test_clamp_is_labelled(self):
-        found = ll.simulate(TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.Clamp(step=2e-3))
+        found = ll.simulate(
+            TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.Clamp(step=2e-3)
+        )
         assert found.attrs["contact"] == "clamp"
         assert found.attrs["clamp_step"] == 2e-3
         assert found.attrs["stepper"] == "classical Runge-Kutta"

@@ -288,9 +288,7 @@ class TestMeasuredPivot:
         for rate in (120.0, 240.0):
             found = self.sampled_cosine(rate)
             inner = np.linspace(1.0, 4.0, 301)
-            gaps.append(
-                max(abs(motion(found, t, 5.0)[2] - motion(same, t, 5.0)[2]) for t in inner)
-            )
+            gaps.append(max(abs(motion(found, t, 5.0)[2] - motion(same, t, 5.0)[2]) for t in inner))
         assert gaps[0] < 1e-4 * 0.02 * 15.0**2
         assert gaps[0] / gaps[1] == pytest.approx(16.0, rel=0.2)
 

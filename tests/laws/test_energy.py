@@ -152,7 +152,9 @@ def test_pivot_frame_energy_grows_by_drive_less_damping(derived, angle, speed):
     alpha = derived["alpha"](angle, speed, 0, 0, lift, l, m, g, C)
     growth = m * l * l * speed * alpha + m * g * l * math.sin(angle) * speed
     power = law.drive_power(speed, math.sin(angle), lift, m, l)
-    assert growth == pytest.approx(power - damping_power(speed, l, C, 0.0, 0.0), rel=1e-12, abs=1e-14)
+    assert growth == pytest.approx(
+        power - damping_power(speed, l, C, 0.0, 0.0), rel=1e-12, abs=1e-14
+    )
 
 
 def test_wall_tension_balances_weight_and_contact():
@@ -183,9 +185,7 @@ def test_lab_energy_balance_holds_along_a_run(name, damping_law):
         tolerance=1e-12,
     )
     E, speed, angle = run.lab_energy.values, run.angular_velocity.values, run.angle.values
-    slope = (
-        45.0 * (E[4:-2] - E[2:-4]) - 9.0 * (E[5:-1] - E[1:-5]) + (E[6:] - E[:-6])
-    ) / (60.0 * h)
+    slope = (45.0 * (E[4:-2] - E[2:-4]) - 9.0 * (E[5:-1] - E[1:-5]) + (E[6:] - E[:-6])) / (60.0 * h)
     ball = system.balls[0]
     force = (
         ball.damping * speed
