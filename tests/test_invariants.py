@@ -524,7 +524,7 @@ class TestKernelChunks:
                 walls=walls,
                 step=0.02,
                 rest_speed=1e-6,
-            )  # fmt: skip
+            )
             for times in (np.array([20.0]), np.linspace(0.0, 20.0, 20_001))
         ]
         for name in ("contact_times", "contact_kinds", "contact_values", "state", "counters"):

@@ -449,7 +449,9 @@ class TestBadInput:
     def test_mistyped_parameter_is_answered_with_the_right_one(self):
         from latolato.registry import build
 
-        with pytest.raises(ValueError, match="unknown parameter 'lenght' .* did you mean 'length'"):
+        with pytest.raises(
+            ValueError, match=r"unknown parameter 'lenght' .* did you mean 'length'"
+        ):
             build(ll.Pendulum, {"lenght": 1.0, "mass": 1.0})
         with pytest.raises(ValueError, match=r"Pendulum needs 'mass' \[kg\]"):
             build(ll.Pendulum, {"length": 1.0})

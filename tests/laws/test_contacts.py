@@ -90,7 +90,7 @@ def test_balls_touch_where_their_distance_is_the_sum_of_the_radii(l1, l2, r1, r2
         too_large = cosine <= -1.0 + 1e-15
         halves = [math.asin(r / l) for r, l in ((r1, l1), (r2, l2)) if l == min(l1, l2)]
         hidden = max(halves) > math.acos(min(1.0, max(-1.0, cosine))) * (1.0 - 1e-9)
-        assert never or too_large or hidden, error
+        assert never or too_large or hidden, error  # noqa: PT017 - which refusal, if any
         return
     assert separation == contact_separation(left, right)
     with mp.workdps(30):
@@ -134,7 +134,7 @@ class TestRefusals:
         )
 
     def test_balls_that_never_meet(self):
-        with pytest.raises(ValueError, match="never meet.*1 and 0.7.*0.1 and 0.1"):
+        with pytest.raises(ValueError, match=r"never meet.*1 and 0\.7.*0\.1 and 0\.1"):
             self.pair(1.0, 0.7, 0.1, 0.1)
 
     def test_balls_that_just_never_meet(self):

@@ -11,6 +11,7 @@ import pytest
 import latolato as ll
 from latolato.numerics.records import python_view, stretch_records
 from latolato.physics.drives import drives
+import itertools
 
 END = 10.0
 
@@ -57,14 +58,14 @@ def test_velocity_and_acceleration_are_the_derivatives_of_height(drive):
 
 def test_height_is_continuous_where_stretches_meet(drive):
     found = pieces(drive)
-    for (_, end, p), (_, _, q) in zip(found, found[1:], strict=False):
+    for (_, end, p), (_, _, q) in itertools.pairwise(found):
         assert drive.height(end, p) == pytest.approx(drive.height(end, q), abs=1e-14)
 
 
 def test_starts_increase_and_the_first_covers_time_zero(drive):
     starts = [start for start, _ in drive.stretches(END)]
     assert starts[0] <= 0.0
-    assert all(b > a for a, b in zip(starts, starts[1:], strict=False))
+    assert all(b > a for a, b in itertools.pairwise(starts))
     assert all(start <= END for start in starts)
     assert len(drive.velocity_jumps(END)) == len(starts)
 
@@ -192,7 +193,7 @@ class TestSwept:
         for _ in range(300):
             times = np.cumsum(np.round(rng.uniform(0.1, 2.0, 4), 1)).round(1)
             times = [0.0, *map(float, times)]
-            ramp = min(b - a for a, b in zip(times, times[1:], strict=False))
+            ramp = min(b - a for a, b in itertools.pairwise(times))
             found = ll.FrequencySchedule(
                 drive_amplitude=0.03,
                 times=times,
@@ -200,7 +201,7 @@ class TestSwept:
                 ramp=ramp,
             )
             starts = [s for s, _ in found.stretches(100.0)]
-            assert all(b > a for a, b in zip(starts, starts[1:], strict=False)), (times, ramp)
+            assert all(b > a for a, b in itertools.pairwise(starts)), (times, ramp)
 
 
 class TestCrankSlider:
@@ -300,7 +301,7 @@ class TestMeasuredPivot:
     def test_acceleration_is_smooth_across_samples(self):
         found = self.sampled_cosine(60.0)
         joints = pieces(found, 5.0)
-        for (_, end, p), (_, _, q) in zip(joints, joints[1:], strict=False):
+        for (_, end, p), (_, _, q) in itertools.pairwise(joints):
             assert found.acceleration(end, p) == pytest.approx(found.acceleration(end, q), abs=1e-9)
 
     def test_smoothing_takes_the_noise_away(self):

@@ -25,7 +25,7 @@ l, m, g, C = 0.8, 0.35, 9.8, 0.07
 
 
 def derive():
-    """Angular acceleration and rod force of a ball on a pivot of height y(t), from first principles.
+    """Angular acceleration and rod force of a ball on a pivot y(t), from first principles.
 
     Lagrangian of the laboratory for the acceleration (with the drag as a generalised force),
     Newton's law along the rod for the tension.
