@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 import math
 
 import mpmath as mp
@@ -11,7 +12,6 @@ import pytest
 import latolato as ll
 from latolato.numerics.records import python_view, stretch_records
 from latolato.physics.drives import drives
-import itertools
 
 END = 10.0
 
