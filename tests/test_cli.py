@@ -140,6 +140,7 @@ BAD_INPUT = [
     ([*TOY, "--lenght", "1"], "No such option: --lenght"),
     ([*TOY, "--samples", "many"], "Invalid value for '--samples'"),
     (["zen"], "there is no scenario or file 'zen': did you mean 'zeno'?"),
+    (["on\ntwo lines"], "there is no scenario or file 'on two lines'"),
     ([], "name what to run: a scenario"),
     (["zeno", "--from", "run.nc"], "give either a scenario or --from, not both"),
     (["--from", "run.nc"], "there is no file 'run.nc'"),
@@ -280,6 +281,15 @@ def test_times_come_from_a_list_or_a_file_and_samples_are_even():
     np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.25, 1.0])
     run("simulate", *TOY, "--samples", "3", "--output", "a.nc")
     np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.5, 1.0])
+
+
+def test_files_named_by_options_are_looked_for_in_the_working_directory(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    shown = run("scenarios", "show", "zeno").stdout
+    Path("elsewhere/mine.toml").write_text(shown)
+    Path("times.txt").write_text("0\n0.25\n")
+    run("simulate", "elsewhere/mine.toml", "--times", "times.txt", "--output", "a.nc")
+    np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.25])
 
 
 def test_a_result_file_is_run_again_to_the_same_numbers():

@@ -213,7 +213,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         has_cause = error.strerror and error.filename
         return _refuse(f"{error.strerror}: {error.filename}" if has_cause else str(error))
-    except (ValueError, TypeError, ModuleNotFoundError) as error:
+    except MemoryError as error:
+        return _refuse(f"not enough memory: {error}; ask for fewer samples or a shorter duration")
+    except (ValueError, TypeError, RuntimeError, ModuleNotFoundError) as error:
         return _refuse(str(error))
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -82,7 +82,8 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     if not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {number}; give a number in {unit}")
     if number not in allowed:
-        raise ValueError(f"{name} must lie in {allowed} {unit}, got {number:g}")
+        shown = "" if unit == "1" else f" {unit}"
+        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:g}")
     return number
 
 

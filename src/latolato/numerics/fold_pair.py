@@ -86,7 +86,7 @@ def make_pair_trajectory(
     turn, follow_slack = flight.turn, flight.follow_slack
     (
         free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
-        split, joint_margin, joint_pulls,
+        split, joint_margin, joint_pulls, dip,
     ) = make_pair_flight(flight, acceleration, restoring, compile_part)  # fmt: skip
 
     def trajectory(
@@ -209,8 +209,12 @@ def make_pair_trajectory(
                 if turned:
                     hs = turn(hs, point_of(t, q, JOINT), signs[JOINT], methods[JOINT], law)
                     margin = joint_margin(hs, far, offset, gap, t, q, r, w, law, pair)
+                end = hs
+                if margin >= 0.0 and signs[JOINT] != STUCK:
+                    end = dip(hs, margin, far, offset, gap, t, q, r, w, law, pair)
+                    margin = margin if end == hs else -1.0
                 if margin < 0.0:
-                    begin, end = 0.0, hs
+                    begin = 0.0
                     for _ in range(MOST_TRIALS):
                         s = 0.5 * (begin + end)
                         if s <= begin or s >= end:

@@ -203,7 +203,8 @@ def integrate(
         settings, bodies, stretches = map(records.python_view, (settings, bodies, stretches))
     status, reached = "complete", -1.0
     while True:
-        buffers = np.empty(room), np.empty(room, dtype=np.int64), np.empty((4, room))
+        size = min(room, contact_limit - count) + 4  # an event may need several rows
+        buffers = np.empty(size), np.empty(size, dtype=np.int64), np.empty((4, size))
         written = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
             tables, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
@@ -214,17 +215,20 @@ def integrate(
         values.append(buffers[2][:, :written])
         count += written
         before, reached = reached, state[T_BASE] + counters[STEPS] * step
-        if reached <= before and not written:
+        if reached <= before and not written and math.isfinite(reached):
             raise RuntimeError(f"the integration came to a halt at t = {reached:.17g} s")
         if progress is not None:
             progress(min(reached / duration, 1.0))
+        if not np.all(np.isfinite(state[ANGLE_1 : VELOCITY_2 + 1])):
+            lost = ~np.isfinite(samples[0] + samples[1])
+            reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
+            status = f"stopped at t = {reached:.9g} s: the motion left the range of numbers"
+            samples[:, np.argmax(lost) :] = np.nan
+            break
         if reached >= duration:
             break
         if count >= contact_limit:
             status = f"stopped at t = {reached:.9g} s by contact_limit = {contact_limit}"
-            break
-        if not math.isfinite(state[ANGLE_1]):
-            status = f"failed at t = {reached:.9g} s: the state is no longer finite"
             break
         room = min(max(room, 2 * written), 65536)
     return Trajectory(

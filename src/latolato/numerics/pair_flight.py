@@ -91,6 +91,7 @@ class PairFlight(NamedTuple):
     split: Callable[..., Any]
     joint_margin: Callable[..., Any]
     joint_pulls: Callable[..., Any]
+    dip: Callable[..., Any]
 
 
 @formula
@@ -303,6 +304,35 @@ def make_pair_flight(
             pull_at(q[1, X], q[1, V], lift, two.gravity, two.body.coupling) + push_2,
         )
 
+    @part
+    def dip(
+        h: float, last: float, far: float, offset: float, gap: float, t: float, q: Any, r: Any,
+        w: Any, law: Law, pair: Pair,
+    ) -> float:  # fmt: skip
+        """Return when within a step the margin is negative though it is not at the ends, or h.
+
+        The parabola through both ends and the middle tells whether the bottom is worth a look.
+        """
+        first = joint_margin(0.0, far, offset, gap, t, q, r, w, law, pair)
+        middle = joint_margin(0.5 * h, far, offset, gap, t, q, r, w, law, pair)
+        bend = first - 2.0 * middle + last
+        lowest = middle
+        if bend > 0.0 and abs(last - first) < 2.0 * bend:
+            lowest = middle - 0.125 * (last - first) ** 2 / bend
+        if lowest > 0.02 * (first + last):
+            return h
+        a, b = 0.0, h
+        for _ in range(80):  # golden section
+            left, right = a + 0.382 * (b - a), a + 0.618 * (b - a)
+            if joint_margin(left, far, offset, gap, t, q, r, w, law, pair) < joint_margin(
+                right, far, offset, gap, t, q, r, w, law, pair
+            ):
+                b = right
+            else:
+                a = left
+        s = 0.5 * (a + b)
+        return s if joint_margin(s, far, offset, gap, t, q, r, w, law, pair) < 0.0 else h
+
     return PairFlight(
         free_force,
         go,
@@ -317,4 +347,5 @@ def make_pair_flight(
         split,
         joint_margin,
         joint_pulls,
+        dip,
     )

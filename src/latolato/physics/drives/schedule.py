@@ -130,6 +130,8 @@ class FrequencySchedule(_Swept):
                 f"times and drive_frequencies must be of one length, got {len(times)} and "
                 f"{len(rates)}"
             )
+        if not isinstance(self.step_impulse, bool):
+            raise TypeError(f"step_impulse must be True or False, got {self.step_impulse!r}")
         if times[0] != 0.0:
             raise ValueError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
         check_increasing("times", times)
