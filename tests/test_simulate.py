@@ -348,8 +348,8 @@ class TestBadInput:
             ({"initial_angle": 0.05}, ValueError, "initial_angle must lie between .* got 0.05"),
             ({"initial_angle": 3.1}, ValueError, "initial_angle must lie between .* got 3.1"),
             ({"initial_angle": -0.5}, ValueError, "initial_angle must lie between .* got -0.5"),
-            ({"initial_angle": None}, ValueError, "give either initial_angle or initial_offset"),
-            ({"initial_offset": 0.1}, ValueError, "give either initial_angle or initial_offset"),
+            ({"initial_angle": None}, ValueError, "initial_angle is needed"),
+            ({"initial_offset": 0.1}, ValueError, "only one of initial_angle"),
             (
                 {"initial_angle": None, "initial_offset": -0.1},
                 ValueError,
@@ -385,9 +385,9 @@ class TestBadInput:
             ({"frame": "moon"}, ValueError, "frame must be 'pivot' or 'both', got 'moon'"),
             ({"contact": "exakt"}, ValueError, "unknown contact law 'exakt': did you mean 'exact'"),
             ({"contact": 3}, TypeError, "contact must be"),
-            ({"contact_limit": 0}, ValueError, "contact_limit must lie"),
+            ({"contact_limit": 0}, ValueError, "contact_limit must be a positive"),
             ({"contact_limit": 0.5}, ValueError, "contact_limit must"),
-            ({"contact_limit": -5}, ValueError, "contact_limit must lie"),
+            ({"contact_limit": -5}, ValueError, "contact_limit must be a positive"),
             ({"noise": 3}, TypeError, "noise must be VelocityKicks or None, got 3"),
         ],
     )
@@ -413,7 +413,7 @@ class TestBadInput:
 
     @pytest.mark.parametrize("drive", ["harmonic", ll.Harmonic, 3])
     def test_drive_that_is_none(self, drive):
-        with pytest.raises(TypeError, match="drive must be None or one of static, harmonic"):
+        with pytest.raises(TypeError, match="drive must be None or one of .*harmonic"):
             ll.simulate(TOY, drive, initial_angle=0.5, duration=1.0)
 
     def test_clamp_of_two_balls_is_refused(self):
@@ -479,7 +479,7 @@ class TestLimits:
     def test_overflow_of_the_linear_model_is_reported(self):
         # An unstable Mathieu equation leaves the range of doubles: growth 1.4/s for 2000 s.
         drive = ll.Harmonic(drive_amplitude=0.5, drive_frequency=6.26)
-        with pytest.warns(RuntimeWarning, match="no longer finite"):
+        with pytest.warns(RuntimeWarning, match="left the range of numbers"):
             found = ll.simulate(
                 ll.Mathieu(length=1.0, mass=1.0),
                 drive,

@@ -79,6 +79,8 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a number in {unit}, got {value!r}") from None
+    except OverflowError:
+        raise ValueError(f"{name} must be finite, got an integer beyond all floats") from None
     if not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {number}; give a number in {unit}")
     if number not in allowed:

@@ -192,7 +192,7 @@ def simulate(
         halvings += 1
     if trajectory.status != "complete":
         warnings.warn(
-            f"the run is {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=2
+            f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=2
         )
     dataset = _dataset(system, trajectory, seen, instants, frame)
     run = {
@@ -237,11 +237,13 @@ def _checked_drive(drive: Drive | None) -> Drive:
 
 def _checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
     """Return the contact law; systems that never meet a wall have none."""
-    if contact is None or not system.has_contacts:
+    if contact is None:
         return NoContact()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
     if not isinstance(law, (Exact, Clamp, NoContact)):
         raise TypeError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
+    if not system.has_contacts:
+        return NoContact()
     if isinstance(law, Clamp) and isinstance(system, BallPair):
         raise ValueError(
             "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "

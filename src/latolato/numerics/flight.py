@@ -300,24 +300,25 @@ def make_flight(
             if left < 0.0 and right < 0.0:
                 total += half
             elif left < 0.0 or right < 0.0:
-                b0, b1, f0, f1, kept = s0, s1, left, right, 0
+                b0, b1, f0, f1, kept, root = s0, s1, left, right, 0, s1
                 for _ in range(MOST_TRIALS):  # regula falsi, an end kept twice is halved (Illinois)
                     s = (b0 * f1 - b1 * f0) / (f1 - f0)
-                    if not b0 < s < b1 or b1 - b0 < 1e-15 * h:
+                    if not b0 < s < b1:
                         break
                     x, v, _, _, _, _, lift = step_by(s, point, sign, method, law)
                     now = pull_at(x, v, lift, g, k)
+                    moved, root = abs(s - root), s
                     if (now < 0.0) == (left < 0.0):
-                        moved, b0, f0 = s - b0, s, now
+                        b0, f0 = s, now
                         f1, kept = (0.5 * f1 if kept == 1 else f1), 1
                     else:
-                        moved, b1, f1 = b1 - s, s, now
+                        b1, f1 = s, now
                         f0, kept = (0.5 * f0 if kept == 2 else f0), 2
-                    if moved < 1e-13 * h:
+                    if moved < 1e-14 * h or now == 0.0:
                         break
-                total += b1 - s0 if left < 0.0 else s1 - b1
+                total += root - s0 if left < 0.0 else s1 - root
                 if left >= 0.0 and math.isnan(first):
-                    first = point.t + b1
+                    first = point.t + root
         return first, total
 
     return Flight(force, advance, step_by, locate, leave, turn, follow_slack)

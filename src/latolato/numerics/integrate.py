@@ -222,7 +222,7 @@ def integrate(
         if not np.all(np.isfinite(state[ANGLE_1 : VELOCITY_2 + 1])):
             lost = ~np.isfinite(samples[0] + samples[1])
             reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
-            status = f"stopped at t = {reached:.9g} s: the motion left the range of numbers"
+            status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
             samples[:, np.argmax(lost) :] = np.nan
             break
         if reached >= duration:

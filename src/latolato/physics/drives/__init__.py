@@ -13,10 +13,11 @@ import importlib
 import pkgutil
 
 from latolato.physics.drives.base import Drive, Stretch, drives
+
+from latolato.physics.drives.harmonic import Harmonic, Static  # isort: skip - the simplest first
+from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
 from latolato.physics.drives.crank import CrankSlider
-from latolato.physics.drives.harmonic import Harmonic, Static
 from latolato.physics.drives.measured import MeasuredPivot
-from latolato.physics.drives.schedule import Chirp, FrequencySchedule
 
 __all__ = [
     "Chirp",

@@ -51,9 +51,11 @@ class Drive:
         return 0.0
 
 
-def checked_array(name: str, values: Any, allowed: Range, at_least: int = 1) -> tuple[float, ...]:
+def checked_array(
+    name: str, values: Any, allowed: Range, at_least: int = 1, *, quantity: str = ""
+) -> tuple[float, ...]:
     """Return a tuple of checked floats."""
-    unit = QUANTITIES[name].unit
+    unit = QUANTITIES[quantity or name].unit
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
         raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
     numbers = tuple(checked_number(name, v, allowed, unit) for v in values)

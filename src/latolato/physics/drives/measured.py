@@ -79,7 +79,9 @@ class MeasuredPivot(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         times = checked_array("times", self.times, ANY, 6)
-        heights = checked_array("pivot_height", self.pivot_heights, ANY, 6)
+        heights = checked_array(
+            "pivot_heights", self.pivot_heights, ANY, 6, quantity="pivot_height"
+        )
         if len(times) != len(heights):
             raise ValueError(
                 f"times and pivot_heights must be of one length, got {len(times)} and "

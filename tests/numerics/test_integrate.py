@@ -1,0 +1,166 @@
+"""The kernels: plain Python equals compiled code, and cutting the work changes no bit."""
+
+import importlib.util
+import math
+import os
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.numerics import integrate as module
+from latolato.numerics import records
+from latolato.numerics.integrate import Start, integrate
+
+NO_WALLS = (-math.inf, math.inf)
+DRIVE = ll.Harmonic(drive_amplitude=0.25, drive_frequency=7.5, drive_phase=0.4)
+
+
+def walls_of(system):
+    if system.angles == 2:
+        return system.contact_separation, 2.0 * math.pi - system.contact_separation
+    if system.has_contacts:
+        return system.contact_angle_low, system.contact_angle_high
+    return NO_WALLS
+
+
+def start_of(system):
+    return Start((0.8, -0.5), (0.3, -0.2)) if system.angles == 2 else Start((0.8,), (0.3,))
+
+
+def run(system, drive=DRIVE, end=4.0, times=None, **options):
+    times = np.linspace(0.0, end, 41) if times is None else times
+    return integrate(
+        system, drive, start_of(system), times, end, walls=walls_of(system), step=0.02,
+        rest_speed=1e-6, **options,
+    )  # fmt: skip
+
+
+def assert_same_bits(a, b):
+    for name in ("samples", "contact_times", "contact_kinds", "contact_values", "state"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+
+
+def test_plain_python_equals_compiled(make_system, drive, damping_law):
+    # The same scalar source; fused multiply-adds may differ in the last digits, which contacts
+    # amplify a little.
+    system = make_system(**damping_law)
+    times = np.linspace(0.0, 2.0, 21)
+    fast = run(system, drive, 2.0, times)
+    plain = run(system, drive, 2.0, times, compiled=False)
+    np.testing.assert_array_equal(plain.contact_kinds, fast.contact_kinds)
+    np.testing.assert_allclose(plain.contact_times, fast.contact_times, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(plain.samples, fast.samples, rtol=0, atol=1e-11)
+
+
+SYSTEMS = {
+    "smooth": ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8),
+    "rough": ll.LatoLato(
+        length=1.0, mass=0.8, coulomb_damping=0.15, quadratic_damping=0.05, radius=0.1,
+        restitution=0.6,
+    ),
+    "plastic": ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.0),
+    "pair": ll.BallPair(
+        right=ll.Ball(length=0.9, mass=0.5, radius=0.09, damping=0.01),
+        left=ll.Ball(length=0.85, mass=0.3, radius=0.09, coulomb_damping=0.02),
+        restitution=0.7,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("most_steps", [1, 2, 7, 100])
+def test_resuming_in_small_chunks_gives_the_same_bits(name, most_steps, monkeypatch):
+    if name == "pair" and not importlib.util.find_spec("latolato.numerics.fold_pair"):
+        pytest.skip("the kernel of two balls is not there yet")
+    whole = run(SYSTEMS[name], end=12.0)
+    assert len(whole.contact_times) > 5
+    monkeypatch.setattr(module, "_STEPS_PER_CALL", most_steps)
+    assert_same_bits(whole, run(SYSTEMS[name], end=12.0))
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_dense_samples_do_not_change_the_motion(name):
+    few = run(SYSTEMS[name], end=12.0, times=np.array([12.0]))
+    many = run(SYSTEMS[name], end=12.0, times=np.linspace(0.0, 12.0, 20_001))
+    np.testing.assert_array_equal(few.contact_times, many.contact_times)
+    np.testing.assert_array_equal(few.state, many.state)
+    np.testing.assert_array_equal(few.samples[:, -1], many.samples[:, -1])
+
+
+@pytest.mark.parametrize("name", ["smooth", "rough", "plastic"])
+def test_sample_at_a_contact_is_the_state_after_it(name):
+    system = SYSTEMS[name]
+    first = run(system, end=12.0)
+    at = np.unique(first.contact_times)
+    again = run(system, end=12.0, times=at)
+    last = np.searchsorted(first.contact_times, at, side="right") - 1
+    np.testing.assert_array_equal(again.samples[1], first.contact_values[1][last])
+    assert set(again.samples[0]) <= set(walls_of(system))
+
+
+def test_dense_output_is_as_good_as_the_steps():
+    # A sample inside a step is a shorter step from its beginning, not an interpolation.
+    system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    times = np.linspace(0.0, 5.0, 997)
+    rough = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, walls=NO_WALLS, step=0.03)
+    fine = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, walls=NO_WALLS, step=0.003)
+    error = np.abs(rough.samples[0] - fine.samples[0])
+    on_step = np.abs(times / 0.03 - np.round(times / 0.03)) < 0.05
+    assert error[~on_step].max() <= 1.5 * error[on_step].max() + 1e-13
+
+
+def test_steps_end_where_a_drive_is_not_smooth():
+    # A step over a stage's start would lose the order: compare with a run stopped there.
+    drive = ll.FrequencySchedule(
+        drive_amplitude=0.2, times=[0.0, 1.2345], drive_frequencies=[9.0, 4.0]
+    )
+    system = ll.Pendulum(length=1.0, mass=0.8)
+    times = np.array([1.2345, 3.0])
+    rough, fine = (
+        integrate(system, drive, Start((0.8,), (0.0,)), times, 3.0, walls=NO_WALLS, step=step)
+        for step in (0.03, 0.003)
+    )
+    np.testing.assert_allclose(rough.samples[:2], fine.samples[:2], rtol=0, atol=1e-8)
+
+
+def test_elapsed_time_is_not_a_sum_of_rounded_steps():
+    system = ll.Pendulum(length=1.0, mass=0.8)
+    found = integrate(
+        system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, walls=NO_WALLS, step=0.1
+    )
+    assert found.reached == 3000.0
+    assert found.counters[records.TOTAL_STEPS] == 30_000
+
+
+def test_kernels_of_several_processes_share_one_cache(tmp_path):
+    # Compiled in processes of their own, used together: each must stay itself. (Functions of one
+    # name and number in two processes would be linked to each other.)
+    script = textwrap.dedent("""
+        import sys
+        import latolato as ll
+        toy = ll.LatoLato(length=0.9, mass=0.5, radius=0.09)
+        drives = {
+            "harmonic": ll.Harmonic(drive_amplitude=0.1, drive_frequency=9.0),
+            "static": None,
+        }
+        for name in sys.argv[1:]:
+            run = ll.simulate(toy, drives[name], initial_angle=0.8, times=[2.0],
+                              contact=ll.Clamp(step=1e-3))
+            print(name, float(run.angle[0]).hex(), float(run.drive_work[0]).hex())
+    """)
+    environment = {**os.environ, "LATOLATO_CACHE_DIR": str(tmp_path)}
+
+    def lines(*names):
+        done = subprocess.run(
+            [sys.executable, "-c", script, *names],
+            env=environment, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return done.stdout.splitlines()
+
+    alone = [*lines("harmonic"), *lines("static")]
+    assert lines("harmonic", "static") == alone
+    assert lines("static", "harmonic") == alone[::-1]
