@@ -351,7 +351,7 @@ def test_a_warning_is_one_line_on_standard_error(capsys):
     options = ["--duration", "400", "--samples", "9", "--contact-limit", "100", "--json"]
     assert main(["simulate", *TOY, *options]) == 0
     printed = capsys.readouterr()
-    assert printed.err.startswith("latolato: warning: the run is ")
+    assert printed.err.startswith("latolato: warning: the run ")
     assert printed.err.count("\n") == 1
     assert json.loads(printed.out)["status"] != "complete"
 

@@ -100,7 +100,7 @@ class TestEverySystemDriveAndDamping:
 
 class TestLedger:
     @moderate
-    @pytest.mark.filterwarnings("ignore:the run is stopped:RuntimeWarning")
+    @pytest.mark.filterwarnings("ignore:the run stopped:RuntimeWarning")
     @given(
         amplitude=st.floats(0.0, 0.3),
         frequency=st.floats(1.0, 12.0),

@@ -314,7 +314,7 @@ class TestZenoCascade:
             assert run.contact_kind.values[-1] == "rest"
             assert float(run.contact_time[-1]) == pytest.approx(5.458062, abs=2e-6)
 
-    @pytest.mark.filterwarnings("ignore:the run is stopped:RuntimeWarning")
+    @pytest.mark.filterwarnings("ignore:the run stopped:RuntimeWarning")
     def test_rest_speed_of_zero_terminates(self):
         run = ll.simulate(
             toy(restitution=0.6),
