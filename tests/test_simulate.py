@@ -413,7 +413,7 @@ class TestBadInput:
 
     @pytest.mark.parametrize("drive", ["harmonic", ll.Harmonic, 3])
     def test_drive_that_is_none(self, drive):
-        with pytest.raises(TypeError, match="drive must be None or one of .*harmonic"):
+        with pytest.raises(TypeError, match=r"drive must be None or one of .*harmonic"):
             ll.simulate(TOY, drive, initial_angle=0.5, duration=1.0)
 
     def test_clamp_of_two_balls_is_refused(self):

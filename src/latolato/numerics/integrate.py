@@ -204,7 +204,7 @@ def integrate(
     status, reached = "complete", -1.0
     while True:
         size = min(room, contact_limit - count) + 4  # an event may need several rows
-        buffers = np.empty(size), np.empty(size, dtype=np.int64), np.empty((4, size))
+        buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
         written = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
             tables, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
