@@ -295,7 +295,7 @@ def zeno_time(
 def fold_angle(free_angle: ArrayLike) -> Array:
     """Return the angle [rad] of a colliding ball of radius 0, e = 1, from the free pendulum's.
 
-    Mirror symmetry: reflecting at walls at 0 and pi is |wrap(angle)|, for any drive and damping
+    Mirror symmetry: reflecting at walls at 0 and pi is ``|wrap(angle)|``, for any drive and damping
     law that treats both directions alike.
 
     Parameters
