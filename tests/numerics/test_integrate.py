@@ -78,10 +78,12 @@ SYSTEMS = {
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("most_steps", [1, 2, 7, 100])
 def test_resuming_in_small_chunks_changes_roundings_only(name, most_steps, monkeypatch):
-    whole = run(SYSTEMS[name], end=12.0)
-    assert len(whole.contact_times) > 5
+    # The pair whirls later on and multiplies a rounding by a million within seconds.
+    end = 5.0 if name == "pair" else 12.0
+    whole = run(SYSTEMS[name], end=end)
+    assert len(whole.contact_times) > (2 if name == "pair" else 5)
     monkeypatch.setattr(module, "_STEPS_PER_CALL", most_steps)
-    assert_close(whole, run(SYSTEMS[name], end=12.0))
+    assert_close(whole, run(SYSTEMS[name], end=end))
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
