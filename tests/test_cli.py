@@ -89,56 +89,65 @@ def refused(capsys, *arguments):
     return printed.err.removeprefix("latolato: ").rstrip("\n")
 
 
+def but(base, *changed):
+    """Options with some replaced or added, as none may be given twice."""
+    pairs = zip(base[::2], base[1::2], strict=True)
+    return [*(part for pair in pairs if pair[0] not in changed for part in pair), *changed]
+
+
 BAD_INPUT = [
-    ([*TOY, "--length", "nan"], "length must be finite, got nan; give a number in m"),
-    ([*TOY, "--mass", "inf"], "mass must be finite, got inf; give a number in kg"),
-    ([*TOY, "--damping", "-inf"], "damping must be finite, got -inf; give a number in kg*m/s"),
-    ([*TOY, "--mass", "-1"], "mass must lie in (0, inf) kg, got -1"),
-    ([*TOY, "--length", "-1 m"], "length must lie in (0, inf) m, got -1"),
-    ([*TOY, "--restitution", "-0.1"], "restitution must lie in [0, 1]"),
-    ([*TOY, "--restitution", "1.5"], "restitution must lie in [0, 1]"),
-    ([*TOY, "--radius", "1"], "radius must lie in [0, length), got 1 for length 1"),
-    ([*TOY, "--gravity", "0"], "gravity must lie in (0, inf) m/s^2, got 0"),
-    ([*TOY, "--duration", "-1"], "duration must lie in (0, inf) s, got -1"),
-    ([*TOY, "--tolerance", "1"], "tolerance must lie in [1e-14, 0.01] rad, got 1"),
+    (but(TOY, "--length", "nan"), "length must be finite, got nan; give a number in m"),
+    (but(TOY, "--mass", "inf"), "mass must be finite, got inf; give a number in kg"),
+    (but(TOY, "--damping", "-inf"), "damping must be finite, got -inf; give a number in kg*m/s"),
+    (but(TOY, "--mass", "-1"), "mass must lie in (0, inf) kg, got -1"),
+    (but(TOY, "--length", "-1 m"), "length must lie in (0, inf) m, got -1"),
+    (but(TOY, "--restitution", "-0.1"), "restitution must lie in [0, 1]"),
+    (but(TOY, "--restitution", "1.5"), "restitution must lie in [0, 1]"),
+    (but(TOY, "--radius", "1"), "radius must lie in [0, length), got 1 for length 1"),
+    (but(TOY, "--gravity", "0"), "gravity must lie in (0, inf) m/s^2, got 0"),
+    (but(TOY, "--duration", "-1"), "duration must lie in (0, inf) s, got -1"),
+    (but(TOY, "--tolerance", "1"), "tolerance must lie in [1e-14, 0.01] rad, got 1"),
     (
-        [*TOY, "--initial-angle", "0.05"],
+        but(TOY, "--initial-angle", "0.05"),
         "initial_angle must lie between the contact angles [0.100167421, 3.04142523] rad, got 0.05",
     ),
     (["fig04a", "--initial-offset", "-1 deg"], "initial_offset must lie in [0, inf) rad"),
-    ([*TOY, "--initial-angle", "nan"], "initial_angle must be finite, got nan"),
-    ([*TOY, "--times", "0,1,1"], "times must increase strictly, got 1 after 1 at position 2"),
-    ([*TOY, "--times", "0,2,1"], "times must increase strictly, got 1 after 2 at position 2"),
-    ([*TOY, "--times", "0 s, nan s"], "times must be finite, got nan at position 1"),
-    ([*TOY, "--length", "24.5 kg"], "length must be given in m (or a unit that converts to it)"),
-    ([*TOY, "--drive-amplitude", "1 Hz"], "drive_amplitude must be given in m"),
-    ([*TOY, "--drive-amplitude", "1 cm"], "Harmonic needs 'drive_frequency' [rad/s]"),
+    (but(TOY, "--initial-angle", "nan"), "initial_angle must be finite, got nan"),
+    (but(TOY, "--times", "0,1,1"), "times must increase strictly, got 1 after 1 at position 2"),
+    (but(TOY, "--times", "0,2,1"), "times must increase strictly, got 1 after 2 at position 2"),
+    (but(TOY, "--times", "0 s, nan s"), "times must be finite, got nan at position 1"),
+    (but(TOY, "--length", "24.5 kg"), "length must be given in m (or a unit that converts to it)"),
+    (but(TOY, "--drive-amplitude", "1 Hz"), "drive_amplitude must be given in m"),
+    (but(TOY, "--drive-amplitude", "1 cm"), "Harmonic needs 'drive_frequency' [rad/s]"),
     (
         [
             *(*TOY, "--drive", "frequency_schedule", "--drive-amplitude", "1 cm"),
             *("--drive-times", "0,2,1", "--drive-frequencies", "3,2,1"),
         ],
-        "times must increase strictly, got 1 after 2 at position 2",
+        "drive_times must increase strictly, got 1 after 2 at position 2",
     ),
-    ([*TOY, *MEASURED, "0,1,2,3,5,4"], "times must increase strictly, got 4 after 5"),
-    ([*TOY, *MEASURED, "0,1"], "times must hold at least 6 values, got 2"),
-    ([*TOY, *MEASURED, ""], "times must be given in s"),
-    ([*TOY, *MEASURED, "0,1,2,3,4,5", "--duration", "9"], "the pivot samples cover 0 to 5 s, but"),
-    ([*PAIR, "--left-length", "0.5"], "the balls never meet: the lengths must differ by less"),
+    (but(TOY, *MEASURED, "0,1,2,3,5,4"), "drive_times must increase strictly, got 4 after 5"),
+    (but(TOY, *MEASURED, "0,1"), "drive_times must hold at least 6 values, got 2"),
+    (but(TOY, *MEASURED, ""), "drive_times must be given in s"),
     (
-        [*PAIR, *("--left-length", "0.89", "--right-radius", "0.01", "--left-radius", "0.11")],
+        but(TOY, *MEASURED, "0,1,2,3,4,5", "--duration", "9"),
+        "the pivot samples cover 0 to 5 s, but",
+    ),
+    (but(PAIR, "--left-length", "0.5"), "the balls never meet: the lengths must differ by less"),
+    (
+        but(PAIR, "--left-length", "0.89", "--right-radius", "0.01", "--left-radius", "0.11"),
         "the longer rod would hit the shorter ball before the balls meet",
     ),
-    ([*PAIR, "--left-radius", "1"], "radius must lie in [0, length), got 1 for length 1"),
-    ([*PAIR, "--initial-angle", "0.5"], "initial_angle of a BallPair must be two numbers"),
-    ([*PAIR, "--initial-angle", "0.1,0"], "must lie between the contact angles"),
-    ([*TOY, "--system", "latolat"], "unknown system 'latolat': did you mean 'latolato'?"),
-    ([*TOY, "--drive", "harmonics"], "unknown drive 'harmonics': did you mean 'harmonic'?"),
-    ([*TOY, "--contact", "clam"], "unknown contact law 'clam': did you mean 'clamp'?"),
-    ([*TOY, "--frame", "moon"], "frame must be 'pivot' or 'both', got 'moon'"),
-    ([*TOY, "--noise-strength", "-1"], "strength must lie in [0, inf) rad/s^(3/2), got -1"),
-    ([*TOY, "--lenght", "1"], "No such option: --lenght"),
-    ([*TOY, "--samples", "many"], "Invalid value for '--samples'"),
+    (but(PAIR, "--left-radius", "1"), "left_radius must lie in [0, length), got 1 for length 1"),
+    (but(PAIR, "--initial-angle", "0.5"), "initial_angle of a BallPair must be two numbers"),
+    (but(PAIR, "--initial-angle", "0.1,0"), "must lie between the contact angles"),
+    (but(TOY, "--system", "latolat"), "unknown system 'latolat': did you mean 'latolato'?"),
+    (but(TOY, "--drive", "harmonics"), "unknown drive 'harmonics': did you mean 'harmonic'?"),
+    (but(TOY, "--contact", "clam"), "unknown contact law 'clam': did you mean 'clamp'?"),
+    (but(TOY, "--frame", "moon"), "frame must be 'pivot' or 'both', got 'moon'"),
+    (but(TOY, "--noise-strength", "-1"), "noise_strength must lie in [0, inf) rad/s^(3/2), got -1"),
+    (but(TOY, "--lenght", "1"), "No such option: --lenght"),
+    (but(TOY, "--samples", "many"), "Invalid value for '--samples'"),
     (["zen"], "there is no scenario or file 'zen': did you mean 'zeno'?"),
     (["on\ntwo lines"], "there is no scenario or file 'on two lines'"),
     ([], "name what to run: a scenario"),
@@ -149,6 +158,49 @@ BAD_INPUT = [
     (["zeno", "--animate", "run.avi"], "the name of an animation must end in .mp4, .gif"),
     (["zeno", "--plot", "no/run.png"], "the folder 'no' does not exist; create it first"),
     (["zeno", "--animate", "run.gif", "--speed", "0"], "speed must lie in (0, 1e+06]"),
+    ([*TOY, "--mass", "2"], "option --mass must be given once, got it 2 times"),
+    (but(TOY, "--times", "0", "--times", "1"), "option --times must be given once, got it 2 times"),
+    ([*TOY, "--json", "--json"], "option --json must be given once, got it 2 times"),
+    (
+        but(TOY, "--left-mass", "2"),
+        "left_mass belongs to system ballpair, not to latolato: use mass or change the system",
+    ),
+    (
+        but(TOY, "--connecting-rod-length", "1"),
+        "connecting_rod_length belongs to drive crank_slider, not to harmonic: leave it out or",
+    ),
+    (but(PAIR, "--length", "1"), "BallPair has no 'length' of its own"),
+    ([*PAIR[:8], *PAIR[10:]], "Ball needs 'left_mass' [kg]"),
+    (
+        but(TOY, "--contact", "clamp", "--clamp-step", "-1"),
+        "clamp_step must lie in (0, inf) s, got -1",
+    ),
+    (but(TOY, "--noise-seed", "3"), "VelocityKicks needs 'noise_strength' [rad/s^(3/2)]"),
+    (
+        but(TOY, "--noise-strength", "1", "--noise-seed", "-1"),
+        "noise_seed must be a non-negative integer, got -1",
+    ),
+    (
+        but(TOY, "--noise-strength", "1", "--noise-seed", "9223372036854775808"),
+        "noise_seed must lie in [0, 2^63), got 9223372036854775808",
+    ),
+    (but(TOY, "--times", "no.txt"), "got 'no.txt'; there is no file of that name either"),
+    (
+        ["--system", "pendulum", "--length", "1e-300", *TOY[4:6], *TOY[8:]],
+        "4.98e+151 default samples exceed the limit of 20000000",
+    ),
+    (
+        ["--system", "pendulum", "--length", "5e-324", *TOY[4:6], *TOY[8:]],
+        "inf default samples exceed the limit of 20000000",
+    ),
+    (but(TOY, "--samples", "20000001"), "samples must not exceed 20000000, got 20000001"),
+    (
+        but(TOY, "--contact-limit", "9223372036854775808"),
+        "contact_limit must be a positive integer below 2^63, got 9223372036854775808",
+    ),
+    (["zeno", "--output", "."], "'.' is a folder; name a file in it"),
+    (["zeno", "--plot", "."], "'.' is a folder; name a file in it"),
+    (["zeno", "--animate", "."], "'.' is a folder; name a file in it"),
 ]
 
 
@@ -179,7 +231,7 @@ def test_a_bad_scenario_file_gives_one_line_and_writes_nothing(text, message, ca
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["simulate", *TOY, "--length", "nan", "--output", "run.nc"],
+        ["simulate", *but(TOY, "--length", "nan"), "--output", "run.nc"],
         ["simulate", "zeno", "--no-such-option"],
         ["no-such-command"],
         ["plot", "missing.nc"],
@@ -260,11 +312,7 @@ def test_options_replace_what_the_scenario_says():
 def test_two_balls_are_set_by_right_and_left_options():
     run(
         "simulate",
-        *PAIR,
-        "--left-mass",
-        "2 kg",
-        "--initial-angle",
-        "20 deg, -25 deg",
+        *but(PAIR, "--left-mass", "2 kg", "--initial-angle", "20 deg, -25 deg"),
         "--output",
         "a.nc",
     )
@@ -309,6 +357,16 @@ def test_a_result_a_picture_and_an_animation_are_written_in_one_go():
     assert Path("run.gif").read_bytes().startswith(b"GIF89a")
 
 
+def test_a_folder_is_no_result_file_to_plot(capsys):
+    assert refused(capsys, "plot", ".") == "'.' is a folder; name a file in it"
+
+
+def test_energies_beyond_all_floats_are_said_in_words():
+    heavy = ["--system", "pendulum", "--length", "1e300", "--mass", "1e300"]
+    printed = run("simulate", *heavy, "--initial-angle", "0.5", "--duration", "1").stdout
+    assert " of more than floats hold" in printed
+
+
 def test_existing_files_are_replaced():
     Path("run.nc").write_text("old")
     run("simulate", *TOY, "--output", "run.nc")
@@ -348,8 +406,8 @@ def test_json_is_strict_and_has_null_for_what_never_happened():
 
 
 def test_a_warning_is_one_line_on_standard_error(capsys):
-    options = ["--duration", "400", "--samples", "9", "--contact-limit", "100", "--json"]
-    assert main(["simulate", *TOY, *options]) == 0
+    options = ["--duration", "400", "--samples", "9", "--contact-limit", "100"]
+    assert main(["simulate", *but(TOY, *options), "--json"]) == 0
     printed = capsys.readouterr()
     assert printed.err.startswith("latolato: warning: the run ")
     assert printed.err.count("\n") == 1

@@ -228,3 +228,23 @@ def test_files_get_the_usual_permissions(tmp_path):
         unfinished.write_text("")
     modes = [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("usual", "ours")]
     assert modes[0] == modes[1]
+
+
+def test_what_is_no_dataset_is_refused(tmp_path):
+    with pytest.raises(TypeError, match="save needs a dataset, got int"):
+        save(3, tmp_path / "x.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_variable_that_fits_no_table_is_refused(tmp_path):
+    run = ll.simulate(TOY, initial_angle=0.5, duration=0.1)
+    maps = run.assign(more=(("time", "mode"), np.zeros((run.sizes["time"], 2))))
+    with pytest.raises(ValueError, match="more over time, mode fits no table"):
+        save(maps, tmp_path / "x.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_is_refused_as_one(tmp_path):
+    for refuse in (lambda: save(xr.Dataset(), tmp_path), lambda: load(tmp_path)):
+        with pytest.raises(IsADirectoryError, match="is a folder; name a file in it"):
+            refuse()

@@ -86,3 +86,8 @@ def test_a_loaded_run_gives_the_same_picture(tmp_path):
 def test_a_dataset_that_is_no_run_is_refused():
     with pytest.raises(ValueError, match="plot needs a run: a dataset with angle over time"):
         ll.plot(toy().drop_vars("angle"))
+
+
+def test_what_is_no_dataset_is_refused():
+    with pytest.raises(TypeError, match=r"plot needs a run: .*, got int"):
+        ll.plot(3)

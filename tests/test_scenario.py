@@ -253,6 +253,27 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
         ({"run": {"samples": 9, "times": [1]}}, "give either times or samples, got both"),
         ({"noise": {"strenght": 1}}, "unknown parameter 'strenght' of VelocityKicks"),
         ({"noise": 1}, "noise must be a table of names and values, got 1"),
+        ({"noise": {"seed": 3}}, "VelocityKicks needs 'noise_strength' [rad/s^(3/2)]"),
+        ({"noise": {"strength": "1 m"}}, "noise_strength must be given in rad/s^(3/2)"),
+        ({"noise": {"strength": 1, "interval": 0}}, "noise_interval must lie in (0, inf) s, got 0"),
+        (
+            {"run": {**RUN, "contact": "clamp", "clamp_step": -1}},
+            "clamp_step must lie in (0, inf) s, got -1",
+        ),
+        (
+            {"drive": {"kind": "measured_pivot", "times": [0, 1], "pivot_heights": [0, 1]}},
+            "drive_times must hold at least 6 values, got 2",
+        ),
+        ({"drive": {"kind": "measured_pivot"}}, "MeasuredPivot needs 'drive_times' [s]"),
+        (
+            {"system": {**PENDULUM, "left": {"mass": 1}}},
+            "left_mass belongs to system ballpair, not to pendulum: use mass or change the system",
+        ),
+        (
+            {"system": {"kind": "ballpair", "right": {"length": 1, "mass": -1}}},
+            "right_mass must lie in (0, inf) kg, got -1",
+        ),
+        ({"system": {**PENDULUM, 1: 2}}, "the names in system must be texts, got 1"),
     ],
 )
 def test_wrong_names_types_and_units_are_refused_with_the_rule(tables, message):

@@ -583,3 +583,20 @@ class TestClamp:
         free = ll.simulate(PENDULUM, DRIVE, **given)
         np.testing.assert_array_equal(passing.angle, free.angle)
         assert passing.sizes["contact"] == 0
+
+
+@pytest.mark.parametrize(
+    "drive, speed, contact",
+    [
+        (ll.Harmonic(drive_amplitude=1e308, drive_frequency=1.0), 0.0, "exact"),
+        (None, 1e300, "exact"),
+        (None, 0.0, ll.Clamp(step=1e-300)),
+    ],
+)
+def test_a_run_of_endless_steps_is_refused(drive, speed, contact):
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    with pytest.raises(ValueError, match="steps of .* limit is 1e\\+10"):
+        ll.simulate(
+            toy, drive, initial_angle=0.5, initial_angular_velocity=speed, times=[1.0],
+            contact=contact,
+        )  # fmt: skip

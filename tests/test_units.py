@@ -151,11 +151,15 @@ def test_a_column_of_a_table_is_read_by_name_or_number(tmp_path, separator, colu
         ("pivot.csv", "has 2 columns; name one, as in pivot.csv:time"),
         ("pivot.csv:heigth", "has no column 'heigth': did you mean 'height'?"),
         ("broken.csv:time", "cannot be read as numbers"),
-        ("missing.csv", "must be given in s"),
+        ("missing.csv", "got 'missing.csv'; there is no file of that name either"),
+        ("binary.nc", "binary.nc is no text file"),
+        ("empty.txt", "empty.txt holds no numbers"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_with_its_name(tmp_path, name, message):
     (tmp_path / "pivot.csv").write_text("time,height\n0,0\n1,0\n")
+    (tmp_path / "binary.nc").write_bytes(b"\x89HDF\xff")
+    (tmp_path / "empty.txt").write_text("# only this\n")
     (tmp_path / "broken.csv").write_text("time,height\n0,0\nhm,0\n")
     with pytest.raises(ValueError, match="times") as refused:
         to_si_list("times", name, "s", tmp_path)

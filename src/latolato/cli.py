@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from latolato.options import changes, law_options
 from latolato.physics.pendulum import systems
@@ -45,6 +46,20 @@ app = typer.Typer(
 )
 scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
 app.add_typer(scenarios_app, name="scenarios")
+
+
+class _EachOptionOnce(TyperCommand):
+    """A command that refuses an option given twice, where typer would take the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return the arguments that are left when the options are read."""
+        *_, given = self.make_parser(ctx).parse_args(list(args))
+        for parameter in given:
+            count = given.count(parameter)
+            if count > 1:
+                flag = max(parameter.opts, key=len)
+                raise _UsageError(f"option {flag} must be given once, got it {count} times")
+        return super().parse_args(ctx, args)
 
 
 def _with_law_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -87,7 +102,7 @@ def _root(
         print(context.get_help())
 
 
-@app.command()
+@app.command(cls=_EachOptionOnce)
 @_with_law_options
 def simulate(
     scenario: Annotated[
@@ -157,7 +172,7 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
     print(find(name).read_text(encoding="utf-8"), end="")
 
 
-@app.command()
+@app.command(cls=_EachOptionOnce)
 def plot(
     file: Annotated[Path, typer.Argument(help="A result file.")],
     output: Annotated[
@@ -170,13 +185,14 @@ def plot(
     """Draw a result file, and animate it if asked to."""
     from latolato.files import load
 
+    run = load(file)
     picture = output or file.with_suffix(".png")
     _check_targets(None, picture, animate, speed, fps)
-    for path in _write(load(file), None, picture, animate, speed, fps):
+    for path in _write(run, None, picture, animate, speed, fps):
         print(path)
 
 
-@app.command()
+@app.command(cls=_EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
@@ -261,11 +277,13 @@ def _check_targets(
     """Raise before any work if a file that is asked for cannot be written."""
     from latolato import files
 
+    for path in (output, plot, animate):
+        if path is not None:
+            files.check_folder(path)
     if output is not None:
         files.check_target(output)
     if plot is not None:
         files.check_suffix(plot, PICTURES, "the name of a picture")
-        files.check_folder(plot)
     if animate is not None:
         from latolato.figures.animate import check_target
 
@@ -340,12 +358,14 @@ def _progress(text: str) -> Iterator[Callable[[float], None] | None]:
 def _as_text(found: Mapping[str, Any]) -> str:
     """Return a summary as lines for reading."""
     contacts = ", ".join(f"{count} {kind}" for kind, count in found["contacts"].items())
+    energy = found["largest_energy"]  # None beyond all floats
+    largest = f"{energy:.3g} J" if energy is not None else "more than floats hold"
     lines = {
         "run": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
         "status": found["status"],
         "largest angle": f"{found['largest_angle']:.6g} rad",
         "contacts": contacts or "none",
-        "energy residual": f"{found['energy_residual']:.2g} J of {found['largest_energy']:.3g} J",
+        "energy residual": f"{found['energy_residual']:.2g} J of {largest}",
         "wall time": f"{found['wall_time']:.2f} s",
         "written": ", ".join(found["files"]) or "nothing; name a file with --output",
     }

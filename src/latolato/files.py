@@ -69,9 +69,9 @@ def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
 
 def check_target(path: str | Path) -> None:
     """Raise unless `save` can write to `path`: a known suffix, its extra, an existing folder."""
+    check_folder(Path(path))
     if check_suffix(path, SUFFIXES, "the name of a result file") == ".parquet":
         _pyarrow()
-    check_folder(Path(path))
 
 
 def save(dataset: xr.Dataset, path: str | Path) -> Path:
@@ -90,6 +90,8 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
 
     Raises
     ------
+    TypeError
+        If `dataset` is no dataset.
     ValueError
         For an unknown suffix, or a dataset without time for CSV and Parquet.
     OSError
@@ -97,6 +99,10 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     ModuleNotFoundError
         For Parquet without the extra `parquet`.
     """
+    import xarray as xr
+
+    if not isinstance(dataset, xr.Dataset):
+        raise TypeError(f"save needs a dataset, got {type(dataset).__name__}")
     path = Path(path)
     check_target(path)
     suffix = path.suffix.lower()
@@ -128,6 +134,8 @@ def load(path: str | Path) -> xr.Dataset:
         If the file cannot be read.
     """
     path = Path(path)
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
     suffix = check_suffix(path, SUFFIXES, "the name of a result file")
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
@@ -171,6 +179,10 @@ def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
         variable = dataset.variables[name]
         if variable.dims == (dimension,):
             found[str(name)] = (variable.values, dict(variable.attrs))
+        elif variable.dims != ("ball", dimension):
+            raise ValueError(
+                f"{name} over {', '.join(map(str, variable.dims))} fits no table; use .nc"
+            )
         else:
             for i, ball in enumerate(dataset["ball"].values):
                 found[f"{name}_{ball}"] = (variable.isel(ball=i).values, dict(variable.attrs))

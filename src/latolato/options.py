@@ -28,7 +28,7 @@ class LawOption:
 
     def value(self, given: Any) -> Any:
         """Return what the table gets; names of data files begin in the working directory."""
-        return to_si_list(self.path[-1], given, self.unit) if self.several else given
+        return to_si_list(self.name, given, self.unit) if self.several else given
 
 
 @lru_cache(maxsize=1)
@@ -69,13 +69,13 @@ def _options_of(law: type, table: str) -> Iterator[LawOption]:
         is_taken = table == "noise" or field.name in RUN_OPTIONS
         name = f"{table}_{field.name}" if is_taken else field.name
         several = bool(field.metadata.get("array"))
-        kind = hints[field.name] if quantity is None else str
+        kind = hints[field.name] if quantity is None or hints[field.name] is int else str
         text = field.metadata.get("description", field.name.replace("_", " "))
         choices = field.metadata.get("choices")
         yield LawOption(
             name,
             (table, field.name),
-            float if kind == float | None else kind,
+            kind,
             f"{text}: {' or '.join(choices)}" if choices else text,
             quantity.unit if quantity else "",
             several,

@@ -75,6 +75,7 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_angle_low": Quantity("rad", r"\theta_{low}", "contact angle at the bottom"),
     "contact_angle_high": Quantity("rad", r"\theta_{high}", "contact angle at the top"),
     "contact_separation": Quantity("rad", r"\Theta", "angle between the rods at bottom contact"),
+    "clamp_step": Quantity("s", "h", "fixed step of contact 'clamp'"),
     "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
     # drive
     "drive_amplitude": Quantity("m", "A_0", "driving amplitude"),
@@ -130,6 +131,8 @@ QUANTITIES: dict[str, Quantity] = {
     "growth_rate": Quantity("1/s", r"\mu", "exponential growth rate"),
     # noise
     "noise_strength": Quantity("rad/s^(3/2)", r"\sigma", "strength of velocity noise"),
+    "noise_interval": Quantity("s", "t_n", "time between velocity kicks"),
+    "noise_seed": Quantity("1", "s_n", "seed of the velocity kicks"),
 }
 
 

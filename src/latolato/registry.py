@@ -85,7 +85,7 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         raise ValueError(f"{name} must be finite, got {number}; give a number in {unit}")
     if number not in allowed:
         shown = "" if unit == "1" else f" {unit}"
-        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:g}")
+        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:.9g}")
     return number
 
 

@@ -8,7 +8,9 @@ result file can be run again.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -66,6 +68,8 @@ _ALTERNATIVES = (
     {"times", "samples"},
     {"times", "duration"},
 )
+# The field that a message is about: its first word, or what is missing.
+_FIELD = re.compile(r"^\w+(?= |:|\[)|(?<= needs ')\w+")
 _TABLES = ("system", "drive", "run", "noise")
 _TEXTS = ("title", "description", "figure")
 
@@ -128,11 +132,13 @@ class Scenario:
         drive: Drive = Static()
         if "drive" in tables:
             plain = _without_ratios(_table(tables["drive"], "drive"), system)
-            drive = _law(plain, drives, "drive", folder)
+            with _said_as({name: f"drive_{name}" for name in RUN_OPTIONS}):
+                drive = _law(plain, drives, "drive", folder)
         run = _run_arguments(_table(tables.get("run", {}), "run"), folder)
         if "noise" in tables:
             table = _table(tables["noise"], "noise")
-            run["noise"] = _build(VelocityKicks, table, folder)
+            with _said_as({f.name: f"noise_{f.name}" for f in fields(VelocityKicks)}):
+                run["noise"] = _build(VelocityKicks, table, folder)
         texts = {name: tables[name].strip() for name in ("name", *_TEXTS) if name in tables}
         return cls(system=system, drive=drive, run=run, **texts)
 
@@ -279,6 +285,9 @@ def _table(value: Any, name: str) -> Mapping[str, Any]:
     """Return a table, or raise if it is something else."""
     if not isinstance(value, Mapping):
         raise TypeError(f"{name} must be a table of names and values, got {value!r}")
+    for key in value:
+        if not isinstance(key, str):
+            raise TypeError(f"the names in {name} must be texts, got {key!r}")
     return value
 
 
@@ -290,7 +299,35 @@ def _law(value: Any, registry: Any, part: str, folder: Path) -> Any:
     kind = table.pop("kind")
     if not isinstance(kind, str):
         raise TypeError(f"the kind of {part} must be a text, got {kind!r}")
+    for name, inner in table.items():
+        _check_owner(name, inner, registry, part, kind)
     return _build(registry[kind], table, folder)
+
+
+def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> None:
+    """Raise ValueError if an entry of a table belongs to other laws of the registry only."""
+    owners = [k for k, law in registry.items() if name in {f.name for f in fields(law) if f.init}]
+    hints = get_type_hints(registry[kind])
+    own = {f.name for f in fields(registry[kind])}
+    of_parts = {f.name for n in own if is_dataclass(hints[n]) for f in fields(hints[n])}
+    if not owners or name in own | of_parts:
+        return
+    inner = next(iter(value), "") if isinstance(value, Mapping) else ""
+    raise ValueError(
+        f"{f'{name}_{inner}' if inner else name} belongs to {part} {' or '.join(owners)}, not to "
+        f"{kind}: {f'use {inner}' if inner in own else 'leave it out'} or change the {part}"
+    )
+
+
+@contextmanager
+def _said_as(names: Mapping[str, str]) -> Iterator[None]:
+    """Name a law's fields in messages as options and attributes of a run do, e.g. clamp_step."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        said = _FIELD.sub(lambda found: names.get(found[0], found[0]), str(error))
+        raise kind(said) from None
 
 
 def _build(law: type, table: Mapping[str, Any], folder: Path) -> Any:
@@ -301,7 +338,8 @@ def _build(law: type, table: Mapping[str, Any], folder: Path) -> Any:
     plain: dict[str, Any] = {}
     for name, value in table.items():
         if name in parts:
-            plain[name] = _build(hints[name], _table(value, name), folder)
+            with _said_as({f.name: f"{name}_{f.name}" for f in fields(hints[name])}):
+                plain[name] = _build(hints[name], _table(value, name), folder)
         elif name not in known:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
@@ -361,7 +399,8 @@ def _run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if "clamp_step" in plain:
         if plain.get("contact") != "clamp":
             raise ValueError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
-        plain["contact"] = Clamp(step=plain.pop("clamp_step"))
+        with _said_as({"step": "clamp_step"}):
+            plain["contact"] = Clamp(step=plain.pop("clamp_step"))
     if "samples" in plain:
         plain["times"] = _even_times(plain.pop("samples"), plain)
     return plain
@@ -371,8 +410,12 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
     """Return evenly spaced instants from 0 to the duration of a run [s]."""
     import numpy as np
 
+    from latolato.simulate import MOST_DEFAULT_SAMPLES
+
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
         raise ValueError(f"samples must be a whole number of at least 2, got {samples!r}")
+    if samples > MOST_DEFAULT_SAMPLES:
+        raise ValueError(f"samples must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}")
     if "times" in run:
         raise ValueError("give either times or samples, got both")
     if "duration" not in run:

@@ -46,6 +46,8 @@ _MOST_HALVINGS = 3
 _MOST_STEPS_TO_REPEAT = 20_000_000
 # Below this share of the energy the ledger measures rounding, not the step.
 _ROUNDING = 2e-12
+# Hours of computing; beyond it the input is taken for a mistake.
+MOST_STEPS = 1e10
 
 
 def simulate(
@@ -140,9 +142,7 @@ def simulate(
     law = _checked_contact(contact, system)
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
-    if isinstance(contact_limit, bool) or contact_limit != int(contact_limit) or contact_limit < 1:
-        raise ValueError(f"contact_limit must be a positive integer, got {contact_limit!r}")
-    contact_limit = int(contact_limit)
+    contact_limit = _checked_contact_limit(contact_limit)
     if frame not in ("pivot", "both"):
         raise ValueError(f"frame must be 'pivot' or 'both', got {frame!r}")
     instants, end = _checked_times(system, drive, times, duration)
@@ -157,6 +157,11 @@ def simulate(
         if isinstance(law, Clamp)
         else choose_step(system, drive, start, tolerance, stepper)
     )
+    if end / step > MOST_STEPS:
+        raise ValueError(
+            f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
+            f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
+        )
     halvings = 0
     while True:
         trajectory = integrate(
@@ -235,6 +240,17 @@ def _checked_drive(drive: Drive | None) -> Drive:
     return drive
 
 
+def _checked_contact_limit(given: Any) -> int:
+    """Return a whole number of contacts that a file can hold."""
+    try:
+        count = 0 if isinstance(given, bool) or given != int(given) else int(given)
+    except (TypeError, ValueError, OverflowError):
+        count = 0
+    if not 1 <= count < 2**63:
+        raise ValueError(f"contact_limit must be a positive integer below 2^63, got {given!r}")
+    return count
+
+
 def _checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
     """Return the contact law; systems that never meet a wall have none."""
     if contact is None:
@@ -271,12 +287,13 @@ def _checked_times(
             raise ValueError("duration is needed: give the end of the run in s, or times")
         end = checked_number("duration", duration, POSITIVE, "s")
         fastest = max(system.natural_frequency, drive.fastest_frequency)
-        count = math.ceil(end * fastest / (2.0 * math.pi) * SAMPLES_PER_PERIOD) + 1
-        if count > MOST_DEFAULT_SAMPLES:
+        periods = end * fastest / (2.0 * math.pi)
+        if periods * SAMPLES_PER_PERIOD > MOST_DEFAULT_SAMPLES:
             raise ValueError(
-                f"{count} default samples exceed the limit of {MOST_DEFAULT_SAMPLES}; ask for the "
-                "instants you need with times"
+                f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
+                f"{MOST_DEFAULT_SAMPLES}; ask for the instants you need with times"
             )
+        count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
     try:
         instants = np.ascontiguousarray(times, dtype=np.float64)
@@ -541,5 +558,11 @@ def _attributes(
             attributes[name] = getattr(system, name)
     if isinstance(system, BallPair):
         attributes["contact_separation"] = system.contact_separation
+    if noise is not None:
+        attributes.update(
+            noise_strength=noise.strength,
+            noise_interval=noise.spacing(system),
+            noise_seed=noise.seed,
+        )
     attributes["scenario"] = json.dumps(scenario)
     return attributes

@@ -157,7 +157,10 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
     path, column = _file_and_column(value, folder or Path())
     if path.is_file():
         return _read_column(name, path, column)
-    return [to_si(name, value, unit)]
+    try:
+        return [to_si(name, value, unit)]
+    except ValueError as error:
+        raise ValueError(f"{error}; there is no file of that name either") from None
 
 
 def _plain_number(text: str) -> float | None:
@@ -181,8 +184,13 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
     """Return one column of a text table; ``#`` begins a comment, a header line may come first."""
     import numpy as np
 
-    with path.open(encoding="utf-8-sig") as lines:
-        first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
+    try:
+        with path.open(encoding="utf-8-sig") as lines:
+            first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
+    except UnicodeDecodeError:
+        raise ValueError(f"{name}: {path} is no text file; save it as UTF-8 text") from None
+    if not first:
+        raise ValueError(f"{name}: {path} holds no numbers")
     delimiter = next((d for d in ",;\t" if d in first), None)
     titles = [title.strip() for title in first.split(delimiter)]
     has_header = any(_TEXT.fullmatch(title) is None for title in titles)

@@ -51,6 +51,8 @@ def plot(run: xr.Dataset) -> Figure:
 
     Raises
     ------
+    TypeError
+        If `run` is no dataset.
     ValueError
         If the dataset holds no run.
 
@@ -61,6 +63,12 @@ def plot(run: xr.Dataset) -> Figure:
     >>> len(figure.axes)
     4
     """
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset):
+        raise TypeError(
+            f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
+        )
     if "angle" not in run or "time" not in run.dims:
         raise ValueError("plot needs a run: a dataset with angle over time")
     return _draw(run)

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from latolato.quantities import POSITIVE
-from latolato.registry import Registry, checked_number
+from latolato.quantities import POSITIVE, quantity_field
+from latolato.registry import Registry, check_fields
 from latolato.scalar import formula
 
 contact_laws: Registry[type] = Registry("contact law")
@@ -33,10 +33,10 @@ class Clamp:
     use it to reproduce such pictures, never to learn about the toy.
     """
 
-    step: float = 1e-3  # s
+    step: float = quantity_field("clamp_step", POSITIVE, default=1e-3, suggested=(1e-4, 1e-2))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "step", checked_number("step", self.step, POSITIVE, "s"))
+        check_fields(self)
 
 
 @contact_laws.register("none")
