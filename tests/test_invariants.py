@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipj, ellipk
 
@@ -483,6 +483,11 @@ class TestTwoBalls:
         frequency=st.floats(2.0, 10.0),
         starts=st.tuples(st.floats(0.15, 2.0), st.floats(-2.0, -0.15)),
     )
+    # A rebound smaller than the rounding of the velocities is no rebound.
+    @example(
+        masses=(1.0, 1.0), lengths=(1.0, 1.0), e=7.6e-69, damping=0.0, amplitude=0.1875,
+        frequency=8.0, starts=(0.5, -1.0),
+    )  # fmt: skip
     def test_ledger_of_two_balls_closes_and_they_never_overlap(
         self, masses, lengths, e, damping, amplitude, frequency, starts
     ):

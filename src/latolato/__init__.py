@@ -7,6 +7,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from latolato.observables import (
+    BottomContacts,
+    Crossings,
+    FinalAngle,
+    FinalAngularVelocity,
+    ImpactSpeed,
+    LargestAngle,
+    LargestAngleAfterTransient,
+    MeanEnergy,
+    MotionClass,
+    RestFraction,
+    Rotations,
+    SelfStart,
+    SlackFraction,
+    Stroboscope,
+    TopContacts,
+    Works,
+)
 from latolato.physics.contacts import Clamp, Exact, NoContact
 from latolato.physics.drives import (
     Chirp,
@@ -26,6 +44,7 @@ from latolato.physics.pendulum import (
     equivalent_pendulum,
 )
 from latolato.simulate import simulate
+from latolato.sweep import sweep
 
 if TYPE_CHECKING:
     from latolato.citation import cite
@@ -49,20 +68,36 @@ _LATE: dict[str, str] = {
 __all__ = [
     "Ball",
     "BallPair",
+    "BottomContacts",
     "Chirp",
     "Clamp",
     "CrankSlider",
+    "Crossings",
     "Exact",
+    "FinalAngle",
+    "FinalAngularVelocity",
     "FrequencySchedule",
     "Harmonic",
+    "ImpactSpeed",
+    "LargestAngle",
+    "LargestAngleAfterTransient",
     "LatoLato",
     "Mathieu",
+    "MeanEnergy",
     "MeasuredPivot",
+    "MotionClass",
     "NoContact",
     "Pendulum",
+    "RestFraction",
+    "Rotations",
     "Scenario",
+    "SelfStart",
+    "SlackFraction",
     "Static",
+    "Stroboscope",
+    "TopContacts",
     "VelocityKicks",
+    "Works",
     "animate",
     "cite",
     "equivalent_pendulum",
@@ -72,6 +107,7 @@ __all__ = [
     "save",
     "scenarios",
     "simulate",
+    "sweep",
 ]
 
 

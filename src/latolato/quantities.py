@@ -35,9 +35,13 @@ class Range:
     open_high: bool = False
 
     def __contains__(self, value: float) -> bool:
+        return bool(self.holds(value))
+
+    def holds(self, value: Any) -> Any:
+        """Return whether a value lies inside, element by element for an array."""
         above = value > self.low if self.open_low else value >= self.low
         below = value < self.high if self.open_high else value <= self.high
-        return above and below
+        return above & below
 
     def __str__(self) -> str:
         left = "(" if self.open_low or self.low == float("-inf") else "["

@@ -89,6 +89,23 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     return number
 
 
+def checked_count(name: str, value: Any) -> int:
+    """Return a whole number of at least 1 that a file can hold.
+
+    Raises
+    ------
+    ValueError
+        If `value` is none.
+    """
+    try:
+        count = 0 if isinstance(value, bool) or value != int(value) else int(value)
+    except (TypeError, ValueError, OverflowError):
+        count = 0
+    if not 1 <= count < 2**63:
+        raise ValueError(f"{name} must be a positive integer below 2^63, got {value!r}")
+    return count
+
+
 def number_fields(law: Any) -> list[Field[Any]]:
     """Return the fields of a law (class or instance) that hold one number."""
     return [f for f in fields(law) if "quantity" in f.metadata and not f.metadata.get("array")]

@@ -24,19 +24,24 @@ from latolato.numerics.integrate import (
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
 from latolato.physics.contacts import CONTACT_KINDS, Clamp, Exact, NoContact, contact_laws
-from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.drives import Drive, drives
 from latolato.physics.energy import kinetic_energy, potential_energy
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
-from latolato.registry import checked_number, describe
+from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.registry import checked_count, checked_number, describe
+from latolato.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_start,
+    kicks_of,
+    walls_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DEFAULT_REST_SPEED = 1e-7  # rad/s
-# A start this close to a wall is on it.
-ON_WALL = 1e-12  # rad
 SAMPLES_PER_PERIOD = 100
 # More default samples than this would fill the memory: ask for `times` then.
 MOST_DEFAULT_SAMPLES = 20_000_000
@@ -136,19 +141,19 @@ def simulate(
     >>> [str(kind) for kind in run.contact_kind.values]
     ['bottom', 'bottom']
     """
-    drive = _checked_drive(drive)
+    drive = checked_drive(drive)
     if not isinstance(system, System):
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
-    law = _checked_contact(contact, system)
+    law = checked_contact(contact, system)
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
-    contact_limit = _checked_contact_limit(contact_limit)
+    contact_limit = checked_count("contact_limit", contact_limit)
     if frame not in ("pivot", "both"):
         raise ValueError(f"frame must be 'pivot' or 'both', got {frame!r}")
     instants, end = _checked_times(system, drive, times, duration)
-    walls = _walls(system, law)
-    start = _checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
-    kick_times, kick_sizes = _kicks(noise, system, end)
+    walls = walls_of(system, law)
+    start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
+    kick_times, kick_sizes = kicks_of(noise, system, end)
 
     stepper = choose_stepper(system)
     clamped = isinstance(law, Clamp)
@@ -231,53 +236,6 @@ def version() -> str:
     return package_version("latolato")
 
 
-def _checked_drive(drive: Drive | None) -> Drive:
-    """Return a drive, a pivot at rest for None."""
-    if drive is None:
-        return Static()
-    if not isinstance(drive, Drive):
-        raise TypeError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
-    return drive
-
-
-def _checked_contact_limit(given: Any) -> int:
-    """Return a whole number of contacts that a file can hold."""
-    try:
-        count = 0 if isinstance(given, bool) or given != int(given) else int(given)
-    except (TypeError, ValueError, OverflowError):
-        count = 0
-    if not 1 <= count < 2**63:
-        raise ValueError(f"contact_limit must be a positive integer below 2^63, got {given!r}")
-    return count
-
-
-def _checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
-    """Return the contact law; systems that never meet a wall have none."""
-    if contact is None:
-        return NoContact()
-    law = contact_laws[contact]() if isinstance(contact, str) else contact
-    if not isinstance(law, (Exact, Clamp, NoContact)):
-        raise TypeError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
-    if not system.has_contacts:
-        return NoContact()
-    if isinstance(law, Clamp) and isinstance(system, BallPair):
-        raise ValueError(
-            "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
-            "BallPair"
-        )
-    return law
-
-
-def _walls(system: System, law: Exact | Clamp | NoContact) -> tuple[float, float]:
-    """Return the contact angles of one ball or the contact separations of two [rad]."""
-    if isinstance(law, NoContact):
-        return -math.inf, math.inf
-    if isinstance(system, BallPair):
-        return system.contact_separation, 2.0 * math.pi - system.contact_separation
-    assert isinstance(system, LatoLato)
-    return system.contact_angle_low, system.contact_angle_high
-
-
 def _checked_times(
     system: System, drive: Drive, times: Any, duration: float | None
 ) -> tuple[Floats, float]:
@@ -316,86 +274,6 @@ def _checked_times(
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
         raise ValueError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
     return instants, end
-
-
-def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """Return one or two checked numbers."""
-    unit = QUANTITIES[name].unit
-    if count == 1:
-        if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
-            raise TypeError(f"{name} must be one number in {unit} for one angle, got {value!r}")
-        return (checked_number(name, value, ANY, unit),)
-    if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
-        value = (0.0, 0.0)
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise TypeError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
-    return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
-
-
-def _checked_start(
-    system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
-) -> Start:
-    """Return the start, moved onto a wall that it is within 1e-12 rad of."""
-    low, high = walls
-    if angle is None and offset is None:
-        raise ValueError(
-            "initial_angle is needed [rad] (for a LatoLato initial_offset may stand instead)"
-        )
-    if angle is not None and offset is not None:
-        raise ValueError("give only one of initial_angle and initial_offset")
-    if offset is not None:
-        if not isinstance(system, LatoLato):
-            raise ValueError(
-                "initial_offset counts from the low contact angle of a LatoLato; "
-                "use initial_angle for other systems"
-            )
-        above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
-        angle = system.contact_angle_low + above
-    velocities = _numbers("initial_angular_velocity", velocity, system.angles)
-    if system.angles == 1:
-        (value,) = _numbers("initial_angle", angle, 1)
-        what, gap = "initial_angle", value
-    else:
-        if np.isscalar(angle):
-            raise TypeError(
-                f"initial_angle of a BallPair must be two numbers (right, left), got {angle!r}"
-            )
-        right, left = _numbers("initial_angle", angle, 2)
-        what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
-    if not low - ON_WALL <= gap <= high + ON_WALL:
-        raise ValueError(
-            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
-            f"{gap:.9g}: the balls would overlap"
-        )
-    shift = 0.0
-    if abs(gap - low) <= ON_WALL:
-        shift = low - gap
-    elif abs(gap - high) <= ON_WALL:
-        shift = high - gap
-    if system.angles == 1:
-        on_wall = low if abs(gap - low) <= ON_WALL else high
-        return Start((on_wall if abs(gap - on_wall) <= ON_WALL else gap,), velocities)
-    return Start((right + shift, left), velocities)
-
-
-def _kicks(
-    noise: VelocityKicks | None, system: System, end: float
-) -> tuple[Floats | None, Floats | None]:
-    """Return instants and sizes of the velocity kicks."""
-    if noise is None:
-        return None, None
-    if not isinstance(noise, VelocityKicks):
-        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
-    spacing = noise.spacing(system)
-    if end / spacing > MOST_DEFAULT_SAMPLES:
-        raise ValueError(
-            f"{end / spacing:.3g} velocity kicks exceed the limit of {MOST_DEFAULT_SAMPLES}; "
-            "make interval longer"
-        )
-    count = int(end / spacing)
-    instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)
-    normal = np.random.default_rng(noise.seed).standard_normal((count, system.angles)).T
-    return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))
 
 
 def _observe(

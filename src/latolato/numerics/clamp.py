@@ -23,6 +23,8 @@ from latolato.numerics.records import (
     VELOCITY_1,
     WORK,
 )
+from latolato.numerics.watch import BLIND, Hooks, make_watch
+from latolato.observables import Segment
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact
 from latolato.physics.damping import drag
 
@@ -30,10 +32,14 @@ from latolato.physics.damping import drag
 def make_clamped(
     acceleration: Callable[..., float],
     restoring: Callable[..., float],
+    potential: Callable[..., float],
     compile_part: Part | None = None,
+    hooks: tuple[Hooks, ...] = BLIND,
 ) -> Callable[..., int]:
     """Return the clamped trajectory function, with the arguments of `fold.make_trajectory`."""
     part: Part = compile_part or (lambda function: function)
+    watch_step = make_watch(hooks, compile_part).step
+    watches = bool(hooks[0])
 
     @part
     def slopes(
@@ -57,6 +63,7 @@ def make_clamped(
         kick_times: Any,
         kicks_given: Any,
         tables: Any,
+        space: Any,
         kicks: Any,
         drifts: Any,
         nodes: Any,
@@ -67,6 +74,9 @@ def make_clamped(
         contact_values: Any,
         stop: float,
         most_steps: int,
+        acc: Any,
+        column: int,
+        columns: int,
     ) -> int:
         settings = settings_row[0]
         body = bodies[0]
@@ -102,6 +112,16 @@ def make_clamped(
                     damped + s * (new_damped - damped), lost, 0.0, 0.0, FLIGHT,
                 )  # fmt: skip
                 sample += 1
+            if watches:
+                end_a, end_w, end_d = slopes(t + h, new_x, new_v, g, body, p)
+                stiffness = g * body.coupling
+                segment = Segment(
+                    t, t + h, x, new_x, v, new_v, a1, end_a,
+                    0.5 * v * v + stiffness * potential(x),
+                    0.5 * new_v * new_v + stiffness * potential(new_x),
+                    w1 - d1, end_w - end_d, 0.0,
+                )  # fmt: skip
+                watch_step(acc, column, columns, segment)
             x, v, work, damped = new_x, new_v, new_work, new_damped
             if x < settings.low or x > settings.high:
                 kind = BOTTOM if x < settings.low else TOP

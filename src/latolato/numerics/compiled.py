@@ -30,7 +30,7 @@ def _make_callable(function: Callable[..., Any]) -> None:
 
 for_each_formula(_make_callable)
 
-_LAYERS = ("scalar.py", "physics", "numerics")
+_LAYERS = ("scalar.py", "physics", "observables", "numerics")
 
 
 @lru_cache(maxsize=1)

@@ -51,7 +51,10 @@ from latolato.numerics.records import (
     WORK,
 )
 from latolato.numerics.rest import make_resting
+from latolato.numerics.watch import BLIND, Hooks, make_watch
+from latolato.observables import Segment
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
+from latolato.physics.damping import drag
 
 # A step is cut here when the acceleration changes sign beside a wall, so that a dip in between
 # is seen by one of its parts.
@@ -61,9 +64,13 @@ _PARTS = 0.25
 def make_trajectory(
     acceleration: Callable[..., float],
     restoring: Callable[..., float],
+    potential: Callable[..., float],
     compile_part: Part | None = None,
+    hooks: tuple[Hooks, ...] = BLIND,
 ) -> Callable[..., int]:
     """Return the function that carries one ball's state on; see `latolato.simulate`.
+
+    `hooks` are the formulas of observables, from `latolato.numerics.watch.hooks_of`.
 
     The returned function updates `state` and `counters` in place, writes samples and contacts,
     and returns the number of contact rows written. It stops at `stop`, after `most_steps` steps
@@ -73,6 +80,7 @@ def make_trajectory(
         acceleration, restoring, compile_part
     )
     find_release, held_slack = make_resting(acceleration, restoring, compile_part)
+    watch_step, watches = make_watch(hooks, compile_part).step, bool(hooks[0])
 
     def trajectory(
         state: Any,
@@ -85,6 +93,7 @@ def make_trajectory(
         kick_times: Any,
         kicks_given: Any,
         tables: Any,
+        space: Any,
         kicks: Any,
         drifts: Any,
         nodes: Any,
@@ -95,6 +104,9 @@ def make_trajectory(
         contact_values: Any,
         stop: float,
         most_steps: int,
+        acc: Any,
+        column: int,
+        columns: int,
     ) -> int:
         settings = settings_row[0]
         body = bodies[0]
@@ -167,6 +179,10 @@ def make_trajectory(
                     state[SLACK_FIRST], state[SLACK_TOTAL] = held_slack(
                         state[SLACK_FIRST], state[SLACK_TOTAL], t, until, angle, settings, law
                     )
+                if watches:
+                    e = gravity * body.coupling * potential(angle)
+                    held = Segment(t, until, angle, angle, 0.0, 0.0, 0.0, 0.0, e, e, 0.0, 0.0, 1.0)
+                    watch_step(acc, column, columns, held)
                 t_base, n, t = until, 0, until
                 if release <= goal:
                     if mode == STUCK:
@@ -279,6 +295,18 @@ def make_trajectory(
                         )  # fmt: skip
                     pull = end_pull
 
+                if watches:
+                    slowing = drag(velocity, sign, body.rate, body.quadratic, 0.0)
+                    slowing1 = drag(v, sign, body.rate, body.quadratic, 0.0)
+                    stiffness = gravity * body.coupling
+                    segment = Segment(
+                        t, t_new, angle, x, velocity, v, a - slowing, a1 - slowing1,
+                        0.5 * velocity * velocity + stiffness * potential(angle),
+                        0.5 * v * v + stiffness * potential(x),
+                        velocity * (driven - slowing - body.coulomb * sign),
+                        v * (driven1 - slowing1 - body.coulomb * sign), 0.0,
+                    )  # fmt: skip
+                    watch_step(acc, column, columns, segment)
                 angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
                 work += inertia * dw
                 damped += inertia * dd

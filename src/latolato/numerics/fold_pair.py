@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
@@ -67,7 +65,10 @@ from latolato.numerics.records import (
     VELOCITY_2,
     WORK,
 )
+from latolato.numerics.watch import BLIND, Hooks, make_watch
+from latolato.observables import Segment
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
+from latolato.physics.damping import drag
 
 _PARTS = 0.25  # see `latolato.numerics.fold`
 
@@ -75,7 +76,9 @@ _PARTS = 0.25  # see `latolato.numerics.fold`
 def make_pair_trajectory(
     acceleration: Callable[..., float],
     restoring: Callable[..., float],
+    potential: Callable[..., float],
     compile_part: Part | None = None,
+    hooks: tuple[Hooks, ...] = BLIND,
 ) -> Callable[..., int]:
     """Return the function that carries the state of two balls on.
 
@@ -83,6 +86,29 @@ def make_pair_trajectory(
     both balls and the body they form at the bottom and at the top.
     """
     flight = make_flight(acceleration, restoring, compile_part)
+    watch_step, watches = make_watch(hooks, compile_part).step, bool(hooks[0])
+    part: Part = compile_part or (lambda function: function)
+
+    @part
+    def notice(
+        acc: Any, column: int, columns: int, t: float, end: float, q: Any, r: Any, a0: float,
+        a1: float, ball: int, law: Law, held: float,
+    ) -> None:  # fmt: skip
+        """Show the observables a step of one ball, whose rates of energy follow from a and v."""
+        stiffness = law.gravity * law.body.coupling
+        x0, v0, x1, v1 = q[ball, X], q[ball, V], r[ball, X], r[ball, V]
+        segment = Segment(
+            t, end, x0, x1, v0, v1, a0, a1,
+            0.5 * v0 * v0 + stiffness * potential(x0), 0.5 * v1 * v1 + stiffness * potential(x1),
+            v0 * (a0 + stiffness * restoring(x0)), v1 * (a1 + stiffness * restoring(x1)), held,
+        )  # fmt: skip
+        watch_step(acc, column + ball, columns, segment)
+
+    @part
+    def slowed(a: float, v: float, sign: float, body: Any) -> float:
+        """Return the acceleration with all drag from that of a kick."""
+        return 0.0 if sign == STUCK else a - drag(v, sign, body.rate, body.quadratic, 0.0)
+
     turn, follow_slack = flight.turn, flight.follow_slack
     (
         free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
@@ -100,6 +126,7 @@ def make_pair_trajectory(
         kick_times: Any,
         kicks_given: Any,
         tables: Any,
+        space: Any,
         kicks: Any,
         drifts: Any,
         nodes: Any,
@@ -110,12 +137,18 @@ def make_pair_trajectory(
         contact_values: Any,
         stop: float,
         most_steps: int,
+        acc: Any,
+        column: int,
+        columns: int,
     ) -> int:
         settings = settings_row[0]
         g, h = settings.gravity, settings.step
         low, high = settings.low, settings.high
-        q, r, w = np.zeros((3, 7)), np.zeros((3, 7)), np.zeros((3, 7))
-        signs = np.zeros(3)
+        q, r, w, signs = space[0], space[1], space[2], space[3, 0]
+        for i in range(3):
+            signs[i] = 0.0
+            for j in range(7):
+                q[i, j] = r[i, j] = w[i, j] = 0.0
         nonlinear = False
         rubs = bodies[0].coulomb > 0.0 or bodies[1].coulomb > 0.0
         for i in range(2):
@@ -243,6 +276,13 @@ def make_pair_trajectory(
                 work += inertia * r[JOINT, GAIN]
                 damped += inertia * r[JOINT, LOSS]
                 begin_1, begin_2 = joint_pulls(t, q, gap, pair)
+                if watches:
+                    end_velocity = 0.0 if turned else r[JOINT, V]
+                    split(r[JOINT, X], end_velocity, offset, gap, w)
+                    a0 = slowed(q[JOINT, FORCE], q[JOINT, V], signs[JOINT], law.body)
+                    a1 = slowed(r[JOINT, FORCE], end_velocity, signs[JOINT], law.body)
+                    for i in range(2):
+                        notice(acc, column, columns, t, t_new, q, w, a0, a1, i, pair.laws[i], 1.0)
                 split(r[JOINT, X], 0.0 if turned else r[JOINT, V], offset, gap, q)
                 end_1, end_2 = joint_pulls(t_new, q, gap, pair)
                 add_slack(state, 0, begin_1, end_1, t, t_new)
@@ -391,6 +431,13 @@ def make_pair_trajectory(
                             FLIGHT,
                         )  # fmt: skip
                         sample += 1
+
+                if watches:
+                    for i in range(2):
+                        a0 = slowed(q[i, FORCE], q[i, V], signs[i], bodies[i])
+                        a1 = slowed(r[i, FORCE], r[i, V], signs[i], bodies[i])
+                        held = 1.0 if signs[i] == STUCK else 0.0
+                        notice(acc, column, columns, t, t_new, q, r, a0, a1, i, laws[i], held)
 
                 for i in range(2):
                     k = bodies[i].coupling

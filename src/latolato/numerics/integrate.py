@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -20,6 +20,7 @@ from latolato.numerics.records import (
     SIGN_1,
     SIGN_2,
     SLACK_FIRST,
+    SPACE,
     STEPS,
     T_BASE,
     VELOCITY_1,
@@ -82,23 +83,71 @@ def choose_stepper(system: System) -> Stepper:
 def choose_step(
     system: System, drive: Drive, start: Start, tolerance: float, stepper: Stepper
 ) -> float:
-    """Return the step [s] for a tolerance: ``tolerance^(1/order)`` over the fastest rate.
+    """Return the step [s] for a tolerance; see `step_for`."""
+    return float(step_for(fastest_rate(system, drive, start), tolerance, stepper))
 
-    The fastest rate is the largest of the drive's frequency, the swing's under the strongest
-    pull ``sqrt((g + |y0''|)/l)``, and the initial angular velocity.
+
+def step_for(rate: Any, tolerance: float, stepper: Stepper) -> Any:
+    """Return the step [s] at which the fastest rates allow `tolerance`, numbers or arrays.
+
+    ``5 step_factor tolerance^(1/order)`` over the rate.
     """
     unit = _STEP_AT_UNIT_TOLERANCE * stepper.step_factor
-    return unit * tolerance ** (1.0 / stepper.order) / fastest_rate(system, drive, start)
+    return unit * tolerance ** (1.0 / stepper.order) / rate
 
 
 def fastest_rate(system: System, drive: Drive, start: Start) -> float:
     """Return the fastest angular rate of a run that is known beforehand [rad/s]."""
     length = min(ball.length for ball in system.balls)
-    swing = math.sqrt((system.gravity + drive.largest_acceleration) / length)
-    return max(swing, drive.fastest_frequency, *(abs(v) for v in start.velocities))
+    speed = max(abs(v) for v in start.velocities)
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    return float(rate_of(system.gravity, length, *bounds, speed))
 
 
-def _maker(name: str) -> Callable[..., Callable[..., Any]]:
+def rate_of(gravity: Any, length: Any, acceleration: Any, frequency: Any, speed: Any) -> Any:
+    """Return the fastest angular rate [rad/s], numbers or arrays.
+
+    The largest of the drive's frequency, the swing's under the strongest pull
+    ``sqrt((g + |y0''|)/l)``, and the initial angular velocity.
+    """
+    swing = np.sqrt((gravity + acceleration) / length)
+    return np.maximum(np.maximum(swing, frequency), speed)
+
+
+def settings_values(
+    *,
+    gravity: Any,
+    walls: tuple[Any, Any],
+    restitution: Any,
+    rest_speed: Any,
+    step: Any,
+    lift_bound: Any,
+    rate: Any,
+    offsets: tuple[float, float] = (0.0, 0.0),
+    follows_tension: bool,
+) -> tuple[Any, ...]:
+    """Return the content of a `SETTINGS` record, numbers or arrays."""
+    sag = 0.5 * (step * rate) ** 2
+    return (
+        gravity, *walls, restitution, rest_speed, step, lift_bound, *offsets, sag,
+        int(follows_tension),
+    )  # fmt: skip
+
+
+def body_rows(
+    system: System, walls: tuple[float, float]
+) -> tuple[list[tuple[float, ...]], tuple[float, float]]:
+    """Return the records of the bodies that can swing, and the offsets of those in contact."""
+    rows = [records.body_record(ball) for ball in system.balls]
+    if system.angles == 1:
+        return rows, (0.0, 0.0)
+    joint = [
+        records.joint_record(rows[0], rows[1], gap if math.isfinite(gap) else 0.0) for gap in walls
+    ]
+    return [*rows, *(record for record, _ in joint)], (joint[0][1], joint[1][1])
+
+
+def maker_of(name: str) -> Callable[..., Callable[..., Any]]:
     """Return the factory of a kernel; imported on use, so that start-up pays for one only."""
     if name == "clamp":
         from latolato.numerics.clamp import make_clamped
@@ -123,7 +172,7 @@ def kernel(name: str, *laws: Callable[..., float], compiled: bool = True) -> Cal
 
     `name` is ``one``, ``pair``, ``clamp`` or ``observe``.
     """
-    make = _maker(name)
+    make = maker_of(name)
     if not compiled:
         return make(*laws)
     from latolato.numerics.compiled import compile_kernel
@@ -166,29 +215,24 @@ def integrate(
     stepper = choose_stepper(system)
     angles = system.angles
     name = "clamp" if clamped else ("pair" if angles == 2 else "one")
-    carry_on = kernel(name, drive.acceleration, system.restoring, compiled=compiled)
-    state, counters = _initial(start, walls, sample_times)
-    rows = [records.body_record(ball) for ball in system.balls]
-    offsets = (0.0, 0.0)
-    if angles == 2:
-        joint = [
-            records.joint_record(rows[0], rows[1], gap if math.isfinite(gap) else 0.0)
-            for gap in walls
-        ]
-        rows += [record for record, _ in joint]
-        offsets = (joint[0][1], joint[1][1])
+    carry_on = kernel(
+        name, drive.acceleration, system.restoring, system.potential, compiled=compiled
+    )
+    states, all_counters = initial_state(start.angles, start.velocities)
+    state, counters = states[0], all_counters[0]
+    rows, offsets = body_rows(system, walls)
     bodies = records.bodies(*rows)
     settings = np.zeros(1, dtype=SETTINGS)
-    settings[0] = (
-        system.gravity,
-        *walls,
-        getattr(system, "restitution", 1.0),
-        rest_speed,
-        step,
-        drive.largest_acceleration,
-        *offsets,
-        0.5 * (step * fastest_rate(system, drive, start)) ** 2,
-        int(system.restoring is not restoring_linear),
+    settings[0] = settings_values(
+        gravity=system.gravity,
+        walls=walls,
+        restitution=getattr(system, "restitution", 1.0),
+        rest_speed=rest_speed,
+        step=step,
+        lift_bound=drive.largest_acceleration,
+        rate=fastest_rate(system, drive, start),
+        offsets=offsets,
+        follows_tension=system.restoring is not restoring_linear,
     )
     stretches, starts = records.stretch_records(drive, duration)
     jumps = np.array(drive.velocity_jumps(duration))
@@ -196,6 +240,7 @@ def integrate(
     kick_sizes = np.empty((angles, 0)) if kick_sizes is None else kick_sizes
     tables = np.zeros((6 if angles == 2 else 2, 3, len(stepper.kicks)))
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
+    unwatched, space = np.zeros(1), np.zeros(SPACE)
     room = 256
     kinds, times, values = [], [], []
     count = 0
@@ -207,8 +252,8 @@ def integrate(
         buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
         written = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
-            tables, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
-            *buffers, duration, _STEPS_PER_CALL,
+            tables, space, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
+            *buffers, duration, _STEPS_PER_CALL, unwatched, 0, 1,
         )  # fmt: skip
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
@@ -237,17 +282,17 @@ def integrate(
     )  # fmt: skip
 
 
-def _initial(
-    start: Start, walls: tuple[float, float], sample_times: Floats
+def initial_state(
+    angles: Sequence[Any], velocities: Sequence[Any], count: int = 1
 ) -> tuple[Floats, NDArray[np.int64]]:
-    """Return state and counters at time zero; modes are settled by the kernel's first call."""
-    state = np.zeros(records.STATE_SIZE)
-    counters = np.zeros(records.COUNTERS_SIZE, dtype=np.int64)
-    state[SLACK_FIRST] = state[records.SLACK_FIRST_2] = np.nan
-    state[ANGLE_1], state[VELOCITY_1] = start.angles[0], start.velocities[0]
-    if len(start.angles) == 2:
-        state[ANGLE_2], state[VELOCITY_2] = start.angles[1], start.velocities[1]
-    counters[MODE] = records.UNSETTLED
-    counters[SIGN_1] = -1 if start.velocities[0] < 0 else 1
-    counters[SIGN_2] = -1 if start.velocities[-1] < 0 else 1
+    """Return states (point, slot) and counters at time zero; kernels settle the modes."""
+    state = np.zeros((count, records.STATE_SIZE))
+    counters = np.zeros((count, records.COUNTERS_SIZE), dtype=np.int64)
+    state[:, [SLACK_FIRST, records.SLACK_FIRST_2]] = np.nan
+    for ball, (angle, velocity) in enumerate(zip(angles, velocities, strict=True)):
+        state[:, (ANGLE_1, ANGLE_2)[ball]] = angle
+        state[:, (VELOCITY_1, VELOCITY_2)[ball]] = velocity
+    counters[:, MODE] = records.UNSETTLED
+    counters[:, SIGN_1] = np.where(np.less(velocities[0], 0.0), -1, 1)
+    counters[:, SIGN_2] = np.where(np.less(velocities[-1], 0.0), -1, 1)
     return state, counters

@@ -223,11 +223,12 @@ def make_pair_flight(
         if captures:
             e = 0.0
         q[0, V], q[1, V] = pair_impact(q[0, V], q[1, V], i1, i2, e)
-        if e == 0.0:
+        joins = (q[0, V] - q[1, V]) * far >= 0.0  # a tiny rebound may be lost in rounding
+        if joins:
             q[1, V] = q[0, V]  # equal to the last bit: they move as one from here on
         if captures:
             return 0.0, energy, True
-        return energy * (1.0 - e * e), 0.0, presses and e == 0.0
+        return energy * (1.0 - e * e), 0.0, presses and joins
 
     @part
     def sign_of(velocity: float, free: float, coulomb: float) -> float:

@@ -94,6 +94,9 @@ STATE_SIZE = 14
 MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)
 COUNTERS_SIZE = 10
 
+# Scratch of two balls: three sets of points of the motion, and the signs of the velocities.
+SPACE = (4, 3, 7)
+
 # Modes of motion. Two balls may also be in lasting contact, moving or stuck.
 FLIGHT, STUCK, REST_LOW, REST_HIGH = 0, 1, 2, 3
 UNSETTLED = -1  # before the first call of a kernel
@@ -101,3 +104,10 @@ UNSETTLED = -1  # before the first call of a kernel
 # Rows of the sample array: the states of the balls, then the ledger.
 S_WORK, S_DAMPED, S_IMPACT, S_CAPTURED, S_NOISE, S_MODE = 4, 5, 6, 7, 8, 9
 SAMPLE_ROWS = 10
+
+# Status of one point of a sweep.
+CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID = range(6)
+STATUS_NAMES = ("converged", "grazing", "rest", "event_limit", "failed", "invalid")
+
+# What is noted when the transient ends: the ledger and the times of slack.
+BEGUN = (WORK, DAMPED, IMPACT, CAPTURED, SLACK_TOTAL, SLACK_TOTAL_2)

@@ -80,4 +80,4 @@ class Harmonic(Drive):
     @property
     def largest_acceleration(self) -> float:
         """A0 w^2 [m/s^2]."""
-        return self.drive_amplitude * self.drive_frequency**2
+        return self.drive_amplitude * self.drive_frequency * self.drive_frequency

@@ -1,0 +1,54 @@
+"""Numbers gathered while a trajectory runs; every module of this folder is loaded by discovery.
+
+Adding an observable is one file with one class and the `register` decorator; see
+`latolato.observables.base.Observable` for what it may say.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+
+from latolato.observables.angles import (
+    LargestAngle,
+    LargestAngleAfterTransient,
+    MotionClass,
+    SelfStart,
+)
+from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.contacts import BottomContacts, ImpactSpeed, RestFraction, TopContacts
+from latolato.observables.crossings import Crossings, Rotations
+from latolato.observables.energy import MeanEnergy
+from latolato.observables.final import (
+    FinalAngle,
+    FinalAngularVelocity,
+    SlackFraction,
+    Stroboscope,
+    Works,
+)
+
+__all__ = [
+    "BottomContacts",
+    "Crossings",
+    "FinalAngle",
+    "FinalAngularVelocity",
+    "ImpactSpeed",
+    "LargestAngle",
+    "LargestAngleAfterTransient",
+    "MeanEnergy",
+    "MotionClass",
+    "Observable",
+    "Outcome",
+    "RestFraction",
+    "Rotations",
+    "Segment",
+    "SelfStart",
+    "SlackFraction",
+    "Stroboscope",
+    "TopContacts",
+    "Works",
+    "observables",
+]
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")

@@ -1,0 +1,110 @@
+"""What every observable offers: numbers gathered while a trajectory runs, nothing stored.
+
+An observable owns some *slots* of an accumulator array. Its formulas are called at every step,
+contact and mark with the accumulator, the index `i` of its first slot and the distance `n`
+between slots: slot m is ``acc[i + m * n]``. They run as plain Python, compiled, in SIMD lanes and
+on a GPU, so they use :mod:`math` only; write `step` without branches around assignments (use
+``a if condition else b``), then lanes stay fast.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from latolato.quantities import Quantity
+from latolato.registry import Registry, check_fields
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+observables: Registry[type] = Registry("observable")
+
+
+class Segment(NamedTuple):
+    """One accepted step of one ball: its ends, numbered 0 and 1.
+
+    Times [s], angles [rad], angular velocities [rad/s], angular accelerations [rad/s^2], total
+    energies over the moment of inertia [1/s^2] and their time derivatives [1/s^3]; `held` is 1 in
+    lasting contact or where friction holds the ball, else 0.
+    """
+
+    t0: float
+    t1: float
+    x0: float
+    x1: float
+    v0: float
+    v1: float
+    a0: float
+    a1: float
+    e0: float
+    e1: float
+    p0: float
+    p1: float
+    held: float
+
+
+class Outcome(NamedTuple):
+    """What is known of many trajectories of one ball at their end; arrays of shape (point,).
+
+    `works` holds drive work, damping, impact and capture loss over the observed time [J], of both
+    balls for a `BallPair`.
+    """
+
+    angle: Any
+    velocity: Any
+    observed: Any  # time after the transient [s]
+    inertia: Any  # kg m^2
+    works: Mapping[str, Any]
+    slack: Any  # time in which the rod was pushed [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observable:
+    """Base of all observables; subclasses are final and registered by name.
+
+    Attributes
+    ----------
+    variables : mapping of str to Quantity
+        The variables of the dataset that `values` returns.
+    needs : set of str
+        What costs extra: ``"energy"`` (e and p of a `Segment`), ``"works"``, ``"slack"``.
+    step : formula ``(acc, i, n, segment)``
+        After every step, and after a time at rest, which is one segment.
+    contact : formula ``(acc, i, n, t, kind, before, after, closing)``
+        At every row of the contact table; `closing` is the relative speed before.
+    mark : formula ``(acc, i, n, number, t, angle, velocity)``
+        At the instants that `marks` asks for.
+    restart : formula ``(acc, i, n, angle, velocity)``
+        When the transient ends; by default what was gathered is kept.
+    """
+
+    variables: ClassVar[Mapping[str, Quantity]] = {}
+    needs: ClassVar[frozenset[str]] = frozenset()
+    step: ClassVar[Callable[..., None] | None] = None
+    contact: ClassVar[Callable[..., None] | None] = None
+    mark: ClassVar[Callable[..., None] | None] = None
+    restart: ClassVar[Callable[..., None] | None] = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def marks(self) -> int:
+        """How many of the last drive periods' ends are to be marked."""
+        return 0
+
+    def initial(self, angle: Floats) -> list[Any]:
+        """Return the first content of each slot, numbers or arrays of shape (point,)."""
+        return [0.0]
+
+    def values(self, slots: Floats, outcome: Outcome) -> dict[str, Any]:
+        """Return the variables from slots of shape (slot, point).
+
+        An array of shape (point, sample) is given the dimension ``sample``.
+        """
+        raise TypeError(f"{type(self).__name__} must say its values")

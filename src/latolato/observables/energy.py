@@ -1,0 +1,38 @@
+"""Mean energy: the paper's first criterion for resonance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.quantities import QUANTITIES
+from latolato.scalar import formula
+
+
+@formula
+def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+    """Add the integral of the energy, by the trapezoid with its end correction (order 4)."""
+    h = s.t1 - s.t0
+    acc[i] += 0.5 * h * (s.e0 + s.e1) + h * h / 12.0 * (s.p0 - s.p1)
+
+
+@formula
+def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
+    """Forget the transient."""
+    acc[i] = 0.0
+
+
+@observables.register("mean_energy")
+@dataclass(frozen=True, kw_only=True)
+class MeanEnergy(Observable):
+    """Time mean of the total energy after the transient (Paper, criterion 1), per ball."""
+
+    variables: ClassVar[Any] = {"mean_energy": QUANTITIES["mean_energy"]}
+    needs: ClassVar[frozenset[str]] = frozenset({"energy"})
+    step: ClassVar[Any] = staticmethod(_step)
+    restart: ClassVar[Any] = staticmethod(_restart)
+
+    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
+        """Return the integral over the observed time."""
+        return {"mean_energy": outcome.inertia * slots[0] / outcome.observed}

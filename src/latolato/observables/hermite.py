@@ -1,0 +1,49 @@
+"""The solution within a step, as the quintic that fits angle, velocity and acceleration."""
+
+from __future__ import annotations
+
+from latolato.scalar import formula
+
+
+@formula
+def quintic(
+    u: float, h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
+) -> float:
+    """Return the angle at the share `u` of a step of length h [rad]; its error goes as h^6.
+
+    Written from the nearer end, so that it returns the ends exactly.
+    """
+    d = x1 - x0
+    b1, c1 = v0 * h, 0.5 * a0 * h * h
+    b2, c2 = v1 * h, 0.5 * a1 * h * h
+    r0 = d - b1 - c1
+    r1 = b2 - b1 - 2.0 * c1
+    r2 = c2 - c1
+    p3 = 10.0 * r0 - 4.0 * r1 + r2
+    p4 = -15.0 * r0 + 7.0 * r1 - 2.0 * r2
+    p5 = 6.0 * r0 - 3.0 * r1 + r2
+    return x0 + u * (b1 + u * (c1 + u * (p3 + u * (p4 + u * p5))))
+
+
+@formula
+def turning_angle(
+    h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
+) -> float:
+    """Return the angle at which the velocity passes zero within a step, x1 if it does not [rad].
+
+    The zero of the velocity's cubic is found by Newton from the secant; the angle is stationary
+    there, so that its error is of the order of the step's own.
+    """
+    change = v1 - v0
+    turns = v0 * v1 < 0.0
+    w = change if turns else 1.0
+    u = -v0 / w if turns else 1.0
+    # The cubic through velocities and accelerations at both ends.
+    b, c2, c3 = a0 * h, 3.0 * change - (2.0 * a0 + a1) * h, -2.0 * change + (a0 + a1) * h
+    for _ in range(2):
+        value = v0 + u * (b + u * (c2 + u * c3))
+        slope = b + u * (2.0 * c2 + 3.0 * u * c3)
+        steep = abs(slope) > 1e-3 * abs(w)
+        u = u - value / (slope if steep else w)
+        u = min(max(u, 0.0), 1.0)
+    return quintic(u, h, x0, v0, a0, x1, v1, a1) if turns else x1

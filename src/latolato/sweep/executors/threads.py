@@ -1,0 +1,68 @@
+"""Threads of this machine: compiled kernels that release Python's lock."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics.many import Progress
+from latolato.numerics.steppers import Stepper
+from latolato.registry import checked_count
+from latolato.sweep.chunk import Cancelled, Values, run_chunk
+from latolato.sweep.kernels import run_fastest
+from latolato.sweep.plan import Plan
+from latolato.sweep.points import Batch
+
+
+def execute(
+    plan: Plan, numbers: Iterable[int], *, workers: int | None = None
+) -> Iterator[tuple[int, tuple[Values, str]]]:
+    """Yield the values of chunks, each computed by one of `workers` threads.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Number of threads; by default one for each processor that this process may use.
+    """
+    count = available_processors() if workers is None else checked_count("workers", workers)
+    cancel = np.zeros(1, dtype=np.int64)
+
+    def run_points(
+        plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
+    ) -> None:
+        run_fastest(plan, batch, stepper, order, progress, cancel=cancel)
+        if cancel[0]:
+            raise Cancelled
+
+    def run(number: int) -> tuple[int, tuple[Values, str]]:
+        if cancel[0]:
+            raise Cancelled
+        return number, run_chunk(plan, number, run_points)
+
+    # A chunk more than there are threads waits, so that none of them does; results that nobody
+    # has taken yet are bounded the same way.
+    waiting = iter(numbers)
+    with ThreadPoolExecutor(count) as pool:
+        try:
+            running: set[Future[tuple[int, tuple[Values, str]]]] = {
+                pool.submit(run, number) for number in islice(waiting, count + 1)
+            }
+            while running:
+                done, running = wait(running, return_when=FIRST_COMPLETED)
+                for future in done:
+                    running |= {pool.submit(run, number) for number in islice(waiting, 1)}
+                    yield future.result()
+        finally:
+            cancel[0] = 1
+
+
+def available_processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

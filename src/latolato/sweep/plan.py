@@ -1,0 +1,360 @@
+"""A sweep as a frozen, hashable plan: what is varied, what is gathered, and in which chunks."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from latolato.numerics.integrate import TOLERANCES
+from latolato.observables import Observable, observables
+from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
+from latolato.physics.drives import Drive, Harmonic, Static, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import System, systems
+from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.registry import checked_count, checked_number, describe, suggest
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
+from latolato.sweep.axes import Axis, Parameter, checked_axes, parameters_of
+
+DIRECTIONS = ("up", "down", "both")
+STORE_FORMAT = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Everything that determines the numbers of a sweep.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Points along each axis; points are numbered in C order.
+    chunk_size : int
+        Points of a chunk, which is what a worker takes and a store writes at once.
+    """
+
+    system: System
+    drive: Drive
+    axes: tuple[Axis, ...]
+    observables: tuple[Observable, ...]
+    start: tuple[tuple[str, float], ...]
+    duration: float
+    transient: float = 0.0
+    transient_periods: float = 0.0
+    tolerance: float = 1e-6
+    contact: Exact | Clamp | NoContact = field(default_factory=Exact)
+    rest_speed: float = 1e-7
+    contact_limit: int = 1_000_000
+    noise: VelocityKicks | None = None
+    continuation: str = ""
+    direction: str = "up"
+    chunk_size: int = 4096
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions; a continuation both ways adds `direction` in front."""
+        names = tuple(axis.name for axis in self.axes)
+        return ("direction", *names) if self.direction == "both" else names
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each dimension."""
+        lengths = tuple(len(axis) for axis in self.axes)
+        return (2, *lengths) if self.direction == "both" else lengths
+
+    @property
+    def varied(self) -> set[str]:
+        """Names of the parameters that vary, derived ones by their own name."""
+        return {name for axis in self.axes for name in axis.parameters}
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    @cached_property
+    def chunk_shape(self) -> tuple[int, ...]:
+        """Extent of a chunk along each dimension: the last ones whole as far as they fit.
+
+        The axis of a continuation is never cut.
+        """
+        room, found = self.chunk_size, []
+        whole = len(self.dims)
+        if self.continuation:
+            whole = self.dims.index(self.continuation)
+            room = max(1, room // self.shape[whole])
+        for number in reversed(range(len(self.shape))):
+            length = self.shape[number]
+            if number == whole:
+                found.append(length)
+                continue
+            extent = 1 if self.dims[number] == "direction" else min(length, max(1, room))
+            found.append(extent)
+            room //= extent if extent == length else max(room, 1) + 1  # a cut axis fills the room
+        return tuple(reversed(found))
+
+    @property
+    def chunk_counts(self) -> tuple[int, ...]:
+        """Number of chunks along each dimension."""
+        return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return math.prod(self.chunk_counts)
+
+    def block(self, number: int) -> tuple[slice, ...]:
+        """Return the part of the grid that chunk `number` covers."""
+        place = np.unravel_index(number, self.chunk_counts)
+        return tuple(
+            slice(int(i) * c, min((int(i) + 1) * c, n))
+            for i, c, n in zip(place, self.chunk_shape, self.shape, strict=True)
+        )
+
+    def describe(self) -> dict[str, Any]:
+        """Return the plan as plain values, for attributes and for its hash."""
+        contact: dict[str, Any] = {"kind": contact_laws.name_of(self.contact)}
+        return {
+            "format": STORE_FORMAT,
+            "system": {"kind": systems.name_of(self.system), **describe(self.system)},
+            "drive": {"kind": drives.name_of(self.drive), **describe(self.drive)},
+            "axes": [
+                {
+                    "name": axis.name,
+                    "parameters": list(axis.parameters),
+                    "values": [list(values) for values in axis.values],
+                }
+                for axis in self.axes
+            ],
+            "observables": [
+                {"kind": observables.name_of(o), **describe(o)} for o in self.observables
+            ],
+            "start": dict(self.start),
+            "contact": contact | describe(self.contact),
+            "noise": None if self.noise is None else describe(self.noise),
+            **{
+                name: getattr(self, name)
+                for name in (
+                    "duration",
+                    "transient",
+                    "transient_periods",
+                    "tolerance",
+                    "rest_speed",
+                    "contact_limit",
+                    "continuation",
+                    "direction",
+                    "chunk_size",
+                )
+            },
+        }
+
+    @cached_property
+    def hash(self) -> str:
+        """Digest of everything that determines the numbers and their layout."""
+        text = json.dumps(self.describe(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def make_plan(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    axes: Mapping[str, Any],
+    duration: float,
+    observables: Sequence[str | Observable],
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    transient: float = 0.0,
+    transient_periods: float = 0.0,
+    tolerance: float = 1e-6,
+    contact: str | Exact | Clamp | NoContact | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+    contact_limit: int = 1_000_000,
+    noise: VelocityKicks | None = None,
+    continuation: str | None = None,
+    direction: str = "up",
+    chunk_size: int | None = None,
+) -> Plan:
+    """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    drive = _drive_for(drive, axes)
+    known = parameters_of(system, drive)
+    found = checked_axes(axes, known)
+    varied = {name for axis in found for name in axis.parameters}
+    length = checked_number("duration", duration, POSITIVE, "s")
+    transient = checked_number("transient", transient, NON_NEGATIVE, "s")
+    periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
+    if transient >= length:
+        raise ValueError(
+            f"transient must be shorter than the duration {length:g} s, got {transient:g}"
+        )
+    watched = tuple(_observable(o) for o in _listed(observables))
+    names = [name for o in watched for name in o.variables]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two observables both give '{name}': drop one")
+    if any(o.marks for o in watched) and "drive_frequency" not in known:
+        raise ValueError(
+            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
+        )
+    law = checked_contact(contact, system)
+    if noise is not None and not isinstance(noise, VelocityKicks):
+        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+    if continuation is None and direction != "up":
+        raise ValueError(f"direction {direction!r} needs a continuation: name the axis to follow")
+    if continuation is not None:
+        _check_continuation(continuation, found, drive, noise)
+    plan = Plan(
+        system=system,
+        drive=drive,
+        axes=found,
+        observables=watched,
+        start=_start(
+            system, known, varied, initial_angle, initial_angular_velocity, initial_offset
+        ),
+        duration=length,
+        transient=transient,
+        transient_periods=periods,
+        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
+        contact=law,
+        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        contact_limit=checked_count("contact_limit", contact_limit),
+        noise=noise,
+        continuation=continuation or "",
+        direction=direction,
+        chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
+    )
+    if chunk_size is None:
+        # Small enough for several workers and for progress, large enough to fill SIMD lanes.
+        plan = replace(plan, chunk_size=min(max(plan.size // 4, 256), 4096))
+    return plan
+
+
+def _drive_for(drive: Drive | None, axes: Any) -> Drive:
+    """Return the drive, a harmonic one if there is none but the axes vary one."""
+    if drive is not None or not isinstance(axes, Mapping):
+        return checked_drive(drive)
+    varied: set[str] = set()
+    for name, values in axes.items():
+        varied |= set(values) if isinstance(values, Mapping) else {name}
+    amplitudes = {"drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"}
+    frequencies = {"drive_frequency", "frequency_ratio"}
+    if varied & amplitudes and varied & frequencies:
+        return Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
+    if varied & (amplitudes | frequencies | {"drive_phase"}):
+        name = sorted(varied & (amplitudes | frequencies | {"drive_phase"}))[0]
+        raise ValueError(f"axis {name} needs a drive: give one, for example Harmonic")
+    return checked_drive(None)
+
+
+def _listed(given: Any) -> list[Any]:
+    """Return the observables asked for as a list."""
+    if isinstance(given, (str, Observable)):
+        return [given]
+    if not isinstance(given, Iterable):
+        raise TypeError(f"observables must be names or instances, got {given!r}")
+    found = list(given)
+    if not found:
+        raise ValueError(f"observables must name at least one of {', '.join(observables)}")
+    return found
+
+
+def _observable(given: Any) -> Observable:
+    """Return an observable from its name, that of one of its variables, or itself."""
+    if isinstance(given, Observable):
+        return given
+    if not isinstance(given, str):
+        raise TypeError(f"an observable must be a name or an instance, got {given!r}")
+    kinds: Mapping[str, Any] = observables
+    owners = [kind for kind in kinds.values() if given in kind.variables]
+    kind = owners[0] if owners and given not in kinds else kinds[given]
+    found: Observable = kind()
+    return found
+
+
+def _start(
+    system: System,
+    known: Mapping[str, Parameter],
+    varied: set[str],
+    angle: Any,
+    velocity: Any,
+    offset: Any,
+) -> tuple[tuple[str, float], ...]:
+    """Return the start's parameters that do not vary, by name."""
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    given: dict[str, float] = {}
+    pairs = {"initial_angle": angle, "initial_angular_velocity": velocity}
+    if offset is not None:
+        if "initial_offset" not in known:
+            raise ValueError(
+                "initial_offset counts from the low contact angle of a LatoLato; "
+                "use initial_angle for other systems"
+            )
+        if angle is not None:
+            raise ValueError("give only one of initial_angle and initial_offset")
+        given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+    for name, value in pairs.items():
+        if value is None:
+            continue
+        values = (value,)
+        if len(sides) == 2:
+            if np.ndim(value) == 0 and value == 0.0:
+                value = (0.0, 0.0)
+            if np.shape(value) != (2,):
+                raise TypeError(
+                    f"{name} of a BallPair must be two numbers (right, left), got {value!r}"
+                )
+            values = tuple(value)
+        for side, number in zip(sides, values, strict=True):
+            unit = QUANTITIES[name].unit
+            given[name + side] = checked_number(name + side, number, ANY, unit)
+    if varied & {"initial_angle", "initial_offset"}:
+        given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
+    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
+    if missing and "initial_offset" not in {*given, *varied}:
+        raise ValueError(
+            f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
+            "may stand instead)"
+        )
+    return tuple(sorted((k, v) for k, v in given.items() if k not in varied))
+
+
+def _check_continuation(
+    name: Any, axes: Sequence[Axis], drive: Drive, noise: VelocityKicks | None
+) -> None:
+    """Raise ValueError unless a sweep can follow the motion along this axis."""
+    names = [axis.name for axis in axes]
+    if name not in names:
+        raise ValueError(
+            f"continuation must name an axis, got '{name}': {suggest(str(name), names)}"
+        )
+    axis = axes[names.index(name)]
+    for values in axis.values[:1]:
+        steps = np.diff(values)
+        if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+            raise ValueError(
+                f"axis {name} must increase or decrease steadily to be followed; sort its values"
+            )
+    starts = [p for p in axis.parameters if p.startswith("initial_")]
+    if starts:
+        raise ValueError(
+            f"continuation along {starts[0]} makes no sense: each point starts where the one "
+            "before ended"
+        )
+    if not hasattr(drive, "drive_phase") and type(drive) is not Static:
+        raise ValueError(
+            f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
+            f"got {drives.name_of(drive)}"
+        )
+    if noise is not None:
+        raise ValueError("continuation and noise exclude each other")

@@ -1,0 +1,172 @@
+"""The dataset of a sweep: labels, attributes, and the arrays that chunks are put into."""
+
+from __future__ import annotations
+
+import json
+from importlib.metadata import version as package_version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.numerics.records import STATUS_NAMES
+from latolato.physics.drives import drives
+from latolato.physics.pendulum import LatoLato, systems
+from latolato.simulate import version
+from latolato.sweep.axes import parameters_of
+from latolato.sweep.chunk import STATUS, Values
+from latolato.sweep.plan import Plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Of both balls of a pair together.
+_LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss")
+
+
+def dims_of(plan: Plan, name: str) -> tuple[str, ...]:
+    """Return the dimensions of a variable."""
+    extra: tuple[str, ...] = ()
+    if name != STATUS:
+        observable = next(o for o in plan.observables if name in o.variables)
+        if plan.system.angles == 2 and name not in _LEDGER:
+            extra += ("ball",)
+        if observable.marks:
+            extra += ("sample",)
+    return plan.dims + extra
+
+
+def lengths_of(plan: Plan) -> dict[str, int]:
+    """Return the length of every dimension."""
+    lengths = dict(zip(plan.dims, plan.shape, strict=True))
+    return lengths | {
+        "ball": plan.system.angles,
+        "sample": max((o.marks for o in plan.observables), default=0),
+    }
+
+
+def template(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any, float | int]]:
+    """Return dimensions, type and fill value of every variable."""
+    found: dict[str, tuple[tuple[str, ...], Any, float | int]] = {
+        name: (dims_of(plan, name), np.dtype("f8"), float("nan"))
+        for observable in plan.observables
+        for name in observable.variables
+    }
+    found[STATUS] = (dims_of(plan, STATUS), np.dtype("i1"), -1)
+    return found
+
+
+def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
+    """Return the attributes of every variable and coordinate."""
+    known = parameters_of(plan.system, plan.drive)
+    quantities = {p: known[p].quantity for axis in plan.axes for p in axis.parameters}
+    per_ball = plan.system.angles == 2 or isinstance(plan.system, LatoLato)
+    found: dict[str, dict[str, Any]] = {}
+    for observable in plan.observables:
+        quantities |= observable.variables
+    for name, quantity in quantities.items():
+        found[name] = {
+            "units": quantity.unit,
+            "long_name": quantity.long_name,
+            "symbol": quantity.symbol,
+        }
+        if per_ball and (name == "mean_energy" or name in _LEDGER):
+            both = plan.system.angles == 2 and name in _LEDGER
+            found[name]["long_name"] += ", both balls" if both else ", per ball"
+    found[STATUS] = {
+        "long_name": "status of the point",
+        "units": "1",
+        "symbol": "",
+        "flag_values": list(range(len(STATUS_NAMES))),
+        "flag_meanings": " ".join(STATUS_NAMES),
+    }
+    return found
+
+
+def coordinates_of(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Return the coordinates: the varied parameters, `direction`, `ball`."""
+    found: dict[str, tuple[tuple[str, ...], Any]] = {}
+    if plan.direction == "both":
+        found["direction"] = (("direction",), np.array(["up", "down"]))
+    for axis in plan.axes:
+        for name, values in zip(axis.parameters, axis.values, strict=True):
+            found[name] = ((axis.name,), np.array(values))
+    if plan.system.angles == 2:
+        found["ball"] = (("ball",), np.array(["right", "left"]))
+    return found
+
+
+def attributes_of(plan: Plan) -> dict[str, Any]:
+    """Return the attributes of the dataset: parameters, provenance and the plan itself."""
+    from latolato.numerics.compiled import sources_hash
+
+    described = plan.describe()
+    flat: dict[str, Any] = {
+        "title": f"latolato sweep of {systems.name_of(plan.system)}",
+        "latolato_version": version(),
+        "numpy_version": np.__version__,
+        "numba_version": package_version("numba"),
+        "kernel_sources": sources_hash(),
+        "system": systems.name_of(plan.system),
+        "drive": drives.name_of(plan.drive),
+    }
+    for part in ("system", "drive", "start"):
+        for name, value in described[part].items():
+            if isinstance(value, dict):
+                flat.update({f"{name}_{k}": v for k, v in value.items()})
+            elif name != "kind" and name not in plan.varied and value is not None:
+                flat[name] = value
+    for name in ("duration", "transient", "transient_periods", "tolerance", "rest_speed"):
+        flat[name] = described[name]
+    flat["contact"] = described["contact"]["kind"]
+    if plan.continuation:
+        flat |= {"continuation": plan.continuation, "continuation_direction": plan.direction}
+    for observable in described["observables"]:
+        flat |= {k: v for k, v in observable.items() if k != "kind"}
+    flat = {
+        k: int(v) if isinstance(v, bool) else v for k, v in flat.items() if k not in plan.varied
+    }
+    return flat | {"plan": json.dumps(described), "plan_hash": plan.hash}
+
+
+class Memory:
+    """A sweep's results in memory."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.missing = range(plan.chunks)
+        self.points_done = 0
+        self._reason = ""
+        lengths = lengths_of(plan)
+        self._arrays = {
+            name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
+            for name, (dims, dtype, fill) in template(plan).items()
+        }
+
+    def __enter__(self) -> Memory:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing has to be closed."""
+
+    def write(self, number: int, values: Values, reason: str) -> None:
+        """Put the values of a chunk in their place."""
+        block = self.plan.block(number)
+        for name, array in self._arrays.items():
+            array[block] = values[name]
+        self._reason = self._reason or reason
+
+    def dataset(self) -> xr.Dataset:
+        """Return the labelled dataset."""
+        import xarray as xr
+
+        attributes = attributes_of_variables(self.plan)
+        dataset = xr.Dataset(
+            {name: (dims_of(self.plan, name), array) for name, array in self._arrays.items()},
+            coords=coordinates_of(self.plan),
+            attrs=attributes_of(self.plan),
+        )
+        for name in dataset.variables:
+            dataset[name].attrs.update(attributes.get(str(name), {}))
+        if self._reason:
+            dataset.attrs["first_invalid"] = self._reason
+        return dataset
