@@ -124,14 +124,23 @@ def make_scratch(stages: int, copies: tuple[int, ...] = ()) -> Scratch:
     )
 
 
-def make_point(
+class Steering(NamedTuple):
+    """What is done with one point between and at its stops; see `make_steering`."""
+
+    carry_to: Callable[..., int]
+    is_over: Callable[..., bool]
+    arrive: Callable[..., None]
+    time_of: Callable[..., float]
+
+
+def make_steering(
     make: Callable[..., Callable[..., int]],
     laws: tuple[Callable[..., float], ...],
     compile_part: Part | None = None,
     hooks: tuple[Hooks, ...] = BLIND,
     balls: int = 1,
-) -> Callable[..., None]:
-    """Return the function that carries one point of a sweep from its start to its end.
+) -> Steering:
+    """Return the functions that steer one point of a sweep.
 
     Parameters
     ----------
@@ -143,46 +152,20 @@ def make_point(
         The observables' formulas, from `watch.hooks_of`.
     balls : int
         Angles of the state.
+
+    Notes
+    -----
+    A point's accumulators are the columns ``column`` (and the next one, for two balls) of
+    ``columns`` in ``acc``.
     """
     part: Part = compile_part or (lambda function: function)
     carry_on = part(make(*laws, compile_part, hooks))
     watch = make_watch(hooks, compile_part)
     on_contact, on_mark, on_restart = watch.contact, watch.mark, watch.restart
     watches_contacts = bool(hooks[1])
-    x2 = ANGLE_2 if balls == 2 else ANGLE_1
-    v2 = VELOCITY_2 if balls == 2 else VELOCITY_1
-
-    @part
-    def notice_contacts(rows: int, k: int, scratch: Scratch, progress: Progress) -> None:
-        """Show the observables the new rows of the contact table."""
-        columns = balls * len(progress.status)
-        values = scratch.contact_values
-        for row in range(rows):
-            closing = abs(values[0, row])
-            if balls == 2:
-                closing = abs(values[0, row] - values[1, row])
-            for ball in range(balls):
-                on_contact(
-                    progress.acc, balls * k + ball, columns, scratch.contact_times[row],
-                    scratch.contact_kinds[row], values[ball, row], values[balls + ball, row],
-                    closing,
-                )  # fmt: skip
-
-    @part
-    def restart(k: int, progress: Progress) -> None:
-        """Forget the transient of point k."""
-        columns = balls * len(progress.status)
-        for i in range(len(BEGUN)):
-            progress.begun[k, i] = progress.state[k, BEGUN[i]]
-        on_restart(
-            progress.acc, balls * k, columns, progress.state[k, ANGLE_1],
-            progress.state[k, VELOCITY_1],
-        )  # fmt: skip
-        if balls == 2:
-            on_restart(
-                progress.acc, balls * k + 1, columns, progress.state[k, x2],
-                progress.state[k, v2],
-            )  # fmt: skip
+    two = balls == 2
+    x2 = ANGLE_2 if two else ANGLE_1
+    v2 = VELOCITY_2 if two else VELOCITY_1
 
     @part
     def carry_to(
@@ -193,6 +176,9 @@ def make_point(
         weights: Weights,
         scratch: Scratch,
         progress: Progress,
+        acc: Any,
+        column: int,
+        columns: int,
     ) -> int:
         """Carry point k on to `stop`, for at most so many steps; return the contacts' rows."""
         first, last = points.firsts[k], points.firsts[k + 1]
@@ -203,11 +189,18 @@ def make_point(
             points.kick_times[kick:last_kick], points.kick_sizes[:, kick:last_kick],
             scratch.tables, scratch.space, weights.kicks, weights.drifts, weights.nodes,
             scratch.no_times, scratch.no_samples, scratch.contact_times, scratch.contact_kinds,
-            scratch.contact_values, stop, most_steps, progress.acc, balls * k,
-            balls * len(progress.status),
+            scratch.contact_values, stop, most_steps, acc, column, columns,
         )  # fmt: skip
         if watches_contacts:
-            notice_contacts(rows, k, scratch, progress)
+            values = scratch.contact_values
+            for row in range(rows):
+                closing = abs(values[0, row] - values[1, row]) if two else abs(values[0, row])
+                for ball in range(balls):
+                    on_contact(
+                        acc, column + ball, columns, scratch.contact_times[row],
+                        scratch.contact_kinds[row], values[ball, row], values[balls + ball, row],
+                        closing,
+                    )  # fmt: skip
         return rows
 
     @part
@@ -231,36 +224,42 @@ def make_point(
         return False
 
     @part
-    def conclude(k: int, progress: Progress) -> None:
-        """Write the status of a point that has reached its end."""
-        status = CONVERGED
-        if progress.counters[k, GRAZES] > 0:
-            status = GRAZING
+    def arrive(
+        index: int, k: int, points: Points, progress: Progress, acc: Any, column: int, columns: int
+    ) -> None:
+        """Do what is to be done at a stop of point k: forget the transient, mark, conclude."""
+        state = progress.state
+        if index == 0:
+            for i in range(len(BEGUN)):
+                progress.begun[k, i] = state[k, BEGUN[i]]
+            on_restart(acc, column, columns, state[k, ANGLE_1], state[k, VELOCITY_1])
+            if two:
+                on_restart(acc, column + 1, columns, state[k, x2], state[k, v2])
+        elif index < points.stops.shape[1] - 1:
+            t = points.stops[k, index]
+            on_mark(acc, column, columns, index - 1, t, state[k, ANGLE_1], state[k, VELOCITY_1])
+            if two:
+                on_mark(acc, column + 1, columns, index - 1, t, state[k, x2], state[k, v2])
+        elif progress.counters[k, GRAZES] > 0:
+            progress.status[k] = GRAZING
         elif progress.counters[k, MODE] != FLIGHT:
-            status = AT_REST
-        progress.status[k] = status
+            progress.status[k] = AT_REST
+        else:
+            progress.status[k] = CONVERGED
+
+    return Steering(carry_to, is_over, arrive, time_of)
+
+
+def make_point(steering: Steering, compile_part: Part | None = None, balls: int = 1) -> Any:
+    """Return the function that carries one point of a sweep from its start to its end."""
+    part: Part = compile_part or (lambda function: function)
+    carry_to, is_over, arrive, time_of = steering
 
     @part
-    def arrive(index: int, k: int, points: Points, progress: Progress) -> None:
-        """Do what is to be done at a stop of point k."""
-        if index == 0:
-            restart(k, progress)
-            return
-        if index == points.stops.shape[1] - 1:
-            conclude(k, progress)
-            return
-        columns = balls * len(progress.status)
-        t, state = points.stops[k, index], progress.state
-        on_mark(
-            progress.acc, balls * k, columns, index - 1, t, state[k, ANGLE_1],
-            state[k, VELOCITY_1],
-        )  # fmt: skip
-        if balls == 2:
-            on_mark(progress.acc, balls * k + 1, columns, index - 1, t, state[k, x2], state[k, v2])
-
     def point(
         k: int, points: Points, weights: Weights, scratch: Scratch, progress: Progress
     ) -> None:
+        acc, column, columns = progress.acc, balls * k, balls * len(progress.status)
         for index in range(points.stops.shape[1]):
             stop = points.stops[k, index]
             if math.isnan(stop):
@@ -268,14 +267,17 @@ def make_point(
             t = time_of(k, points, progress)
             while not t >= stop:
                 before = t
-                rows = carry_to(stop, _STEPS_PER_CALL, k, points, weights, scratch, progress)
+                rows = carry_to(
+                    stop, _STEPS_PER_CALL, k, points, weights, scratch, progress, acc, column,
+                    columns,
+                )  # fmt: skip
                 t = time_of(k, points, progress)
                 if is_over(k, points, progress):
                     return
                 if t == before and rows == 0:  # steps too short to move the clock
                     progress.status[k] = FAILED
                     return
-            arrive(index, k, points, progress)
+            arrive(index, k, points, progress, acc, column, columns)
 
     return point
 
@@ -291,8 +293,8 @@ def make_many(
     balls: int,
 ) -> Callable[..., None]:
     """Return the function that runs the points of `order` one after the other."""
-    part: Part = compile_part or (lambda function: function)
-    point = part(make_point(make, (acceleration, restoring, potential), compile_part, hooks, balls))
+    laws = (acceleration, restoring, potential)
+    point = make_point(make_steering(make, laws, compile_part, hooks, balls), compile_part, balls)
 
     def many(
         order: NDArray[np.int64],

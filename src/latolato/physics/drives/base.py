@@ -28,6 +28,9 @@ class Drive:
     height: ClassVar[Any]
     velocity: ClassVar[Any]
     acceleration: ClassVar[Any]
+    # Where the acceleration is ``strength cos(frequency t + phase)``: the formula of a stretch that
+    # gives these three numbers. Lanes then rotate the phase instead of computing cosines.
+    rotation: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -16,6 +16,12 @@ def _nothing(t: float, p: Any) -> float:
     return 0.0
 
 
+@formula
+def _no_rotation(p: Any) -> tuple[float, float, float]:
+    """Return no strength, frequency or phase."""
+    return 0.0, 0.0, 0.0
+
+
 @drives.register("static")
 @dataclass(frozen=True, kw_only=True)
 class Static(Drive):
@@ -24,6 +30,7 @@ class Static(Drive):
     height: ClassVar[Any] = staticmethod(_nothing)
     velocity: ClassVar[Any] = staticmethod(_nothing)
     acceleration: ClassVar[Any] = staticmethod(_nothing)
+    rotation: ClassVar[Any] = staticmethod(_no_rotation)
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return one stretch of rest."""
@@ -50,6 +57,13 @@ def _harmonic_acceleration(t: float, p: Any) -> float:
     return -p.drive_amplitude * w * w * cosine(w * t + p.drive_phase)
 
 
+@formula
+def _harmonic_rotation(p: Any) -> tuple[float, float, float]:
+    """Return -A0 w^2, the frequency and the phase."""
+    w = p.drive_frequency
+    return -p.drive_amplitude * w * w, w, p.drive_phase
+
+
 @drives.register("harmonic")
 @dataclass(frozen=True, kw_only=True)
 class Harmonic(Drive):
@@ -63,6 +77,7 @@ class Harmonic(Drive):
     height: ClassVar[Any] = staticmethod(_harmonic_height)
     velocity: ClassVar[Any] = staticmethod(_harmonic_velocity)
     acceleration: ClassVar[Any] = staticmethod(_harmonic_acceleration)
+    rotation: ClassVar[Any] = staticmethod(_harmonic_rotation)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
     drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
