@@ -12,6 +12,7 @@ import math
 import os
 from pathlib import Path
 
+import hypothesis
 import numpy as np
 import pytest
 
@@ -21,6 +22,11 @@ from latolato.physics.pendulum import Ball, systems
 
 # Subprocesses share the compiled kernels whatever their HOME is.
 os.environ.setdefault("LATOLATO_CACHE_DIR", str(cache_directory()))
+
+# The gate tries the same examples every time; HYPOTHESIS_PROFILE=explore looks for new ones.
+hypothesis.settings.register_profile("gate", derandomize=True)
+hypothesis.settings.register_profile("explore", derandomize=False)
+hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "gate"))
 
 # Long enough for every run of a generic test.
 SAMPLED = np.linspace(0.0, 12.0, 121)

@@ -87,6 +87,65 @@ def test_contacts_are_a_second_file_for_systems_with_walls_only(tmp_path, suffix
     assert names == {f"toy{suffix}", f"toy.contacts{suffix}", f"free{suffix}"}
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_the_contacts_are_put_in_place_before_the_run(tmp_path, suffix, monkeypatch):
+    need(suffix)
+    order, replace = [], os.replace
+
+    def noted(source, target):
+        order.append(os.path.basename(target))
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", noted)
+    save(ll.simulate(TOY, initial_angle=0.5, duration=1.0), tmp_path / f"run{suffix}")
+    assert order == [f"run.contacts{suffix}", f"run{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_contacts_of_a_replaced_run_do_not_stay(tmp_path, suffix):
+    need(suffix)
+    free = ll.simulate(ll.Pendulum(length=1.0, mass=1.0), initial_angle=0.5, duration=1.0)
+    path = save(ll.simulate(TOY, initial_angle=0.5, duration=1.0), tmp_path / f"run{suffix}")
+    save(free, path)
+    assert list(tmp_path.iterdir()) == [path]
+    other = tmp_path / f"run.contacts{suffix}"
+    other.write_text("names and addresses\n")
+    save(free, path)
+    assert other.read_text() == "names and addresses\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that kills at once")
+def test_leftovers_of_killed_writes_are_removed_by_the_next(tmp_path):
+    code = (
+        "import os, sys; from latolato.files import atomic_path\n"
+        "with atomic_path(sys.argv[1]) as unfinished:\n"
+        "    unfinished.write_text('half'); os.kill(os.getpid(), 9)"
+    )
+    for name in ("run.csv", "run.contacts.csv", "other.csv"):
+        subprocess.run([sys.executable, "-B", "-c", code, str(tmp_path / name)], check=False)
+    hidden = {path.name.split(".")[1] for path in tmp_path.iterdir()}
+    assert len(list(tmp_path.iterdir())) == 3
+    assert hidden == {"run", "other"}
+    run = ll.simulate(TOY, initial_angle=0.5, duration=1.0)
+    with atomic_path(tmp_path / "run.csv") as ours:  # a write that still goes on
+        ours.write_text("half")
+        save(run, tmp_path / "run.csv")
+        assert ours.exists()
+    left = [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
+    assert [name.split(".")[1] for name in left] == ["other"]
+
+
+def test_leftovers_of_another_machine_stay(tmp_path):
+    with atomic_path(tmp_path / "run.csv") as unfinished:
+        unfinished.write_text("")
+        parts = unfinished.name.split(".")
+    parts[2:4] = ["00000000", "999999999"]  # no such machine, no such process
+    other = tmp_path / ".".join(parts)
+    other.write_text("half")
+    save(ll.simulate(TOY, initial_angle=0.5, duration=1.0), tmp_path / "run.csv")
+    assert other.exists()
+
+
 def test_a_csv_file_reads_as_a_table_with_comments(tmp_path):
     toy = ll.simulate(TOY, initial_angle=0.5, duration=2.0)
     path = save(toy, tmp_path / "toy.csv")

@@ -1,6 +1,7 @@
 """What motion keeps: the energy ledger, symmetries of space and time, walls, equivalences."""
 
 import dataclasses
+import functools
 import math
 import warnings
 
@@ -484,6 +485,12 @@ class TestTwoBalls:
         frequency=st.floats(2.0, 10.0),
         starts=st.tuples(st.floats(0.15, 2.0), st.floats(-2.0, -0.15)),
     )
+    # After an impact without rebound the balls touch at equal speeds and dip at once.
+    @example(
+        masses=(1.4567814074795542, 0.785421028042479), lengths=(0.9300478988689983, 0.9), e=0.0,
+        damping=0.07489251119989798, amplitude=0.2202465988245314, frequency=6.159255282410862,
+        starts=(1 / 3, -0.5292041059750148),
+    )  # fmt: skip
     # A rebound smaller than the rounding of the velocities is no rebound.
     @example(
         masses=(1.0, 1.0), lengths=(1.0, 1.0), e=7.6e-69, damping=0.0, amplitude=0.1875,
@@ -520,6 +527,30 @@ class TestTwoBalls:
 
 class TestKernelChunks:
     """The same bits however the work is cut; see also numerics/test_integrate.py."""
+
+    def test_asked_instants_do_not_decide_on_the_step(self):
+        # Kicks make it whirl faster than its step was made for; before step ends were looked at,
+        # a hundred samples led to half the step and the last instant alone did not.
+        pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.5)
+        noise = ll.VelocityKicks(strength=30.0, seed=4, interval=0.5)
+        found = [
+            ll.simulate(pendulum, initial_angle=0.5, noise=noise, times=times)
+            for times in ([20.0], np.linspace(0.0, 20.0, 2001))
+        ]
+        for name in ("angle", "angular_velocity", "damping_loss", "noise_work"):
+            assert float(found[0][name][-1]) == float(found[1][name][-1])
+        assert found[0].attrs["step_halvings"] == found[1].attrs["step_halvings"] > 0
+
+    @pytest.mark.parametrize("contact", ["exact", ll.Clamp(step=1e-3)])
+    def test_ledger_error_is_that_of_all_steps(self, contact):
+        toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)
+        drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=7.5)
+        run = functools.partial(
+            ll.simulate, toy, drive, initial_angle=0.6, contact=contact, tolerance=1e-5
+        )
+        once = run(times=[1e-3], duration=20.0).attrs["energy_residual"]
+        often = run(times=np.linspace(0.0, 20.0, 20_001)).attrs["energy_residual"]
+        assert once == pytest.approx(often, rel=0.5)
 
     def test_samples_do_not_change_the_motion(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)

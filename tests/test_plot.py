@@ -18,11 +18,16 @@ def lines(axes):
     return {line.get_label(): line for line in axes.get_lines()}
 
 
+def samples(run, line):
+    """What a line shows at the samples of a run, which hit no contact."""
+    return np.asarray(line.get_ydata())[np.searchsorted(line.get_xdata(), run.time.values)]
+
+
 def test_both_mirrored_balls_of_the_toy_are_drawn():
     run = toy()
     drawn = lines(ll.plot(run).axes[0])
-    np.testing.assert_array_equal(drawn["right ball"].get_ydata(), run.angle)
-    np.testing.assert_array_equal(drawn["left ball"].get_ydata(), -run.angle)
+    np.testing.assert_array_equal(samples(run, drawn["right ball"]), run.angle)
+    np.testing.assert_array_equal(samples(run, drawn["left ball"]), -run.angle)
 
 
 def test_two_balls_are_drawn_by_their_own_angles():
@@ -30,8 +35,8 @@ def test_two_balls_are_drawn_by_their_own_angles():
     run = ll.simulate(pair, initial_angle=(0.5, -0.4), duration=2.0)
     figure = ll.plot(run)
     drawn = lines(figure.axes[0])
-    np.testing.assert_array_equal(drawn["left ball"].get_ydata(), run.angle.sel(ball="left"))
-    total = lines(figure.axes[1])["total energy $E$"].get_ydata()
+    np.testing.assert_array_equal(samples(run, drawn["left ball"]), run.angle.sel(ball="left"))
+    total = samples(run, lines(figure.axes[1])["total energy $E$"])
     np.testing.assert_array_equal(total, run.total_energy.values.sum(axis=0))
 
 
@@ -41,8 +46,60 @@ def test_contacts_are_marked_on_the_curves_and_counted_by_kind():
     marks = {c.get_label(): c for c in ll.plot(run).axes[0].collections}
     for kind in ("bottom", "rest"):
         points = marks[f"{kind} ({counts[kind]})"].get_offsets()
-        # half a sample of 0.02 s at 3 rad/s
-        np.testing.assert_allclose(points[:, 1], np.arcsin(0.1), atol=0.03)
+        np.testing.assert_allclose(points[:, 1], np.arcsin(0.1), rtol=1e-15)
+
+
+def test_drawn_curves_reach_the_wall_at_contacts_and_stay_outside_it():
+    run = toy()
+    line = lines(ll.plot(run).axes[0])["right ball"]
+    for instant in run.contact_time.values:
+        at = np.asarray(line.get_ydata())[line.get_xdata() == instant]
+        assert at.size >= 2  # just before and just after
+        np.testing.assert_allclose(at, np.arcsin(0.1), rtol=1e-15)
+    assert np.min(line.get_ydata()) >= np.arcsin(0.1) - 1e-15
+
+
+def test_marks_of_two_balls_are_as_far_apart_as_the_balls_touch():
+    pair = ll.BallPair(right=BALL, left=ll.Ball(length=0.95, mass=0.5, radius=0.12))
+    run = ll.simulate(pair, initial_angle=(0.9, -0.4), duration=4.0)
+    right, left = (c.get_offsets()[:, 1] for c in ll.plot(run).axes[0].collections)
+    assert len(right) == run.sizes["contact"] > 2
+    np.testing.assert_allclose(right - left, pair.contact_separation, rtol=1e-14)
+    finer = ll.simulate(pair, initial_angle=(0.9, -0.4), duration=4.0, times=run.contact_time)
+    # third order in 0.02 s, the time between samples, at some 10 rad/s^3
+    np.testing.assert_allclose(right, finer.angle.sel(ball="right"), atol=1e-5)
+
+
+def test_energies_jump_at_contacts_by_what_is_lost():
+    run = toy()
+    figure = ll.plot(run)
+    line = lines(figure.axes[1])["total energy $E$"]
+    time, energy = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    for i, instant in enumerate(run.contact_time.values):
+        before, after = energy[time == instant]
+        v = float(run.angular_velocity_before[i]), float(run.angular_velocity_after[i])
+        lost = 0.5 * TOY.mass * TOY.length**2 * (v[0] ** 2 - v[1] ** 2)
+        assert before - after == pytest.approx(lost, abs=1e-14)
+    # nothing is lost between contacts: all steps are vertical
+    between = np.diff(time) > 0.0
+    assert np.abs(np.diff(energy)[between]).max() < 1e-9
+    loss = lines(figure.axes[2])["impact loss $D_e$"].get_ydata()
+    assert np.abs(np.diff(loss)[between]).max() < 1e-9
+
+
+def test_drawing_does_not_change_the_run():
+    run = toy()
+    before = run.copy(deep=True)
+    ll.plot(run)
+    assert run.identical(before)
+
+
+@pytest.mark.parametrize("times", [[0.0, 7.0], [3.0, 3.5, 4.0], [0.5], [6.9, 7.0]])
+def test_few_samples_are_drawn_too(times):
+    run = ll.simulate(TOY, initial_angle=1.0, duration=7.0, times=times)
+    shown = (run.contact_time >= times[0]) & (run.contact_time <= times[-1])
+    marks = ll.plot(run).axes[0].collections
+    assert sum(len(c.get_offsets()) for c in marks) == 2 * int(shown.sum())
 
 
 def test_the_drawn_ledger_closes():

@@ -1,5 +1,6 @@
 """The report: complete, self-contained, well-formed, and never half-written."""
 
+import errno
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -8,8 +9,9 @@ import numpy as np
 import pytest
 
 from latolato import report
-from latolato.figures import catalogue
+from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
+from latolato.files import load
 from latolato.report import page
 
 VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}
@@ -199,6 +201,85 @@ def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path, monkeypatch
     monkeypatch.setattr(module, "data", data)
     result = report.reproduce(tmp_path / "out", quick=True)
     assert "the ledger is open" in result.index.read_text(encoding="utf-8")
+
+
+def test_errors_name_the_folder_that_was_given(one_figure, tmp_path, monkeypatch):
+    folder = tmp_path / "rep"
+
+    def full(path, *_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr(style, "save_figure", lambda _, path, **__: full(path))
+    for _ in range(2):  # a new folder, then one that exists
+        with pytest.raises(OSError, match="No space left on device") as caught:
+            report.reproduce(folder, quick=True)
+        assert caught.value.filename == str(folder)
+        folder.mkdir(exist_ok=True)
+        assert list(folder.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder nobody can write to")
+def test_a_folder_that_cannot_be_made_is_named():
+    with pytest.raises(OSError, match="No such file or directory") as caught:
+        report.reproduce("/proc/x", quick=True)
+    assert caught.value.filename == "/proc/x"
+
+
+@pytest.mark.parametrize("here", [".", "../there"])
+def test_the_current_folder_can_be_given(one_figure, tmp_path, monkeypatch, here):
+    folder = tmp_path / "there"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    report.reproduce(here, quick=True)
+    assert (folder / "index.html").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+def test_an_assumption_within_another_is_told_once():
+    found = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
+    assert found.count("Assumed:") == 1
+    assert "It rests." in found
+
+
+def test_captions_do_not_tell_their_assumptions_twice(read):
+    """No two sentences of one caption share a run of six words."""
+    text = re.sub(r"\s+", " ", " ".join(read.text))
+    for number in ("6", "8"):
+        caption = text.split(f"Figure {number}.")[1].split("Claims:")[0]
+        words = re.findall(r"[\w.=]+", caption)
+        runs = [tuple(words[i : i + 6]) for i in range(len(words) - 5)]
+        assert len(runs) == len(set(runs)), f"Fig. {number} repeats itself"
+        assert "Assumed" in caption
+
+
+def test_the_terminal_shows_numbers_as_people_write_them(made):
+    for claim in made[0].claims:
+        text = report.plain(claim.finding)
+        assert not re.search(r"\de[+-]\d", text), text
+        assert not re.search(r"(?<![\d.])0\.0+(?![\d%])", text), text
+
+
+@pytest.mark.parametrize(
+    "text, shown",
+    [
+        ("rise 0e+00 rad", "rise 0 rad"),
+        ("of 1e+16.", "of 10¹⁶."),
+        ("1.6e-04 of", "1.6 \N{MULTIPLICATION SIGN} 10⁻⁴ of"),
+    ],
+)
+def test_powers_of_ten_are_raised_in_the_terminal(text, shown):
+    assert report.plain(text).replace("\N{NO-BREAK SPACE}", " ") == shown
+
+
+def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
+    claim = next(claim for claim in made[0].claims if claim.name == "saturation")
+    module = catalogue.figures()["fig02"]
+    figure = module.draw(load(made[0].index.parent / "fig02.nc"))
+    (shown,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
+    assert shown == "0.8515 rad"
+    assert shown in claim.finding
+    assert shown in claim.why
+    assert claim.numbers["lasting"] == pytest.approx(0.8514711, abs=5e-8)
 
 
 def test_the_terminal_shows_every_claim_and_the_path(made, capsys):

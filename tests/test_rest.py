@@ -434,6 +434,67 @@ class TestCoulombFriction:
         assert run.attrs["slack_fraction"] == pytest.approx(1.0)
 
 
+def pair_rows_are_in_order(run):
+    """Rest ends by a release, and nothing else happens before that."""
+    resting = False
+    for kind in run.contact_kind.values:
+        assert resting == (kind == "release"), run.contact_kind.values
+        resting = kind == "rest"
+    return resting
+
+
+def check_pair_ledger(run, bound=1e-10):
+    total = run.total_energy.sum("ball")
+    losses = run.damping_loss + run.impact_loss + run.capture_loss
+    balance = total - total[0] - run.drive_work + losses
+    assert float(abs(balance).max()) <= bound * float(total.max())
+    assert run.attrs["energy_residual"] <= bound * float(total.max())
+
+
+class TestPlasticPairs:
+    """Two balls that part, by too little to be seen, and stay together after all."""
+
+    def pair(self, left_length, right, left):
+        return ll.BallPair(
+            right=ll.Ball(length=1.0, radius=0.1, **right),
+            left=ll.Ball(length=left_length, radius=0.1, **left),
+            restitution=0.0,
+        )
+
+    def test_both_let_go_at_one_instant(self):
+        # Friction frees one ball 3e-14 s after the other and the run came to a halt there.
+        system = self.pair(
+            1.00715750981523,
+            {"mass": 0.9404568537522469, "quadratic_damping": 0.1, "coulomb_damping": 0.1},
+            {"mass": 1.246746674271368, "coulomb_damping": 0.1},
+        )
+        drive = ll.Harmonic(
+            drive_amplitude=0.12439057308040585,
+            drive_frequency=13.329045036927392,
+            drive_phase=2.2769354498052854,
+        )
+        run = ll.simulate(system, drive, initial_angle=(0.8, -0.5), duration=6.0)
+        assert run.attrs["status"] == "complete"
+        pair_rows_are_in_order(run)
+        check_pair_ledger(run)
+
+    def test_rest_after_a_plastic_impact_at_the_top_is_recorded_and_free_of_charge(self):
+        # The balls were moved together by 2e-8 J here, and their rest was not in the table.
+        system = self.pair(
+            1.0222273773597386,
+            {"mass": 0.19258445092347187, "damping": 0.5},
+            {"mass": 1.3978296938196701, "damping": 0.1},
+        )
+        drive = ll.Harmonic(
+            drive_amplitude=0.4043968450414003, drive_frequency=1.8177154631414352 * 3.13
+        )
+        run = ll.simulate(system, drive, initial_angle=(0.8, -0.5), duration=300.0)
+        check_pair_ledger(run)
+        resting = pair_rows_are_in_order(run)
+        together = abs(run.angle[0] - run.angle[1] - system.contact_separation) < 1e-12
+        assert resting == bool(together[-1])
+
+
 class TestTensionAtRest:
     def test_tension_of_a_resting_ball_carries_weight_and_contact(self):
         system = toy()

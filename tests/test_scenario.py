@@ -12,6 +12,8 @@ from latolato.figures import paper
 from latolato.scenario import RUN_OPTIONS, Scenario, load_scenario, overridden, scenarios
 
 SHIPPED = sorted(scenarios())
+RUNS = [name for name, scenario in sorted(scenarios().items()) if not scenario.varied]
+SWEEPS = [name for name in SHIPPED if name not in RUNS]
 TOY = {"kind": "latolato", "length": 1.0, "mass": 0.8, "radius": 0.1}
 PENDULUM = {"kind": "pendulum", "length": 1.0, "mass": 0.8}
 RUN = {"initial_angle": 0.5, "duration": 1.0}
@@ -30,7 +32,15 @@ def test_a_shipped_scenario_says_what_it_is_and_survives_json(name):
     assert Scenario.from_dict(json.loads(json.dumps(shipped.to_dict()))) == shipped
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SWEEPS)
+def test_a_shipped_sweep_has_a_plan_and_is_no_single_run(name):
+    shipped = load_scenario(name)
+    assert shipped.plan().size > 100
+    with pytest.raises(ValueError, match=f"{name} is a sweep .*`latolato sweep {name}`"):
+        shipped.simulate()
+
+
+@pytest.mark.parametrize("name", RUNS)
 def test_the_scenario_stored_with_a_run_gives_the_same_run(name):
     run = load_scenario(name).simulate(duration=1.0)
     again = Scenario.from_dict(json.loads(run.attrs["scenario"])).simulate()
@@ -46,6 +56,10 @@ def test_the_scenario_stored_with_a_run_gives_the_same_run(name):
         ("fig04b_push", paper.TOY, paper.WEAK_DRIVE),
         ("fig08", paper.SINGLE, None),
         ("fig12", paper.COUPLED, None),
+        ("fig03cd", paper.UNDAMPED, None),
+        ("fig05", dataclasses.replace(paper.TOY, damping=0.0), None),
+        ("fig09", paper.SINGLE, None),
+        ("fig11", paper.COUPLED, None),
         ("fig13b", paper.LINEAR_UNDAMPED, paper.DRIVE),
         ("fig13d", paper.UNDAMPED, paper.DRIVE),
     ],

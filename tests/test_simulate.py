@@ -82,6 +82,11 @@ class TestDataset:
             assert variable.attrs["symbol"] == quantity.symbol
             assert variable.attrs["long_name"].startswith(quantity.long_name)
 
+    def test_the_balls_are_described_too(self, pair_run):
+        for name, variable in pair_run.variables.items():
+            assert {"units", "long_name", "symbol"} <= set(variable.attrs), name
+        assert pair_run.ball.attrs["long_name"] == "ball"
+
     def test_energies_of_a_mirror_symmetric_pair_say_per_ball(self, run):
         for name in ["total_energy", "drive_work", "impact_loss", "drive_power", "tension"]:
             assert "per ball" in run[name].attrs["long_name"]
@@ -370,6 +375,11 @@ class TestBadInput:
             ({"duration": None}, ValueError, "duration is needed"),
             ({"duration": 1e9}, ValueError, "default samples exceed the limit"),
             ({"times": []}, ValueError, "times must be a non-empty sequence"),
+            (
+                {"times": [0.0], "duration": None},
+                ValueError,
+                "times must reach beyond 0 s, .* got 0 as the last",
+            ),
             ({"times": [0.5, 0.4]}, ValueError, "increase strictly, got 0.4 after 0.5 at pos"),
             ({"times": [0.5, 0.5]}, ValueError, "increase strictly, got 0.5 after 0.5"),
             ({"times": [0.5, math.nan]}, ValueError, "times must be finite, got nan at position 1"),
@@ -440,6 +450,20 @@ class TestBadInput:
         for step in (0.0, -1.0, math.nan):
             with pytest.raises(ValueError, match="step must"):
                 ll.Clamp(step=step)
+
+    def test_clamp_step_beyond_the_run_is_refused(self):
+        with pytest.raises(
+            ValueError, match="clamp_step must not exceed the duration 1 s, got 100"
+        ):
+            ll.simulate(TOY, DRIVE, initial_angle=0.5, duration=1.0, contact=ll.Clamp(step=100.0))
+
+    def test_ramp_as_long_as_a_stage_of_decimal_times_is_accepted(self):
+        # 0.3 - 0.2 is 0.09999999999999998. The ramps meet: one stretch each, in order.
+        drive = ll.FrequencySchedule(
+            drive_amplitude=0.1, times=[0.0, 0.2, 0.3], drive_frequencies=[1.0, 2.0, 3.0], ramp=0.1
+        )
+        starts = [start for start, _ in drive.stretches(1.0)]
+        np.testing.assert_allclose(starts, [0.0, 0.2, 0.3, 0.4], rtol=1e-15)
 
     def test_run_outside_measured_samples_is_refused(self):
         pivot = ll.MeasuredPivot(times=range(1, 9), pivot_heights=[0.0] * 8)

@@ -47,6 +47,7 @@ from latolato.simulate import simulate
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
+    from latolato.analysis.boundary import boundary
     from latolato.citation import cite
     from latolato.figures.animate import animate
     from latolato.figures.run import plot
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 _LATE: dict[str, str] = {
     "Scenario": "latolato.scenario",
     "animate": "latolato.figures.animate",
+    "boundary": "latolato.analysis.boundary",
     "cite": "latolato.citation",
     "load": "latolato.files",
     "load_scenario": "latolato.scenario",
@@ -99,6 +101,7 @@ __all__ = [
     "VelocityKicks",
     "Works",
     "animate",
+    "boundary",
     "cite",
     "equivalent_pendulum",
     "load",

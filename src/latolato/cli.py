@@ -56,18 +56,22 @@ class _EachOptionOnce(TyperCommand):
         *_, given = self.make_parser(ctx).parse_args(list(args))
         for parameter in given:
             count = given.count(parameter)
-            if count > 1:
+            if count > 1 and not getattr(parameter, "multiple", False):
                 flag = max(parameter.opts, key=len)
                 raise _UsageError(f"option {flag} must be given once, got it {count} times")
         return super().parse_args(ctx, args)
 
 
-def _with_law_options(command: Callable[..., None]) -> Callable[..., None]:
+def _with_law_options(
+    command: Callable[..., None], without: Sequence[str] = ()
+) -> Callable[..., None]:
     """Return a command whose keyword arguments are spelled out as options."""
     panels = {"system": "System", "drive": "Drive", "run": "Run", "noise": "Noise"}
     signature = inspect.signature(command, eval_str=True)
     parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
     for option in law_options().values():
+        if option.name in without:
+            continue
         flag = "--" + option.name.replace("_", "-")
         unit = f", in {option.unit}" if option.unit not in ("", "1") else ""
         about = typer.Option(
@@ -162,7 +166,8 @@ def _list_scenarios(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         for name, scenario in scenarios().items():
             figure = f"Fig. {scenario.figure}" if scenario.figure else ""
-            print(f"{name:20} {figure:12} {scenario.title}")
+            kind = "sweep" if scenario.varied else "run"
+            print(f"{name:20} {kind:6} {figure:12} {scenario.title}")
 
 
 @scenarios_app.command()
@@ -172,23 +177,223 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
     print(find(name).read_text(encoding="utf-8"), end="")
 
 
+def _sweep(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(help="A scenario's name or TOML file.", show_default=False),
+    ] = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option("--from", help="Run the sweep of a store or of a .nc file again."),
+    ] = None,
+    status: Annotated[
+        Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
+    ] = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
+            '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
+            'radius = 2 cm, 3 cm". May be given several times.',
+            show_default=False,
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    observable: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
+            "given several times.",
+            show_default=False,
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    transient: Annotated[
+        str | None,
+        typer.Option(
+            help="time after which observables begin, in s",
+            metavar="VALUE",
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    transient_periods: Annotated[
+        float | None,
+        typer.Option(help="the same in drive periods; both add up", rich_help_panel="Sweep"),
+    ] = None,
+    continuation: Annotated[
+        str | None,
+        typer.Option(
+            help="axis along which each point starts where its neighbour ended",
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(help="way along it: up, down or both", rich_help_panel="Sweep"),
+    ] = None,
+    chunk_size: Annotated[
+        int | None,
+        typer.Option(help="points computed and stored at once", rich_help_panel="Sweep"),
+    ] = None,
+    executor: Annotated[
+        str,
+        typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs"),
+    ] = "threads",
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="threads, or processes of a local Dask cluster", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            help="scheduler of a Dask cluster, tcp://HOST:8786", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Result: map.nc, or map.zarr, a store.", rich_help_panel="Output"),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            help="Zarr store, written as points are done and resumed if it exists.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
+    ] = None,
+    variable: Annotated[
+        str | None,
+        typer.Option(
+            help="What the picture shows; by default the first observable.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    as_json: Annotated[
+        bool,
+        typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
+    ] = False,
+    **given: Any,
+) -> None:
+    """Run a map of many trajectories over any parameters, and write what is asked for.
+
+    Options replace what the scenario says: an axis one that varies the same thing, a value one
+    that it fixes. A store is resumed; other existing files are replaced. Ctrl-C stops.
+    """
+    from latolato import sweep_command
+
+    if status is not None:
+        asked = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
+        others = [name for name, value in asked.items() if value]
+        if others:
+            raise ValueError(f"--status says how far a store is: leave out {', '.join(others)}")
+        sweep_command.print_status(status, as_json)
+        return
+    if scenario is not None and rerun is not None:
+        raise ValueError("give either a scenario or --from, not both")
+    table = {
+        "transient": transient,
+        "transient_periods": transient_periods,
+        "continuation": continuation,
+        "direction": direction,
+        "chunk_size": chunk_size,
+    }
+    plan = sweep_command.plan_of(
+        _tables,
+        scenario,
+        rerun,
+        changes(given),
+        {name: value for name, value in table.items() if value is not None},
+        axis or [],
+        observable or [],
+    )
+    options = {"workers": workers, "client": address}
+    sweep_command.run(
+        plan,
+        executor,
+        {name: value for name, value in options.items() if value is not None},
+        sweep_command.Targets(output, store, plot, variable),
+        as_json=as_json,
+    )
+
+
+app.command("sweep", cls=_EachOptionOnce)(
+    _with_law_options(_sweep, without=("times", "samples", "frame"))
+)
+
+
 @app.command(cls=_EachOptionOnce)
 def plot(
-    file: Annotated[Path, typer.Argument(help="A result file.")],
+    file: Annotated[Path, typer.Argument(help="A result file or a sweep's store.")],
     output: Annotated[
         Path | None, typer.Option(help="Picture; by default beside the file, as PNG.")
     ] = None,
-    animate: Annotated[Path | None, typer.Option(help="Animation: .mp4 or .gif.")] = None,
+    animate: Annotated[Path | None, typer.Option(help="Animation of a run: .mp4 or .gif.")] = None,
     speed: Annotated[float, typer.Option(help="How much faster it plays.")] = 1.0,
     fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
+    variable: Annotated[
+        str | None, typer.Option(help="What to draw of a map.", rich_help_panel="Maps")
+    ] = None,
+    log: Annotated[
+        bool, typer.Option("--log", help="Logarithmic scale.", rich_help_panel="Maps")
+    ] = False,
+    curves: Annotated[
+        bool,
+        typer.Option(
+            "--curves", help="Curves, one for each of few values.", rich_help_panel="Maps"
+        ),
+    ] = False,
+    select: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='Value of a further dimension: "restitution=0.9".',
+            show_default=False,
+            rich_help_panel="Maps",
+        ),
+    ] = None,
+    overlay: Annotated[
+        list[str] | None,
+        typer.Option(help="tongue or lift_off.", show_default=False, rich_help_panel="Maps"),
+    ] = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV of trials: drive_amplitude, drive_frequency or frequency_ratio, class.",
+            rich_help_panel="Maps",
+        ),
+    ] = None,
 ) -> None:
-    """Draw a result file, and animate it if asked to."""
+    """Draw a run or a map; animate a run if asked to."""
     from latolato.files import load
 
-    run = load(file)
+    dataset = load(file)
     picture = output or file.with_suffix(".png")
     _check_targets(None, picture, animate, speed, fps)
-    for path in _write(run, None, picture, animate, speed, fps):
+    from latolato.figures import run as pictures
+
+    of_map: dict[str, Any] = {
+        "variable": variable,
+        "log": log,
+        "curves": curves,
+        "select": _selection(select or [], dataset),
+        "overlays": overlay or [],
+        "points": points,
+    }
+    if pictures.is_map(dataset):
+        if animate is not None:
+            raise ValueError(f"'{file}' holds a map: only a run can be animated")
+        from latolato.figures.style import save_figure
+
+        print(save_figure(pictures.plot(dataset, **of_map), picture))
+        return
+    unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
+    if unfit:
+        raise ValueError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
+    for path in _write(dataset, None, picture, animate, speed, fps):
         print(path)
 
 
@@ -231,7 +436,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(f"{error.strerror}: {error.filename}" if has_cause else str(error))
     except MemoryError as error:
         return _refuse(f"not enough memory: {error}; ask for fewer samples or a shorter duration")
-    except (ValueError, TypeError, RuntimeError, ModuleNotFoundError) as error:
+    except (ValueError, TypeError, RuntimeError, ImportError) as error:
         return _refuse(str(error))
     finally:
         signal.signal(signal.SIGTERM, before)
@@ -259,16 +464,40 @@ def _scenario(source: str | None, rerun: Path | None, given: Mapping[str, Any]) 
         raise ValueError("give either a scenario or --from, not both")
     changed = changes(given)
     path = rerun or (find(source) if source is not None else None)
-    if path is None and "kind" not in changed.get("system", {}):
+    tables, folder = _tables(path, changed)
+    return Scenario.from_dict(tables, folder=folder)
+
+
+def _tables(
+    path: Path | None, changed: dict[str, dict[str, Any]], tables: Mapping[str, Any] | None = None
+) -> tuple[dict[str, Any], Path | None]:
+    """Return the tables of a scenario with the options put in, and where its files begin."""
+    if path is None and tables is None and "kind" not in changed.get("system", {}):
         raise ValueError(
             "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
             f"--from FILE or --system with one of {', '.join(systems)}"
         )
-    tables = read_tables(path) if path else {}
+    if tables is None:
+        tables = read_tables(path) if path else {}
     if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
         changed["drive"].setdefault("kind", "harmonic")
-    folder = path.parent if path else None
-    return Scenario.from_dict(overridden(tables, changed), folder=folder)
+    return overridden(dict(tables), changed), path.parent if path else None
+
+
+def _selection(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the values of dimensions that options name, in SI units."""
+    from latolato.units import to_si
+
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        name = name.replace("-", "_")
+        if not equals or not value:
+            raise ValueError(f"--select must be NAME=VALUE, such as restitution=0.9, got {text!r}")
+        is_text = name not in dataset.coords or dataset[name].dtype.kind not in "iuf"
+        unit = "1" if is_text else str(dataset[name].attrs.get("units", "1"))
+        found[name] = value if is_text and not value.isdigit() else to_si(name, value, unit)
+    return found
 
 
 def _check_targets(

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import re
 import secrets
-from collections.abc import Iterator
-from contextlib import contextmanager
+import sys
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +21,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".nc", ".csv", ".parquet")
 _BALLS = ("right", "left")
+_BALL = {"units": "1", "long_name": "ball", "symbol": ""}
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, str]]]
 # One column of a text file as its header describes it.
@@ -38,7 +42,8 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     """
     path = Path(path)
     check_folder(path)
-    unfinished = path.with_name(f".{path.stem}.{os.getpid()}.{secrets.token_hex(3)}{path.suffix}")
+    name = f".{path.stem}.{_machine()}.{os.getpid()}.{secrets.token_hex(3)}{path.suffix}"
+    unfinished = path.with_name(name)
     try:
         yield unfinished
         os.replace(unfinished, path)
@@ -49,6 +54,36 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         unfinished.unlink(missing_ok=True)
+
+
+def _machine() -> str:
+    """Return a short mark of this machine, for process numbers mean nothing on another."""
+    return f"{zlib.crc32(platform.node().encode()):08x}"
+
+
+def _remove_leftovers(path: Path) -> None:
+    """Remove unfinished files for `path` whose writers, processes of this machine, are no more."""
+    stem, suffix = re.escape(path.stem), re.escape(path.suffix)
+    ours = re.compile(rf"\.{stem}\.{_machine()}\.(\d{{1,9}})\.[0-9a-f]{{6}}{suffix}")
+    with suppress(OSError):  # a folder that may be written but not read
+        for name in os.listdir(path.parent):
+            found = ours.fullmatch(name)
+            if found and not _is_alive(int(found[1])):
+                with suppress(OSError):
+                    path.with_name(name).unlink()
+
+
+def _is_alive(process: int) -> bool:
+    """Return whether a process may still run; on Windows asking would end it, so it may."""
+    if sys.platform == "win32":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # somebody else's
+        return True
+    return True
 
 
 def check_folder(path: Path) -> None:
@@ -77,9 +112,11 @@ def check_target(path: str | Path) -> None:
 def save(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
 
-    NetCDF holds everything. CSV and Parquet hold runs: one row per instant, the variables of a
-    `BallPair` as columns ``angle_right`` and ``angle_left``; contacts, if any were possible, go to
-    a second file ``<stem>.contacts.csv``. An interrupted or failed call leaves no file.
+    NetCDF holds everything, sweeps too. CSV and Parquet hold runs: one row per instant, the
+    variables of a `BallPair` as columns ``angle_right`` and ``angle_left``; contacts, if any were
+    possible, go to a second file ``<stem>.contacts.csv``, which is put in place first and removed
+    when a run without them takes the place of one with them. An interrupted or failed call leaves
+    no file; what a killed one left for the same path is removed by the next.
 
     Parameters
     ----------
@@ -105,6 +142,8 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
         raise TypeError(f"save needs a dataset, got {type(dataset).__name__}")
     path = Path(path)
     check_target(path)
+    for each in (path, _contacts_path(path)):
+        _remove_leftovers(each)
     suffix = path.suffix.lower()
     if suffix == ".nc":
         with atomic_path(path) as unfinished:
@@ -114,17 +153,26 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
         raise ValueError(f"{suffix} files hold runs with a time; use .nc for other datasets")
     write = _write_csv if suffix == ".csv" else _write_parquet
     if dataset.attrs.get("contact", "none") != "none":
-        with atomic_path(_contacts_path(path)) as second, atomic_path(path) as first:
-            write(dataset, "contact", second)
+        # The inner one is put in place first: the file that is asked for appears with its contacts.
+        with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
             write(dataset, "time", first)
+            write(dataset, "contact", second)
     else:
         with atomic_path(path) as first:
             write(dataset, "time", first)
+        _remove_contacts(_contacts_path(path), _read_csv if suffix == ".csv" else _read_parquet)
     return path
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Return the dataset in a file that `save` wrote.
+    """Return the dataset in a file that `save` wrote, or in the store of a sweep.
+
+    A file is read whole; the values in a store are read on use.
+
+    Parameters
+    ----------
+    path : str or Path
+        A name ending in ``.nc``, ``.csv`` or ``.parquet``, or the folder of a store.
 
     Raises
     ------
@@ -135,7 +183,11 @@ def load(path: str | Path) -> xr.Dataset:
     """
     path = Path(path)
     if path.is_dir():
-        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+        if not (path / "zarr.json").is_file():
+            raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+        from latolato.sweep.store import open_store
+
+        return open_store(path)
     suffix = check_suffix(path, SUFFIXES, "the name of a result file")
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
@@ -154,9 +206,19 @@ def _contacts_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.contacts{path.suffix}")
 
 
+def _remove_contacts(path: Path, read: Callable[[Path], tuple[Columns, dict[str, Any]]]) -> None:
+    """Remove the contacts of an earlier run; a file of anything else stays."""
+    if path.is_file():
+        with suppress(OSError, ValueError):
+            columns, _ = read(path)
+            if "contact_time" in columns:
+                path.unlink()
+
+
 def _write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
-    path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+    # Chunks and codecs of a store would be meant for Zarr.
+    path.write_bytes(dataset.drop_encoding().to_netcdf(engine="h5netcdf"))
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:
@@ -205,7 +267,7 @@ def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) 
                 both = np.stack([part[f"{base}_{each}"][0] for each in _BALLS])
                 variables[base] = (("ball", dimension), both, about)
     dataset = xr.Dataset(variables, attrs=attributes).set_coords("time")
-    return dataset.assign_coords(ball=list(_BALLS)) if two else dataset
+    return dataset.assign_coords(ball=("ball", list(_BALLS), _BALL)) if two else dataset
 
 
 def _no_contacts(two: bool) -> Columns:

@@ -6,21 +6,72 @@ scenario files, forms and tables are generated from the registries.
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, fields
-from typing import Any, Generic, TypeVar
+from dataclasses import MISSING, Field, fields, is_dataclass
+from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.quantities import Range
 
 Entry = TypeVar("Entry")
 
 
+# Of the longer name's letters, the part that a typo leaves: two slips in five letters are guessed.
+_LIKENESS = 0.55
+# Shorter parts of a name occur in too many others.
+_SHORTEST_PART = 3
+
+
 def suggest(name: str, known: list[str]) -> str:
-    """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known."""
-    close = difflib.get_close_matches(name, known, n=1)
-    return f"did you mean '{close[0]}'?" if close else f"known: {', '.join(known)}"
+    """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known.
+
+    Suggested is the known name that the fewest slips of the pen lead from, capitals and dashes
+    aside, if they are few for its length; else the only known name that `name` is a part of.
+
+    Examples
+    --------
+    >>> suggest("latlato", ["pendulum", "latolato"])
+    "did you mean 'latolato'?"
+    >>> suggest("phase", ["drive_amplitude", "drive_phase"])
+    "did you mean 'drive_phase'?"
+    >>> suggest("friction", ["duration", "restitution"])
+    'known: duration, restitution'
+    """
+    asked = _plain(name)
+    likeness = {each: _likeness(asked, _plain(each)) for each in known}
+    nearest = max(known, key=likeness.__getitem__, default="")
+    if known and likeness[nearest] >= _LIKENESS:
+        return f"did you mean '{nearest}'?"
+    holders = [each for each in known if asked in _plain(each)]
+    if len(holders) == 1 and len(asked) >= _SHORTEST_PART:
+        return f"did you mean '{holders[0]}'?"
+    return f"known: {', '.join(known)}"
+
+
+def _plain(name: str) -> str:
+    """Return a name as it is compared: options have dashes where fields have underscores."""
+    return name.lower().replace("-", "_")
+
+
+def _likeness(name: str, other: str) -> float:
+    """Return 1 - (slips that turn one name into the other)/(letters of the longer one).
+
+    A slip drops, adds or changes a letter or swaps two neighbours (optimal string alignment;
+    Damerau, 1964).
+    """
+    shorter, longer = sorted((len(name), len(other)))
+    if shorter < _LIKENESS * longer or longer == 0:  # at least so many letters must be added
+        return 0.0
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(name):
+        before, last, row = row, before, [i + 1]
+        for j, theirs in enumerate(other):
+            slips = min(before[j + 1] + 1, row[j] + 1, before[j] + (letter != theirs))
+            if i and j and letter == other[j - 1] and name[i - 1] == theirs:
+                slips = min(slips, last[j - 1] + 1)
+            row.append(slips)
+    return 1.0 - row[-1] / longer
 
 
 class Registry(Mapping[str, Entry], Generic[Entry]):
@@ -73,20 +124,29 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     ValueError
         If it is NaN, infinite or outside `allowed`.
     """
+    kind = "a number" if unit == "1" else f"a number in {unit}"
     if isinstance(value, (str, bytes, bool)) or value is None:
-        raise TypeError(f"{name} must be a number in {unit}, got {value!r}")
+        raise TypeError(f"{name} must be {kind}, got {value!r}")
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number in {unit}, got {value!r}") from None
+        raise TypeError(f"{name} must be {kind}, got {value!r}") from None
     except OverflowError:
         raise ValueError(f"{name} must be finite, got an integer beyond all floats") from None
     if not math.isfinite(number):
-        raise ValueError(f"{name} must be finite, got {number}; give a number in {unit}")
+        raise ValueError(f"{name} must be finite, got {number}; give {kind}")
     if number not in allowed:
         shown = "" if unit == "1" else f" {unit}"
-        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:.9g}")
+        way_in = _way_in(number, allowed)
+        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:.9g}; give {way_in}")
     return number
+
+
+def _way_in(number: float, allowed: Range) -> str:
+    """Return in words how a number outside a range must change, e.g. ``at most 1``."""
+    if number > allowed.high or (number == allowed.high and allowed.open_high):
+        return f"{'less than' if allowed.open_high else 'at most'} {allowed.high:g}"
+    return f"{'more than' if allowed.open_low else 'at least'} {allowed.low:g}"
 
 
 def checked_count(name: str, value: Any) -> int:
@@ -164,3 +224,23 @@ def build(kind: type, parameters: Mapping[str, Any]) -> Any:
         unit = f" [{quantity.unit}]" if quantity else ""
         raise ValueError(f"{kind.__name__} needs '{name}'{unit}")
     return kind(**parameters)
+
+
+def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
+    """Return the law of this kind that `describe` described.
+
+    Raises
+    ------
+    ValueError
+        For unknown and missing parameters.
+    """
+    hints = get_type_hints(kind)
+    parameters = {
+        name: rebuild(hints[name], value)
+        if isinstance(value, Mapping) and is_dataclass(hints.get(name))
+        else tuple(value)
+        if isinstance(value, list)
+        else value
+        for name, value in described.items()
+    }
+    return build(kind, parameters)

@@ -1,8 +1,8 @@
 """Scenarios: a system, a drive and a start, written in TOML with units and run by name.
 
-A scenario has the tables ``[system]``, ``[drive]``, ``[run]`` and ``[noise]``. Every run stores its
-own scenario in the attribute ``scenario``, in the same layout with plain SI numbers, so that a
-result file can be run again.
+A scenario has the tables ``[system]``, ``[drive]``, ``[run]`` and ``[noise]``; with ``[sweep]`` it
+is a sweep. Every run stores its own scenario in the attribute ``scenario``, in the same layout with
+plain SI numbers, so that a result file can be run again.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
+from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.physics.drives import Drive, Static, drives
 from latolato.physics.noise import VelocityKicks
@@ -23,9 +24,12 @@ from latolato.physics.pendulum import System, systems
 from latolato.quantities import NON_NEGATIVE, POSITIVE
 from latolato.registry import build, checked_number, describe, suggest
 from latolato.units import to_si, to_si_list
+from latolato.variation import known_quantities, read_axes, with_placeholders
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.sweep.plan import Plan
 
 # Drive parameters that may be given as multiples of the natural frequency.
 RATIOS = {
@@ -61,6 +65,19 @@ RUN_OPTIONS = {
     "contact_limit": RunOption("", "contacts after which the run stops"),
 }
 
+# Entries of ``[sweep]`` beside `axes`, `observables` and those of ``[run]``, with their units.
+SWEEP_OPTIONS = {
+    "transient": "s",
+    "transient_periods": "1",
+    "continuation": "",
+    "direction": "",
+    "chunk_size": "",
+}
+# Entries of ``[run]`` that may as well stand in ``[sweep]``.
+_OF_RUN = ("duration", "tolerance")
+# Entries of ``[run]`` that say how one run is sampled.
+_OF_ONE_RUN = ("times", "frame")
+
 # A new value of one of these takes the place of the others.
 _ALTERNATIVES = (
     *({ratio, plain} for ratio, plain in RATIOS.items()),
@@ -70,15 +87,16 @@ _ALTERNATIVES = (
 )
 # The field that a message is about: its first word, or what is missing.
 _FIELD = re.compile(r"^\w+(?= |:|\[)|(?<= needs ')\w+")
-_TABLES = ("system", "drive", "run", "noise")
+_TABLES = ("system", "drive", "run", "noise", "sweep")
 _TEXTS = ("title", "description", "figure")
+DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 
 Tables = dict[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """What to run, ready for `latolato.simulate`.
+    """What to run, ready for `latolato.simulate`, or for `latolato.sweep` if something varies.
 
     Parameters
     ----------
@@ -88,6 +106,9 @@ class Scenario:
         How the pivot moves.
     run : mapping
         The further arguments of `latolato.simulate` by name.
+    varied : mapping
+        The arguments of `latolato.sweep` that ``[sweep]`` gives: `axes`, `observables` and more;
+        empty for a scenario of one run.
     name, title, description : str
         What the scenario is called and what it shows, with every assumption made.
     figure : str
@@ -97,6 +118,7 @@ class Scenario:
     system: System
     drive: Drive = field(default_factory=Static)
     run: Mapping[str, Any] = field(default_factory=dict)
+    varied: Mapping[str, Any] = field(default_factory=dict)
     name: str = ""
     title: str = ""
     description: str = ""
@@ -109,7 +131,7 @@ class Scenario:
         Parameters
         ----------
         tables : mapping
-            The tables `system`, `drive`, `run` and `noise`, and the texts `name`, `title`,
+            The tables `system`, `drive`, `run`, `noise` and `sweep`, and the texts `name`, `title`,
             `description` and `figure`.
         folder : Path, optional
             Where the names of data files begin.
@@ -128,6 +150,9 @@ class Scenario:
         if "system" not in tables:
             raise ValueError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
         folder = folder or Path()
+        varied: dict[str, Any] = {}
+        if "sweep" in tables:
+            tables, varied = _with_sweep(tables, folder)
         system = _law(tables["system"], systems, "system", folder)
         drive: Drive = Static()
         if "drive" in tables:
@@ -140,7 +165,7 @@ class Scenario:
             with _said_as({f.name: f"noise_{f.name}" for f in fields(VelocityKicks)}):
                 run["noise"] = _build(VelocityKicks, table, folder)
         texts = {name: tables[name].strip() for name in ("name", *_TEXTS) if name in tables}
-        return cls(system=system, drive=drive, run=run, **texts)
+        return cls(system=system, drive=drive, run=run, varied=varied, **texts)
 
     def to_dict(self) -> Tables:
         """Return the tables of this scenario as plain SI numbers, for JSON or TOML."""
@@ -155,6 +180,8 @@ class Scenario:
         }
         if noise is not None:
             tables["noise"] = describe(noise)
+        if self.varied:
+            tables["sweep"] = _plain_sweep(self.varied)
         texts = {name: getattr(self, name) for name in ("name", *_TEXTS)}
         return {name: text for name, text in texts.items() if text} | tables
 
@@ -170,8 +197,56 @@ class Scenario:
         """
         from latolato.simulate import simulate
 
+        if self.varied:
+            name = self.name or "this scenario"
+            raise ValueError(
+                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
+                f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python"
+            )
         given = {"system": self.system, "drive": self.drive, **self.run}
         return simulate(**_replaced(given, overrides))
+
+    def sweep(self, **overrides: Any) -> xr.Dataset:
+        """Return the map as a dataset; `overrides` replace arguments of `latolato.sweep`.
+
+        Examples
+        --------
+        >>> import latolato as ll
+        >>> few = {"drive_amplitude": [0.1, 0.2], "frequency_ratio": [1.5, 2.0]}
+        >>> ll.load_scenario("fig03cd").sweep(axes=few, duration=2.0).mean_energy.shape
+        (2, 2)
+        """
+        from latolato.sweep import sweep
+
+        return sweep(**_replaced(self._sweep_arguments(), overrides))
+
+    def plan(self) -> Plan:
+        """Return the plan of the sweep.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For bad input, naming value, rule and way out, and if nothing varies.
+        """
+        from latolato.sweep.plan import make_plan
+
+        return make_plan(**{"observables": DEFAULT_OBSERVABLES} | self._sweep_arguments())
+
+    def _sweep_arguments(self) -> dict[str, Any]:
+        """Return the arguments of `latolato.sweep`."""
+        if not self.varied.get("axes"):
+            name = f"'{self.name}' names" if self.name else "there is"
+            raise ValueError(
+                f"{name} nothing to vary: give axes, for example "
+                '--axis "drive_amplitude = 0 : 0.5 : 40 m"'
+            )
+        run = {k: v for k, v in self.run.items() if k not in _OF_ONE_RUN}
+        if "duration" not in run:
+            if "times" not in self.run:
+                raise ValueError("a sweep needs a duration [s]")
+            run["duration"] = self.run["times"][-1]
+        drive = None if isinstance(self.drive, Static) else self.drive
+        return {"system": self.system, "drive": drive, **run, **self.varied}
 
 
 def load_scenario(source: str | Path) -> Scenario:
@@ -403,6 +478,69 @@ def _run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             plain["contact"] = Clamp(step=plain.pop("clamp_step"))
     if "samples" in plain:
         plain["times"] = _even_times(plain.pop("samples"), plain)
+    return plain
+
+
+def _with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
+    """Return the tables that single runs share, and the arguments of a sweep."""
+    table = dict(_table(tables["sweep"], "sweep"))
+    run = dict(_table(tables.get("run", {}), "run"))
+    for name in _OF_RUN:
+        if name in table:
+            if name in run:
+                raise ValueError(f"give {name} either in [run] or in [sweep], got both")
+            run[name] = table.pop(name)
+    parts = {part: _table(tables.get(part, {}), part) for part in ("system", "drive")}
+    kinds = {part: parts[part].get("kind") for part in parts}
+    varied: dict[str, Any] = {}
+    for name, value in table.items():
+        if name == "axes":
+            known = known_quantities(kinds["system"], kinds["drive"])
+            varied[name] = read_axes(value, known, folder)
+        elif name == "observables":
+            given = [value] if isinstance(value, str) else value
+            if not isinstance(given, (list, tuple)):
+                raise TypeError(f"observables must be a list of names or tables, got {value!r}")
+            varied[name] = tuple(_observable(each, folder) for each in given)
+        elif name in SWEEP_OPTIONS:
+            unit = SWEEP_OPTIONS[name]
+            varied[name] = to_si(name, value, unit) if unit else value
+        else:
+            known_names = ["axes", "observables", *SWEEP_OPTIONS, *_OF_RUN]
+            raise ValueError(f"unknown entry '{name}' of [sweep]: {suggest(name, known_names)}")
+    system, drive = with_placeholders({**tables, **parts}, varied.get("axes", {}))
+    shared = {**tables, "system": system, "run": run}
+    return (shared | {"drive": drive} if "drive" in tables else shared), varied
+
+
+def _observable(given: Any, folder: Path) -> Any:
+    """Return an observable, from a table with its kind and parameters; names are left as such."""
+    if not isinstance(given, Mapping):
+        return given
+    table = dict(given)
+    kind = table.pop("kind", None)
+    if not isinstance(kind, str):
+        raise ValueError(f"an observable's table needs a kind: {', '.join(observables)}")
+    return _build(observables[kind], table, folder)
+
+
+def _plain_sweep(varied: Mapping[str, Any]) -> Tables:
+    """Return the table ``[sweep]`` as plain values."""
+    plain = dict(varied)
+    if "axes" in plain:
+        plain["axes"] = {
+            name: {p: list(v) for p, v in values.items()}
+            if isinstance(values, Mapping)
+            else list(values)
+            for name, values in plain["axes"].items()
+        }
+    if "observables" in plain:
+        plain["observables"] = [
+            {"kind": observables.name_of(each), **describe(each)}
+            if isinstance(each, Observable)
+            else each
+            for each in plain["observables"]
+        ]
     return plain
 
 

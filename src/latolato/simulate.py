@@ -25,7 +25,6 @@ from latolato.numerics.integrate import (
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
 from latolato.physics.contacts import CONTACT_KINDS, Clamp, Exact, NoContact, contact_laws
 from latolato.physics.drives import Drive, drives
-from latolato.physics.energy import kinetic_energy, potential_energy
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Range
@@ -49,8 +48,10 @@ MOST_DEFAULT_SAMPLES = 20_000_000
 _LEDGER_MARGIN = 5.0
 _MOST_HALVINGS = 3
 _MOST_STEPS_TO_REPEAT = 20_000_000
-# Below this share of the energy the ledger measures rounding, not the step.
+# Below these shares of the largest energy and of all losses the ledger measures rounding, not the
+# step.
 _ROUNDING = 2e-12
+_ROUNDING_OF_SUMS = 1e-13
 # Hours of computing; beyond it the input is taken for a mistake.
 MOST_STEPS = 1e10
 
@@ -127,8 +128,10 @@ def simulate(
     -----
     Fixed steps of a symmetric sixth-order splitting, ``5 tolerance^(1/6)`` over the fastest rate
     of the system. The ledger ``E(t) - E(0) - works + losses`` is computed from separate
-    quadratures; when it closes worse than 5 tolerances of the largest energy, the run is repeated
-    with half the step, three times at most, and a warning tells if that was not enough.
+    quadratures at the end of every step; when it closes worse than 5 tolerances of the largest
+    energy, the run is repeated with half the step, three times at most, and a warning tells if
+    that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
+    is the largest error of the ledger at all steps and samples [J].
     Chaotic motion amplifies every error: only its statistics can be trusted at late times.
     A contact is missed if the ball dips into a wall and returns within a quarter of a step while
     its acceleration keeps its sign at the ends; the depth of such a dip is below the step's error.
@@ -155,6 +158,11 @@ def simulate(
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
     kick_times, kick_sizes = kicks_of(noise, system, end)
 
+    if isinstance(law, Clamp) and law.step > end:
+        raise ValueError(
+            f"clamp_step must not exceed the duration {end:g} s, got {law.step:g}; a thousandth of "
+            "a second is usual"
+        )
     stepper = choose_stepper(system)
     clamped = isinstance(law, Clamp)
     step = (
@@ -185,15 +193,20 @@ def simulate(
             progress=progress,
         )
         seen = _observe(system, drive, trajectory, instants, end, frame == "both")
-        residual, scale = _ledger(system, start, trajectory, seen)
-        allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * scale
+        state = trajectory.state
+        residual, largest = float(state[records.RESIDUAL]), float(state[records.LARGEST_ENERGY])
+        largest = max(largest, np.finfo(float).tiny)
+        gone = float(state[[records.DAMPED, records.IMPACT, records.CAPTURED]].sum())
+        allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * largest
+        allowed = max(allowed, _ROUNDING_OF_SUMS * gone)
         if clamped or residual <= allowed or trajectory.status != "complete":
             break
         steps = int(trajectory.counters[records.TOTAL_STEPS])
         if halvings == _MOST_HALVINGS or steps > _MOST_STEPS_TO_REPEAT:
             warnings.warn(
-                f"the energy ledger closes to {residual:.3g} J only, {residual / scale:.2g} of the "
-                f"largest energy: tolerance {tolerance:g} was not reached with step {step:.3g} s",
+                f"the energy ledger closes to {residual:.3g} J only, {residual / largest:.2g} of "
+                f"the largest energy: tolerance {tolerance:g} was not reached with step "
+                f"{step:.3g} s",
                 RuntimeWarning,
                 stacklevel=2,
             )
@@ -213,7 +226,7 @@ def simulate(
     }
     dataset.attrs.update(_attributes(system, drive, law, noise, start, end, run))
     dataset.attrs.update(
-        energy_residual=residual,
+        energy_residual=max(residual, _sampled_residual(trajectory, seen)),
         status=trajectory.status,
         step=trajectory.step,
         stepper="classical Runge-Kutta" if clamped else stepper.name,
@@ -269,6 +282,11 @@ def _checked_times(
             f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
             f"position {i + 1}; sort them and remove repeats"
         )
+    if duration is None and instants[-1] <= 0.0:
+        raise ValueError(
+            f"times must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last; "
+            "add a later instant or give duration"
+        )
     end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
@@ -309,15 +327,9 @@ def _observe(
     return found
 
 
-def _ledger(
-    system: System, start: Start, trajectory: Trajectory, seen: dict[str, Floats]
-) -> tuple[float, float]:
-    """Return the largest error of the closed ledger and the largest energy in the run [J]."""
-    first = sum(
-        kinetic_energy(v, b.mass, b.length)
-        + potential_energy(system.potential(x), b.mass, b.length, system.gravity)
-        for b, x, v in zip(system.balls, start.angles, start.velocities, strict=True)
-    )
+def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
+    """Return the largest error of the closed ledger at the samples [J]."""
+    first = trajectory.state[records.FIRST_ENERGY]
     rows = trajectory.samples
     known = np.isfinite(rows[0] + rows[1])
     rows = rows[:, known]
@@ -326,8 +338,7 @@ def _ledger(
     gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.abs(total - first - gained + gone)
-    scale = max(float(np.nanmax(total, initial=first)), float(np.nanmax(gone, initial=0.0)))
-    return float(np.nanmax(error, initial=0.0)), max(scale, np.finfo(float).tiny)
+    return float(np.nanmax(error, initial=0.0))
 
 
 def _dataset(
@@ -375,7 +386,8 @@ def _dataset(
     variables["angular_velocity_after"] = (per_contact, per_angle(after))
     coordinates: dict[str, Any] = {"time": times}
     if two:
-        coordinates["ball"] = ["right", "left"]
+        about = {"units": "1", "long_name": "ball", "symbol": ""}
+        coordinates["ball"] = ("ball", ["right", "left"], about)
     dataset = xr.Dataset(variables, coords=coordinates)
     for key, variable in dataset.variables.items():
         if key in QUANTITIES:

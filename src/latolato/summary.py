@@ -1,4 +1,4 @@
-"""The numbers of a run that fit on a screen."""
+"""The numbers of a run or of a sweep that fit on a screen."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.sweep.plan import Plan
 
 _COPIED = (
     "system",
@@ -41,6 +43,56 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
         "largest_energy": _plain(np.nanmax(run["total_energy"].values)),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
         "samples": run.sizes["time"],
+    }
+
+
+def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
+    """Return a sweep's size, points by status, and the least and largest value of each variable.
+
+    The dataset is read chunk by chunk.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> from latolato.sweep.plan import make_plan
+    >>> from latolato.sweep import run_plan
+    >>> plan = make_plan(
+    ...     ll.Pendulum(length=1.0, mass=0.8), axes={"initial_angle": [0.1, 0.2]},
+    ...     duration=2.0, observables=["largest_angle"],
+    ... )
+    >>> summarise_sweep(run_plan(plan), plan)["status"]
+    {'converged': 2}
+    """
+    import numpy as np
+
+    from latolato.numerics.records import STATUS_NAMES
+
+    counts = np.zeros(len(STATUS_NAMES), dtype=np.int64)
+    ranges: dict[str, list[float]] = {}
+    for number in range(plan.chunks):
+        block = plan.block(number)
+        for name in grid.data_vars:
+            values = grid[name][block].values
+            if name == "status":
+                counts += np.bincount(values[values >= 0].ravel(), minlength=len(counts))
+            elif np.isfinite(values).any():
+                low, high = float(np.nanmin(values)), float(np.nanmax(values))
+                old = ranges.get(str(name), [low, high])
+                ranges[str(name)] = [min(low, old[0]), max(high, old[1])]
+    return {
+        "system": grid.attrs["system"],
+        "drive": grid.attrs["drive"],
+        "duration": plan.duration,
+        "axes": {axis.name: len(axis) for axis in plan.axes},
+        "points": plan.size,
+        "status": {n: int(c) for n, c in zip(STATUS_NAMES, counts, strict=True) if c},
+        "first_invalid": grid.attrs.get("first_invalid", ""),
+        "ranges": {
+            str(name): [_plain(end) for end in ranges.get(str(name), [None, None])]
+            for name in grid.data_vars
+            if name != "status"
+        },
+        "plan_hash": plan.hash,
     }
 
 

@@ -158,3 +158,9 @@ def test_colours_differ_in_grey_print():
     found = sorted(lightness(colour) for colour in style.COLOURS)
     # Neighbouring greys of 6 units of lightness can still be told apart in print.
     assert np.diff(found).min() > 6.0
+
+
+def test_legends_of_the_energies_hide_no_curve():
+    figure = FIGURES["fig06"].draw(quick_data("fig06"))
+    for axes in figure.axes[:2]:
+        assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0

@@ -73,10 +73,16 @@ def test_equal_balls_touch_at_twice_the_contact_angle(length, share):
     assert toy.contact_angle_low + toy.contact_angle_high == pytest.approx(math.pi, rel=1e-15)
 
 
+def distance_to_rod(ball, rod, cosine):
+    """Return how far a ball's centre is from a rod of a given length, the angle between known."""
+    foot = min(max(ball.length * cosine, 0.0), rod)
+    return math.sqrt(max(ball.length**2 + foot**2 - 2.0 * ball.length * foot * cosine, 0.0))
+
+
 @given(
     l1=st.floats(0.2, 2.0),
     l2=st.floats(0.2, 2.0),
-    r1=st.floats(0.001, 0.5),
+    r1=st.just(0.0) | st.floats(0.001, 0.5),
     r2=st.floats(0.001, 0.5),
 )
 def test_balls_touch_where_their_distance_is_the_sum_of_the_radii(l1, l2, r1, r2):
@@ -88,8 +94,10 @@ def test_balls_touch_where_their_distance_is_the_sum_of_the_radii(l1, l2, r1, r2
         cosine = (l1**2 + l2**2 - (r1 + r2) ** 2) / (2.0 * l1 * l2)
         never = abs(l1 - l2) >= r1 + r2
         too_large = cosine <= -1.0 + 1e-15
-        halves = [math.asin(r / l) for r, l in ((r1, l1), (r2, l2)) if l == min(l1, l2)]
-        hidden = max(halves) > math.acos(min(1.0, max(-1.0, cosine))) * (1.0 - 1e-9)
+        hidden = any(
+            distance_to_rod(ball, other.length, cosine) < ball.radius * (1.0 + 1e-9)
+            for ball, other in ((right, left), (left, right))
+        )
         assert never or too_large or hidden, error  # noqa: PT017 - which refusal, if any
         return
     assert separation == contact_separation(left, right)
@@ -97,10 +105,10 @@ def test_balls_touch_where_their_distance_is_the_sum_of_the_radii(l1, l2, r1, r2
         a, b, s = mp.mpf(l1), mp.mpf(l2), mp.mpf(separation)
         distance = mp.sqrt(a * a + b * b - 2 * a * b * mp.cos(s))
         assert float(distance / (mp.mpf(r1) + mp.mpf(r2)) - 1) == pytest.approx(0.0, abs=1e-10)
-    # The longer rod does not hit the shorter ball first; of equal rods neither does.
-    for ball in (right, left):
-        if ball.length == min(l1, l2):
-            assert math.asin(ball.radius / ball.length) <= separation * (1.0 + 1e-15)
+    # Neither rod is inside the other's ball when the balls meet.
+    for ball, other in ((right, left), (left, right)):
+        far = distance_to_rod(ball, other.length, math.cos(separation))
+        assert far >= ball.radius * (1.0 - 1e-9) - 1e-9
 
 
 def test_swapping_unequal_balls_of_equal_length_changes_nothing():
@@ -145,6 +153,14 @@ class TestRefusals:
         # asin(0.3/0.7) = 0.443 > Theta = acos((1 + 0.49 - 0.16^... )/1.4) of these balls.
         with pytest.raises(ValueError, match="longer rod would hit the shorter ball"):
             self.pair(1.0, 0.7, 0.01, 0.3)
+
+    def test_shorter_rod_that_hits_the_longer_ball_first(self):
+        # asin(0.5/1.05) = 0.4963 > Theta = 0.4903: the rod of length 1 reaches beyond the tangent
+        # point at sqrt(1.05^2 - 0.5^2) = 0.923. One that ends before it is fine.
+        for lengths in ((1.0, 1.05, 0.0, 0.5), (1.05, 1.0, 0.5, 0.0)):
+            with pytest.raises(ValueError, match="shorter rod would hit the longer ball"):
+                self.pair(*lengths)
+        assert self.pair(0.9, 1.05, 0.0, 0.5).contact_separation > 0.0
 
     def test_swapping_the_balls_changes_nothing(self):
         with pytest.raises(ValueError, match="longer rod would hit the shorter ball"):

@@ -12,7 +12,8 @@ import pytest
 import latolato as ll
 from latolato.numerics import integrate as module
 from latolato.numerics import records
-from latolato.numerics.integrate import Start, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL
 
 NO_WALLS = (-math.inf, math.inf)
 DRIVE = ll.Harmonic(drive_amplitude=0.25, drive_frequency=7.5, drive_phase=0.4)
@@ -129,6 +130,47 @@ def test_steps_end_where_a_drive_is_not_smooth():
         for step in (0.03, 0.003)
     )
     np.testing.assert_allclose(rough.samples[:2], fine.samples[:2], rtol=0, atol=1e-8)
+
+
+class TestStrongDrag:
+    """The step follows the rate of the drag once that is faster than the motion."""
+
+    @pytest.mark.parametrize("tolerance", [1e-2, 1e-6, 1e-10])
+    @pytest.mark.parametrize("speed", [0.0, 20.0])
+    @pytest.mark.parametrize(
+        "drag",
+        [("damping", 50.0), ("damping", 500.0), ("damping", 1e4), ("quadratic_damping", 1e3)],
+    )
+    def test_creeping_motion_keeps_its_tolerance_at_the_first_try(self, drag, speed, tolerance):
+        system = ll.Pendulum(length=1.0, mass=1.0, **dict([drag]))
+        drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
+        run, fine = (
+            ll.simulate(
+                system, drive, initial_angle=1.0, initial_angular_velocity=speed,
+                times=np.linspace(0.0, 5.0, 101), tolerance=aim,
+            )
+            for aim in (tolerance, 1e-3 * tolerance)
+        )  # fmt: skip
+        assert run.attrs["status"] == "complete"
+        assert run.attrs["step_halvings"] == 0
+        assert run.attrs["energy_residual"] <= 5.0 * tolerance * float(run.total_energy.max())
+        # Rounding of 1e6 steps beside the tolerance.
+        assert float(abs(run.angle - fine.angle).max()) <= tolerance + 1e-11
+
+    def test_weak_drag_changes_no_step(self):
+        start, stepper = Start((1.0,), (0.0,)), BLANES_MOAN_GENERAL
+        free = ll.Pendulum(length=1.0, mass=1.0)
+        for drag in (0.1, 1.0, free.natural_frequency):
+            for drags in ({"damping": drag}, {"quadratic_damping": 0.8 * drag}):
+                system = ll.Pendulum(length=1.0, mass=1.0, **drags)
+                for drive in (ll.Harmonic(drive_amplitude=0.1, drive_frequency=2.0), DRIVE):
+                    steps = (choose_step(s, drive, start, 1e-10, stepper) for s in (free, system))
+                    assert next(steps) == next(steps)
+
+    def test_more_steps_than_hours_allow_are_refused(self):
+        system = ll.Pendulum(length=1.0, mass=1.0, damping=1e12)
+        with pytest.raises(ValueError, match=r"steps of .* limit is 1e\+10"):
+            ll.simulate(system, initial_angle=1.0, duration=10.0)
 
 
 def test_elapsed_time_is_not_a_sum_of_rounded_steps():

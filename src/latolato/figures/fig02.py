@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import measure, paper, style
-from latolato.figures.cases import instants, stack
+from latolato.figures.cases import Floats, Residuals, instants, quantity, stack
 from latolato.figures.claim import Limit, Numbers, Statement
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ CAPTION = (
     "in (b) and (c) are at 5 degrees."
 )
 DURATION = 400.0  # s, long enough for the beats to fall below 1 %
+LASTING = 1000.0  # s, long enough for them to vanish
+LATE = 40.0  # s, the last stretch, of which the turning points are averaged
 EARLY = 40.0  # s, the paper's panels (b) and (c)
 FIVE_DEGREES = np.deg2rad(5.0)
 FULL, LINEAR = "eq10", "eq14"
@@ -68,7 +70,8 @@ STATEMENTS = (
         ),
         why=(
             "A larger swing is slower, falls out of step with the drive and gives energy back. "
-            "Damping lets these beats die out at the amplitude that keeps step."
+            "Damping lets these beats die out at the amplitude that keeps step: {lasting:.4f} rad, "
+            "which a run of 1000 s gives too, for the beats left at 400 s average out."
         ),
     ),
 )
@@ -84,19 +87,48 @@ def data(quick: bool = False) -> xr.Dataset:
         label: simulate(system, paper.DRIVE, initial_angle=paper.SMALL_ANGLE, times=times)
         for label, system in systems.items()
     }
-    return stack(runs, title=TITLE, keep=("angle", "angular_velocity"))
+    residuals = Residuals()
+    longer = residuals.of(
+        simulate(
+            paper.PENDULUM,
+            paper.DRIVE,
+            initial_angle=paper.SMALL_ANGLE,
+            times=instants(LASTING, paper.DRIVE.drive_frequency),
+        )
+    )
+    return (
+        stack(runs, title=TITLE, keep=("angle", "angular_velocity"))
+        .assign(
+            lasting_amplitude=quantity(
+                "largest_angle",
+                (),
+                _late(*_peaks(longer), LASTING).mean(),
+                long_name="largest angle of each swing after 1000 s",
+            )
+        )
+        .assign(residuals.variables())
+    )
+
+
+def _peaks(run: xr.Dataset) -> tuple[Floats, Floats]:
+    """Return times [s] and sizes [rad] of the turning points of one run."""
+    return measure.peaks(run.time.values, run.angle.values, run.angular_velocity.values)
+
+
+def _late(when: Floats, sizes: Floats, end: float) -> Floats:
+    """Return the turning points in the last stretch before `end` [rad]."""
+    return sizes[when > end - LATE]
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 2's statements need."""
     time = dataset.time.values
     full, linear = (dataset.angle.sel(case=case).values for case in (FULL, LINEAR))
-    velocity = dataset.angular_velocity.sel(case=FULL).values
     early = time <= EARLY
     so_far = np.maximum.accumulate(np.abs(full[early]))
-    when, sizes = measure.peaks(time, full, velocity)
+    when, sizes = _peaks(dataset.sel(case=FULL))
     beat_sizes = measure.beats(when, sizes)[1]
-    late = sizes[when > DURATION - 40.0]
+    late = _late(when, sizes, DURATION)
     top = int(np.argmax(sizes))
     return {
         "difference": float(np.max(np.abs(linear[early] - full[early]) / so_far)),
@@ -106,6 +138,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "largest": float(sizes[top]),
         "largest_time": float(when[top]),
         "settled": float(late.mean()),
+        "lasting": float(dataset.lasting_amplitude),
         "last_spread": float(np.ptp(late) / late.mean()),
     }
 
@@ -122,12 +155,13 @@ def draw(dataset: xr.Dataset) -> Figure:
     a = panels["a"]
     a.axvspan(0.0, EARLY, color=style.PALE_BLUE, lw=0)
     a.plot(time, full, color=style.BLUE, lw=style.THIN)
-    when, sizes = measure.peaks(time, full.values, dataset.angular_velocity.sel(case=FULL).values)
+    when, sizes = _peaks(dataset.sel(case=FULL))
     beat_times, beat_sizes = measure.beats(when, sizes)
     shown = beat_sizes > measure.VISIBLE_BEAT * sizes[-1]
     a.plot(beat_times[shown], beat_sizes[shown], "o", ms=2.6, color=style.RED, clip_on=False)
-    style.note(a, f"{sizes.max():.3f} rad", (when[np.argmax(sizes)], sizes.max()), (5, 2))
-    style.note(a, f"{sizes[-1]:.3f} rad", (time[-1], sizes[-1]), (-2, 4), ha="right", va="bottom")
+    settled = _late(when, sizes, DURATION).mean()
+    style.note(a, f"{sizes.max():.4f} rad", (when[np.argmax(sizes)], sizes.max()), (5, 2))
+    style.note(a, f"{settled:.4f} rad", (time[-1], settled), (-2, 4), ha="right", va="bottom")
     style.degree_axis(a, spacing=30)
     a.set_xlim(0.0, DURATION)
     for name, angle, colour in (("b", full, style.BLUE), ("c", linear, style.GREEN)):

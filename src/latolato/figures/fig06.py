@@ -18,11 +18,9 @@ if TYPE_CHECKING:
 
 TITLE = "The energy of one ball of the pair"
 CAPTION = (
-    "Energies and powers per ball (the pair has twice these), driving amplitude 0.2 m, started at "
-    f"rest {paper.PUSH_WORDS}. "
-    "(a) Power of the drive, dissipated power, and total energy. (b) Kinetic, potential and total "
-    "energy; the inset enlarges the dissipated power. Potential energy is counted from the lowest "
-    "point."
+    "Energies and powers per ball (the pair has twice these), driving amplitude 0.2 m, started "
+    "with a push. (a) Power of the drive, dissipated power, and total energy. (b) Kinetic, "
+    "potential and total energy; the inset enlarges the dissipated power."
 )
 DURATION = 20.0  # s
 PUSHED, REST, SHORT = "pushed", "rest", "short"
@@ -101,7 +99,8 @@ STATEMENTS = (
             Limit("touch_potential", "smallest (E - U)/E of the swings", high=1e-3),
         ),
         assumption=(
-            "U is counted from the lowest point, U = m g l (1 - cos θ), and the pair is pushed."
+            "U = m g l (1 - cos θ) is meant, counted from the lowest point, and a push as in the "
+            "other claims."
         ),
         finding=(
             "E is never below T or U; with eq2's U = -m g l cos θ the kinetic energy would exceed "
@@ -226,8 +225,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     b.set_xlim(0.0, DURATION)
     b.set_xlabel(style.label(dataset.time))
     style.panel_title(b, "b", "energies of one ball")
-    a.legend(loc="lower left", ncols=3)
-    b.legend(loc="upper left", ncols=3)
+    for panel in (a, b):  # above the panel, where it hides nothing
+        panel.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, columnspacing=1.2, borderpad=0.0
+        )
     inset = b.inset_axes((0.62, 0.63, 0.37, 0.36))
     inset.plot(time, run.damping_power, color=style.RED, lw=style.THIN)
     inset.set_xlim(0.0, DURATION)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.curves import with_contacts
 from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -41,20 +44,44 @@ _MARK_SIZE = 7.0  # points squared
 _INVISIBLE = 1e-9
 
 
-def plot(run: xr.Dataset) -> Figure:
-    """Return a figure of a run: angles, energies, where the energy came from and went, pivot.
+def plot(
+    run: xr.Dataset,
+    variable: str | None = None,
+    *,
+    log: bool = False,
+    curves: bool = False,
+    select: Mapping[str, Any] | None = None,
+    overlays: Sequence[str] = (),
+    points: str | Path | None = None,
+) -> Figure:
+    """Return a figure of a run, or of one variable of a sweep.
+
+    A run shows its angles, its energies, where these came from and went, and the pivot. A sweep is
+    drawn by `latolato.figures.map.plot_map`, which the further arguments belong to.
 
     Parameters
     ----------
     run : xarray.Dataset
-        What `latolato.simulate` or `latolato.load` returned.
+        What `latolato.simulate`, `latolato.sweep` or `latolato.load` returned.
+    variable : str, optional
+        Of a sweep, what to draw; by default its first variable.
+    log : bool
+        A logarithmic scale.
+    curves : bool
+        Curves, one for each value of the shorter dimension, instead of a map.
+    select : mapping, optional
+        Values of further dimensions, such as ``{"restitution": 0.9}``.
+    overlays : sequence of {"tongue", "lift_off"}
+        Theory curves over a map of amplitude and frequency.
+    points : str or Path, optional
+        A CSV of trials to draw over it.
 
     Raises
     ------
     TypeError
         If `run` is no dataset.
     ValueError
-        If the dataset holds no run.
+        If the dataset holds neither a run nor a sweep, or the arguments do not fit it.
 
     Examples
     --------
@@ -69,16 +96,35 @@ def plot(run: xr.Dataset) -> Figure:
         raise TypeError(
             f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
         )
+    if is_map(run):
+        from latolato.figures.map import plot_map
+
+        return plot_map(
+            run,
+            variable,
+            log=log,
+            curves=curves,
+            select=select,
+            overlays=overlays,
+            points=points,
+        )
     if "angle" not in run or "time" not in run.dims:
-        raise ValueError("plot needs a run: a dataset with angle over time")
+        raise ValueError("plot needs a run: a dataset with angle over time, or a sweep")
+    if variable or log or curves or select or overlays or points:
+        raise ValueError("a run is drawn whole: variable, log and the like belong to sweeps")
     return _draw(run)
 
 
-def ball_angles(run: xr.Dataset) -> dict[str, Floats]:
+def is_map(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is that of a sweep."""
+    return "plan" in dataset.attrs and "time" not in dataset.dims
+
+
+def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
     """Return the angle of every ball [rad] by name, shape (time,); a mirrored ball too."""
-    angle = run["angle"].values
-    if "ball" in run["angle"].dims:
-        return {str(name): angle[i] for i, name in enumerate(run["ball"].values)}
+    angle = run[name].values
+    if "ball" in run[name].dims:
+        return {str(ball): angle[i] for i, ball in enumerate(run["ball"].values)}
     if run.attrs.get("system") == "latolato":
         return {"right": angle, "left": -angle}
     return {"ball": angle}
@@ -108,12 +154,13 @@ def _draw(run: xr.Dataset) -> Figure:
         4, sharex=True, height=1.15 * style.PAGE, height_ratios=[1.5, 1.0, 1.0, 0.6]
     )
     angles, energies, ledger, pivot = panels[:, 0]
-    draw_angles(angles, run)
-    _draw_contacts(angles, run)
+    curves = with_contacts(run)
+    draw_angles(angles, curves)
+    _draw_contacts(angles, curves)
     style.degree_axis(angles)
-    _draw_curves(energies, run, ENERGIES)
-    _draw_curves(ledger, run, LEDGER)
-    _draw_balance(ledger, run)
+    _draw_curves(energies, curves, ENERGIES)
+    _draw_curves(ledger, curves, LEDGER)
+    _draw_balance(ledger, curves)
     pivot.plot(run["time"], run["pivot_height"], color=style.INK)
     pivot.set_ylabel(style.label(run["pivot_height"], short=True))
     pivot.set_xlabel(style.label(run["time"]))
@@ -128,17 +175,17 @@ def _draw(run: xr.Dataset) -> Figure:
 
 
 def _draw_contacts(axes: Axes, run: xr.Dataset) -> None:
-    """Mark every contact on the curves."""
-    if "contact_time" not in run or not run.sizes["contact"]:
+    """Mark every contact that `with_contacts` put on the curves."""
+    if "contact_angle" not in run:
         return
     kinds = run["contact_kind"].values
     for kind, (marker, colour) in MARKS.items():
         times = run["contact_time"].values[kinds == kind]
-        for i, angle in enumerate(ball_angles(run).values()):
+        for i, angle in enumerate(ball_angles(run, "contact_angle").values()):
             if times.size:
                 axes.scatter(
                     times,
-                    np.interp(times, run["time"].values, angle),
+                    angle[kinds == kind],
                     s=_MARK_SIZE,
                     linewidths=0.0,
                     zorder=3,

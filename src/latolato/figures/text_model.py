@@ -83,7 +83,8 @@ STATEMENTS = (
         assumption="Angular momentum about the pivot is meant.",
         finding=(
             "In Fig. 4's toy a contact changes the linear momentum by {linear_change:.1%} of the "
-            "sum of both balls' momenta, the angular momentum by {angular_change:.0e}."
+            "sum of both balls' momenta, the angular momentum about the pivot by "
+            "{angular_percent:.1g}%."
         ),
         why=(
             "The rods meet at an angle, so the pivot takes up linear momentum. In terms of linear "
@@ -214,8 +215,10 @@ def _impact_numbers() -> dict[str, float]:
     lengths = (1.0, 0.9)
     v1, v2 = (length * w for length, w in zip(lengths, before, strict=True))
     turned = lengths[0] * (v2 - v1) + lengths[1] * (v1 - v2)
+    angular_change = abs(sum(after) - sum(before)) / 2.0
     return {
         "linear_change": float(moved / scale),
-        "angular_change": abs(sum(after) - sum(before)) / 2.0,
+        "angular_change": angular_change,
+        "angular_percent": 100.0 * angular_change,
         "eq11_change": abs(turned) / (lengths[0] * abs(v1) + lengths[1] * abs(v2)),
     }

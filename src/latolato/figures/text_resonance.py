@@ -70,8 +70,8 @@ STATEMENTS = (
             for n in TIMES_OMEGA0
         ),
         finding=(
-            "At ω = ω0, 2ω0, 3ω0 and 4ω0 eq14 grows at {growth_1:.5f}, {growth_2:.5f}, "
-            "{growth_3:.5f} and {growth_4:.5f} 1/s."
+            "At ω = ω0, 2ω0, 3ω0 and 4ω0 the growth rate of eq14 is {growth_1:.5g}, "
+            "{growth_2:.5g}, {growth_3:.5g} and {growth_4:.5g} 1/s; 0 means that it does not grow."
         ),
         why=(
             "The condition is ω = 2ω0/n, as the paper says later: multiples hold for n = 1 and 2 "

@@ -9,17 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.flight import Part, write_contact, write_ledger
+from latolato.numerics.flight import Part, follow_ledger, write_contact, write_ledger
 from latolato.numerics.records import (
     ANGLE_1,
     CONTACT,
     DAMPED,
+    FIRST_ENERGY,
     FLIGHT,
     IMPACT,
+    LARGEST_ENERGY,
+    MODE,
     SAMPLE,
     STEPS,
     STRETCH,
     TOTAL_STEPS,
+    UNSETTLED,
     VELOCITY_1,
     WORK,
 )
@@ -86,6 +90,10 @@ def make_clamped(
         n, stretch, sample = counters[STEPS], counters[STRETCH], counters[SAMPLE]
         rows, room, done = 0, len(contact_times) - 1, 0
         inertia = body.inertia
+        stiffness = g * body.coupling
+        if counters[MODE] == UNSETTLED:
+            energy = inertia * (0.5 * v * v + stiffness * potential(x))
+            state[FIRST_ENERGY] = state[LARGEST_ENERGY] = energy
         while n * h < stop and done < most_steps and rows < room:
             done += 1
             t = n * h
@@ -114,7 +122,6 @@ def make_clamped(
                 sample += 1
             if watches:
                 end_a, end_w, end_d = slopes(t + h, new_x, new_v, g, body, p)
-                stiffness = g * body.coupling
                 segment = Segment(
                     t, t + h, x, new_x, v, new_v, a1, end_a,
                     0.5 * v * v + stiffness * potential(x),
@@ -132,6 +139,9 @@ def make_clamped(
                 )
                 lost += 0.5 * inertia * (v * v - after * after)
                 v = after
+            if settings.follows_ledger != 0:
+                energy = inertia * (0.5 * v * v + stiffness * potential(x))
+                follow_ledger(state, energy, work - damped - lost)
             n += 1
         if n * h >= stop:
             while sample < len(sample_times) and sample_times[sample] <= stop:
@@ -141,6 +151,7 @@ def make_clamped(
         state[ANGLE_1], state[VELOCITY_1] = x, v
         state[WORK], state[DAMPED], state[IMPACT] = work, damped, lost
         counters[STEPS], counters[STRETCH], counters[SAMPLE] = n, stretch, sample
+        counters[MODE] = FLIGHT
         counters[CONTACT] += rows
         counters[TOTAL_STEPS] += done
         return rows

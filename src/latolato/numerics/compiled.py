@@ -25,7 +25,7 @@ from latolato.scalar import for_each_formula
 
 def _make_callable(function: Callable[..., Any]) -> None:
     """Let compiled code call a formula."""
-    register_jitable(function)
+    register_jitable(forceinline=True)(function)  # small, and lanes need it
 
 
 for_each_formula(_make_callable)
@@ -126,9 +126,9 @@ def compile_kernel(
     key = f"{name}:{law_key(*laws)}"
     suffix = hashlib.sha256(key.encode()).hexdigest()[:16]
 
-    def compile_part(function: Callable[..., Any]) -> Any:
+    def compile_part(function: Callable[..., Any], *, inline: bool = False) -> Any:
         function.__qualname__ = f"{function.__qualname__}_{suffix}"
-        return numba.njit(**_OPTIONS)(function)
+        return numba.njit(**_OPTIONS, forceinline=inline)(function)
 
     function = make(*laws, compile_part)
     dispatcher = compile_part(function)

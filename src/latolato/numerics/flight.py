@@ -11,14 +11,27 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
-from latolato.numerics.records import S_CAPTURED, S_DAMPED, S_IMPACT, S_MODE, S_NOISE, S_WORK
+from latolato.numerics.records import (
+    FIRST_ENERGY,
+    LARGEST_ENERGY,
+    RESIDUAL,
+    S_CAPTURED,
+    S_DAMPED,
+    S_IMPACT,
+    S_MODE,
+    S_NOISE,
+    S_WORK,
+)
 from latolato.physics.damping import decay_time, drift
 from latolato.scalar import cosine, formula
 
-Part = Callable[[Callable[..., Any]], Callable[..., Any]]
+Part = Callable[..., Callable[..., Any]]
 
 # Rows of a step's table.
 KICK, REACH, OFFSET = 0, 1, 2
+
+# The shortest step that changes the time, per time: an event ends a step at a later instant.
+SHORTEST = 2.3e-16
 
 # What a search looks for.
 ANGLE, VELOCITY = 0, 1
@@ -92,6 +105,16 @@ def write_ledger(
     samples[S_CAPTURED, k] = captured
     samples[S_NOISE, k] = noise
     samples[S_MODE, k] = mode
+
+
+@formula
+def follow_ledger(state: Any, energy: float, gained: float) -> None:
+    """Note the largest energy and the largest error of the ledger at the end of a step [J]."""
+    if energy > state[LARGEST_ENERGY]:
+        state[LARGEST_ENERGY] = energy
+    error = abs(energy - state[FIRST_ENERGY] - gained)
+    if error > state[RESIDUAL]:
+        state[RESIDUAL] = error
 
 
 @formula

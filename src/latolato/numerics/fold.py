@@ -14,10 +14,12 @@ from typing import Any
 from latolato.numerics.bounce import hop, meet_wall
 from latolato.numerics.flight import (
     ANGLE,
+    SHORTEST,
     Law,
     Method,
     Part,
     Point,
+    follow_ledger,
     make_flight,
     prepare,
     pull_at,
@@ -29,10 +31,12 @@ from latolato.numerics.records import (
     CAPTURED,
     CONTACT,
     DAMPED,
+    FIRST_ENERGY,
     FLIGHT,
     GRAZES,
     IMPACT,
     KICKED,
+    LARGEST_ENERGY,
     MODE,
     NOISE,
     REST_HIGH,
@@ -115,6 +119,8 @@ def make_trajectory(
         inertia = body.inertia
         nonlinear = body.quadratic > 0.0 or body.coulomb > 0.0
         follows_tension = settings.follows_tension != 0
+        follows_ledger = settings.follows_ledger != 0
+        stiffness = gravity * body.coupling
         pull, sag = math.inf, settings.sag
         strongest = (gravity + settings.lift_bound) * body.coupling
         full = tables[0]
@@ -136,6 +142,8 @@ def make_trajectory(
         if mode == UNSETTLED:
             # Whether the ball rests, sticks, strikes or flies at time zero.
             mode = FLIGHT
+            energy = inertia * (0.5 * velocity * velocity + stiffness * potential(angle))
+            state[FIRST_ENERGY] = state[LARGEST_ENERGY] = energy
             pull = body.coupling * restoring(angle)
             free = -(gravity + lift) * pull
             side = -1.0 if angle <= low else (1.0 if angle >= high else 0.0)
@@ -180,7 +188,7 @@ def make_trajectory(
                         state[SLACK_FIRST], state[SLACK_TOTAL], t, until, angle, settings, law
                     )
                 if watches:
-                    e = gravity * body.coupling * potential(angle)
+                    e = stiffness * potential(angle)
                     held = Segment(t, until, angle, angle, 0.0, 0.0, 0.0, 0.0, e, e, 0.0, 0.0, 1.0)
                     watch_step(acc, column, columns, held)
                 t_base, n, t = until, 0, until
@@ -223,6 +231,7 @@ def make_trajectory(
                 turned = nonlinear and v * sign < 0.0 and small == 0.0
                 if turned:
                     hs, whole, reaches_goal = turn(hs, point, sign, method, law), False, False
+                    hs = max(hs, SHORTEST * t)
                     x, v, dw, dd, a1, driven1, lift1 = step_by(hs, point, sign, method, law)
 
                 wall, far = 0.0, 0.0
@@ -265,6 +274,8 @@ def make_trajectory(
                         mode = REST_LOW if far < 0.0 else REST_HIGH
                         if rows > 0 and contact_kinds[rows - 1] == RELEASE:
                             rows -= 1
+                        else:
+                            rows = write_contact(*table_of_contacts, rows, t, REST, 0.0, 0.0)
                         a1, driven1, lift1 = force(t + hs, wall, sign, law)
                     x = wall
 
@@ -274,6 +285,8 @@ def make_trajectory(
                 while sample < len(sample_times) and sample_times[sample] < t_new:
                     s = sample_times[sample] - t
                     xs, vs, dws, dds, _, _, _ = step_by(s, point, sign, method, law)
+                    if hit and (xs - wall) * far > 0.0:
+                        xs = wall  # by a rounding
                     samples[0, sample], samples[1, sample] = xs, vs
                     write_ledger(
                         samples, sample, work + inertia * dws, damped + inertia * dds, lost,
@@ -298,7 +311,6 @@ def make_trajectory(
                 if watches:
                     slowing = drag(velocity, sign, body.rate, body.quadratic, 0.0)
                     slowing1 = drag(v, sign, body.rate, body.quadratic, 0.0)
-                    stiffness = gravity * body.coupling
                     segment = Segment(
                         t, t_new, angle, x, velocity, v, a - slowing, a1 - slowing1,
                         0.5 * velocity * velocity + stiffness * potential(angle),
@@ -310,6 +322,9 @@ def make_trajectory(
                 angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
                 work += inertia * dw
                 damped += inertia * dd
+                if follows_ledger:
+                    energy = inertia * (0.5 * velocity * velocity + stiffness * potential(angle))
+                    follow_ledger(state, energy, work + noise - damped - lost - captured)
                 if whole:
                     n += 1
                 else:

@@ -15,10 +15,12 @@ from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
+    SHORTEST,
     VELOCITY,
     Law,
     Method,
     Part,
+    follow_ledger,
     make_flight,
     prepare,
     pull_at,
@@ -45,10 +47,12 @@ from latolato.numerics.records import (
     CAPTURED,
     CONTACT,
     DAMPED,
+    FIRST_ENERGY,
     FLIGHT,
     GRAZES,
     IMPACT,
     KICKED,
+    LARGEST_ENERGY,
     MODE,
     NOISE,
     REST_HIGH,
@@ -71,6 +75,10 @@ from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
 from latolato.physics.damping import drag
 
 _PARTS = 0.25  # see `latolato.numerics.fold`
+# Of a step within which the balls part too little to be seen: as long they stay together.
+_HOLD = _PARTS / 16.0
+# The rounding of a separation, per sum of the angles' sizes and a few rad.
+_ROUNDING = 1e-15
 
 
 def make_pair_trajectory(
@@ -108,6 +116,15 @@ def make_pair_trajectory(
     def slowed(a: float, v: float, sign: float, body: Any) -> float:
         """Return the acceleration with all drag from that of a kick."""
         return 0.0 if sign == STUCK else a - drag(v, sign, body.rate, body.quadratic, 0.0)
+
+    @part
+    def energy_of(q: Any, bodies: Any, gravity: float) -> float:
+        """Return the energy of both balls."""
+        energy = 0.0
+        for i in range(2):
+            speed, lifted = q[i, V], gravity * bodies[i].coupling * potential(q[i, X])
+            energy += bodies[i].inertia * (0.5 * speed * speed + lifted)
+        return energy
 
     turn, follow_slack = flight.turn, flight.follow_slack
     (
@@ -182,9 +199,13 @@ def make_pair_trajectory(
         leaving = 0.0
         far = -1.0 if mode == REST_LOW else 1.0
         strikes = False
+        # Until when the balls stay together though a pull may part them too little to be seen.
+        held_until = t
+        follows_ledger = settings.follows_ledger != 0
 
         if mode == UNSETTLED:
             mode = FLIGHT
+            state[FIRST_ENERGY] = state[LARGEST_ENERGY] = energy_of(q, bodies, g)
             gap = q[0, X] - q[1, X]
             if gap <= low + 1e-12 or gap >= high - 1e-12:
                 far = -1.0 if gap <= low + 1e-12 else 1.0
@@ -196,8 +217,10 @@ def make_pair_trajectory(
             if mode == FLIGHT:
                 gap = q[0, X] - q[1, X]
                 leaving = -1.0 if gap <= low + 1e-12 else (1.0 if gap >= high - 1e-12 else 0.0)
+                if (q[0, V] - q[1, V]) * leaving > 0.0:
+                    leaving = 0.0
 
-        while strikes or (t < stop and done < most_steps and rows < room):
+        while strikes or t < held_until or (t < stop and done < most_steps and rows < room):
             done += 1
             if strikes:
                 strikes = False
@@ -236,14 +259,19 @@ def make_pair_trajectory(
                 law = pair.laws[2] if far < 0.0 else pair.laws[3]
                 inertia = law.body.inertia
                 join(t, q, offset, law, pair)
-                parts = False
+                parts, held = False, held_until > t
+                if held and held_until < t_new:
+                    hs, t_new, reaches_goal = held_until - t, held_until, False
                 margin = joint_margin(hs, far, offset, gap, t, q, r, w, law, pair)
                 turned = nonlinear and r[JOINT, V] * signs[JOINT] < 0.0
                 if turned:
                     hs = turn(hs, point_of(t, q, JOINT), signs[JOINT], methods[JOINT], law)
+                    hs = max(hs, SHORTEST * t)
                     margin = joint_margin(hs, far, offset, gap, t, q, r, w, law, pair)
                 end = hs
-                if margin >= 0.0 and signs[JOINT] != STUCK:
+                if held:
+                    margin = 0.0
+                elif margin >= 0.0 and signs[JOINT] != STUCK:
                     end = dip(hs, margin, far, offset, gap, t, q, r, w, law, pair)
                     margin = margin if end == hs else -1.0
                 if margin < 0.0:
@@ -261,6 +289,7 @@ def make_pair_trajectory(
                 if parts or turned:
                     reaches_goal = False
                     t_new = t + hs
+                whole = not (parts or turned or held or reaches_goal)
                 while sample < len(sample_times) and sample_times[sample] < t_new:
                     s = sample_times[sample] - t
                     go_by(s, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
@@ -287,10 +316,13 @@ def make_pair_trajectory(
                 end_1, end_2 = joint_pulls(t_new, q, gap, pair)
                 add_slack(state, 0, begin_1, end_1, t, t_new)
                 add_slack(state, 1, begin_2, end_2, t, t_new)
-                if parts or turned or reaches_goal:
-                    t_base, n = t_new, 0
-                else:
+                if follows_ledger:
+                    gained = work + noise - damped - lost - captured
+                    follow_ledger(state, energy_of(q, bodies, g), gained)
+                if whole:
                     n += 1
+                else:
+                    t_base, n = t_new, 0
                 t = t_new
                 # Friction may have let go of both together: then they move on as one.
                 slips = signs[JOINT] == STUCK and parting(far, t, q, pair) <= 0.0
@@ -320,8 +352,10 @@ def make_pair_trajectory(
                         small = 0.0
                 reach = (abs(rate) + abs(end_rate)) * hs
                 near = min(gap, end_gap) - low < reach or high - max(gap, end_gap) < reach
-                if small == 0.0 and near and pull * end_pull < 0.0:
-                    hs *= _PARTS
+                # From touch without any rate the first dip has no sign that the ends would show.
+                level = leaving != 0.0 and rate == 0.0
+                if small == 0.0 and ((near and pull * end_pull < 0.0) or level):
+                    hs *= _PARTS / 16.0 if level else _PARTS
                     regular, reaches_goal = False, False
                     both(hs, t, q, r, pair)
 
@@ -348,6 +382,7 @@ def make_pair_trajectory(
                             s = turn(hs, point_of(t, q, i), signs[i], methods[i], laws[i])
                         else:
                             continue
+                        s = max(s, SHORTEST * t)
                         if turning < 0 or s < hs:
                             hs, turning = s, i
                         both(hs, t, q, r, pair)
@@ -380,15 +415,37 @@ def make_pair_trajectory(
                         hs = s
                     else:
                         both(hs, t, q, r, pair)
-                rests_on = False
+                rests_on, grazes = False, False
                 if toward != 0.0 and beyond:
                     far = toward
-                    regular, reaches_goal, turning = False, False, -1
                     begin = 0.0
                     if leaving == far and small == 0.0:
                         begin = leave_gap(wall, far, hs, t, q, r, pair)
-                        rests_on = begin == 0.0
-                    strikes = not rests_on
+                        grazes = begin == 0.0
+                if grazes:  # nothing moves apart that could be seen: do the balls begin to part?
+                    both(hs, t, q, r, pair)
+                    end_gap, end_rate = r[0, X] - r[1, X], r[0, V] - r[1, V]
+                    tiny = _ROUNDING * (abs(r[0, X]) + abs(r[1, X]) + 10.0)
+                    rests_on = end_rate * far >= 0.0 or abs(end_gap - wall) > tiny
+                if rests_on:  # no: they stay together, for a short time without a question
+                    counters[GRAZES] += 1
+                    i1, i2 = bodies[0].inertia, bodies[1].inertia
+                    captured += 0.5 * i1 * i2 / (i1 + i2) * (q[0, V] - q[1, V]) ** 2
+                    q[0, V], _ = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
+                    q[1, V] = q[0, V]
+                    mode, leaving = (REST_LOW if far < 0.0 else REST_HIGH), 0.0
+                    held_until = min(t + max(_HOLD * hs, SHORTEST * t), goal)
+                    if rows > 0 and contact_kinds[rows - 1] == RELEASE:
+                        rows -= 1
+                    else:
+                        now = (q[0, V], q[1, V])
+                        rows = write_pair_contact(*table_of_contacts, rows, t, REST, now, now)
+                    settle_signs(t, q, pair)
+                    t_base, n = t, 0
+                    continue
+                if toward != 0.0 and beyond and not grazes:
+                    regular, reaches_goal, turning = False, False, -1
+                    strikes = True
                     if small > 0.0:
                         hs = small
                         both(hs, t, q, r, pair)
@@ -396,17 +453,6 @@ def make_pair_trajectory(
                         change = (r[0, V] - r[1, V] + rate) / (i1 + i2)
                         r[0, V] -= change * i2
                         r[1, V] += change * i1
-                    elif rests_on:  # nothing moves apart that could be seen: stay together
-                        counters[GRAZES] += 1
-                        hs *= _PARTS / 16.0
-                        mode = REST_LOW if far < 0.0 else REST_HIGH
-                        if rows > 0 and contact_kinds[rows - 1] == RELEASE:
-                            rows -= 1
-                        both(hs, t, q, r, pair)
-                        i1, i2 = bodies[0].inertia, bodies[1].inertia
-                        captured += 0.5 * i1 * i2 / (i1 + i2) * (r[0, V] - r[1, V]) ** 2
-                        r[0, V], _ = pair_impact(r[0, V], r[1, V], i1, i2, 0.0)
-                        r[1, V] = r[0, V]
                     else:
                         hs = locate_gap(ANGLE, wall, begin, hs, t, q, r, pair)
                         both(hs, t, q, r, pair)
@@ -458,18 +504,21 @@ def make_pair_trajectory(
                         state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i] = first, total
                     work += bodies[i].inertia * r[i, GAIN]
                     damped += bodies[i].inertia * r[i, LOSS]
-                    for column in range(5):
-                        q[i, column] = r[i, column]
+                    for j in range(5):
+                        q[i, j] = r[i, j]
+                if follows_ledger:
+                    gained = work + noise - damped - lost - captured
+                    follow_ledger(state, energy_of(q, bodies, g), gained)
                 if regular:
                     n += 1
                 else:
                     t_base, n = t_new, 0
                 t = t_new
                 if not strikes:
-                    leaving = far if rests_on else 0.0
+                    leaving = far if grazes else 0.0
                 if turning >= 0:
                     q[turning, V] = 0.0
-                if turning >= 0 or rests_on:
+                if turning >= 0:
                     settle_signs(t, q, pair)
 
             if t >= goal and (at_stretch or at_kick) and not strikes:

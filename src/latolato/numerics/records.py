@@ -81,6 +81,7 @@ SETTINGS = np.dtype(
         ("offset_high", "f8"),
         ("sag", "f8"),  # relative dip of the tension within a step that is looked for
         ("follows_tension", "i8"),
+        ("follows_ledger", "i8"),
     ]
 )
 
@@ -88,7 +89,10 @@ SETTINGS = np.dtype(
 T_BASE, ANGLE_1, VELOCITY_1, ANGLE_2, VELOCITY_2 = 0, 1, 2, 3, 4
 WORK, DAMPED, IMPACT, CAPTURED, NOISE = 5, 6, 7, 8, 9
 SLACK_FIRST, SLACK_TOTAL, SLACK_FIRST_2, SLACK_TOTAL_2 = 10, 11, 12, 13
-STATE_SIZE = 14
+# The ledger at the ends of steps, where it is followed: the first and the largest energy and the
+# largest error [J].
+FIRST_ENERGY, LARGEST_ENERGY, RESIDUAL = 14, 15, 16
+STATE_SIZE = 17
 
 # Slots of its counters.
 MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)

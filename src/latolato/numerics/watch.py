@@ -7,6 +7,7 @@ its own first slot. The column of a trajectory is its number, or that of its bal
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from latolato.numerics.flight import Part
@@ -60,7 +61,8 @@ def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
 
 def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Watch:
     """Return the folded functions of `hooks_of`."""
-    part: Part = compile_part or (lambda function: function)
+    # Lanes become vectors only if nothing in their loop is called.
+    part: Part = partial(compile_part, inline=True) if compile_part else (lambda function: function)
     steps, contacts, marks, restarts = hooks
 
     @part

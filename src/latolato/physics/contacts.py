@@ -60,7 +60,8 @@ def contact_separation(right: Any, left: Any) -> float:
     Raises
     ------
     ValueError
-        If the balls can never meet, or the longer rod would hit the shorter ball first.
+        If the balls can never meet, or a rod would hit the other ball first: a rod at least
+        ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
     """
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
     reach = r1 + r2
@@ -76,16 +77,23 @@ def contact_separation(right: Any, left: Any) -> float:
             f"for lengths {l1:g} and {l2:g}"
         )
     separation = 2.0 * math.asin(sine)
-    # A rod passes beside a ball at its own length or above: of equal rods either may hit.
-    met = [b for b in (right, left) if b.length <= min(l1, l2)]
-    half_width = max(math.asin(b.radius / b.length) for b in met)
-    # Equal balls have half_width = separation / 2: only truly unequal ones can fail here.
-    if half_width > separation:
-        raise ValueError(
-            "the longer rod would hit the shorter ball before the balls meet: "
-            f"asin(radius/length) = {half_width:g} rad of the shorter one exceeds the contact "
-            f"separation {separation:g} rad; make the longer ball larger or the lengths closer"
-        )
+    for ball, other in ((right, left), (left, right)):
+        # A line from the pivot touches the ball at this distance; a shorter rod ends before it, in
+        # its own ball, which touches first.
+        tangent = math.sqrt((ball.length - ball.radius) * (ball.length + ball.radius))
+        half_width = math.asin(ball.radius / ball.length)
+        # Equal balls have half_width = separation / 2: only truly unequal ones can fail here.
+        if other.length >= tangent and half_width > separation:
+            one, hit = "smaller ball's", "larger"
+            if other.length != ball.length:
+                one, hit = "longer", "shorter"
+            if other.length < ball.length:
+                one, hit = hit, one
+            raise ValueError(
+                f"the {one} rod would hit the {hit} ball before the balls meet: "
+                f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
+                f"separation {separation:g} rad; make the other ball larger"
+            )
     return separation
 
 

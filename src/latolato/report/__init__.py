@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from latolato.figures.claim import Claim, Verdict
+from latolato.report.powers import rewritten_powers
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,6 +26,7 @@ _COLOURS = {
 }
 INDEX = "index.html"
 DPI, QUICK_DPI = 200, 150
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Shares of the work, for the progress: computing, drawing.
 _COMPUTED = 0.8
 
@@ -91,9 +93,11 @@ def reproduce(
     tell = progress or (lambda fraction: None)
     tell(0.0)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = folder.with_name(f".{folder.name}.{os.getpid()}.{secrets.token_hex(3)}")
-    unfinished.mkdir()
+    # Inside a folder that exists: its neighbours may be on another disk, or nobody's to write.
+    beside = folder if folder.exists() else folder.parent
+    unfinished = beside / f".latolato.{os.getpid()}.{secrets.token_hex(3)}"
     try:
+        unfinished.mkdir()
         claims = _write(unfinished, quick, tell)
         if not folder.exists():
             os.replace(unfinished, folder)
@@ -102,6 +106,11 @@ def reproduce(
             names = sorted(os.listdir(unfinished), key=lambda name: (name == INDEX, name))
             for name in names:
                 os.replace(unfinished / name, folder / name)
+    except OSError as error:
+        if error.errno is None or not str(error.filename).startswith(str(unfinished)):
+            raise
+        # The temporary name would say nothing to anyone.
+        raise OSError(error.errno, error.strerror, str(folder)) from None
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
     tell(1.0)
@@ -111,7 +120,7 @@ def reproduce(
 def _write(folder: Path, quick: bool, tell: Callable[[float], None]) -> tuple[Claim, ...]:
     """Compute, draw and write everything into an empty folder and return the claims."""
     from latolato.figures import catalogue, style
-    from latolato.files import save
+    from latolato.files import atomic_path, save
     from latolato.report.page import Part, render
 
     modules = catalogue.evidence()
@@ -143,7 +152,8 @@ def _write(folder: Path, quick: bool, tell: Callable[[float], None]) -> tuple[Cl
         )
         tell((done + 1.0) / len(modules))
     page = render(parts, folder, quick=quick)
-    (folder / INDEX).write_text(page, encoding="utf-8")
+    with atomic_path(folder / INDEX) as unfinished:  # an error then names the file
+        unfinished.write_text(page, encoding="utf-8")
     return tuple(claim for part in parts for claim in part.claims)
 
 
@@ -165,8 +175,13 @@ def claims_table(claims: Sequence[Claim]) -> Table:
     for claim in claims:
         verdict = Text(f"{SHAPES[claim.verdict]} {claim.verdict.value}")
         verdict.stylize(_COLOURS[claim.verdict])
-        table.add_row(escape(claim.where), verdict, escape(claim.finding))
+        table.add_row(escape(claim.where), verdict, escape(plain(claim.finding)))
     return table
+
+
+def plain(text: str) -> str:
+    """Return text with powers of ten as people write them: 1e-09 as 10⁻⁹, 0e+00 as 0."""
+    return rewritten_powers(text, lambda power: power.translate(_RAISED))
 
 
 def print_claims(result: Result) -> None:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from latolato.figures.claim import Claim, Verdict
 from latolato.figures.style import pretty_unit
 from latolato.quantities import QUANTITIES
+from latolato.report.powers import rewritten_powers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,11 +162,7 @@ def _text(text: str) -> str:
     """Return escaped text with subscripts, minus signs and powers of ten set."""
     minus = "\N{MINUS SIGN}"
     text = escape(text, quote=False)
-    text = re.sub(r"\b0(?:\.0+)?e[+-]00\b", "0", text)
-    text = re.sub(r"(?<![\w.])1e([+-])0*(\d+)\b", r"10<sup>\1\2</sup>", text)
-    times = "\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}"
-    text = re.sub(r"(\d)e([+-])0*(\d+)\b", rf"\1{times}10<sup>\2\3</sup>", text)
-    text = text.replace("<sup>-", f"<sup>{minus}").replace("<sup>+", "<sup>")
+    text = rewritten_powers(text, lambda power: f"<sup>{power.replace('-', minus)}</sup>")
     text = re.sub(r"(?<![A-Za-z_&#])(A|y)([0-9])(?![0-9A-Za-z_])", r"\1<sub>\2</sub>", text)
     text = re.sub(r"ω([0-9])(?![0-9]|\.[0-9])", r"ω<sub>\1</sub>", text)
     text = re.sub(r"θ(min|max)", r"θ<sub>\1</sub>", text).replace("m_rod", "m<sub>rod</sub>")
@@ -236,11 +233,12 @@ def _criterion(text: str, held: bool) -> str:
 
 
 def _assumed(assumptions: Iterable[str]) -> str:
-    """Return a paragraph for each different assumption."""
+    """Return a paragraph for each assumption that no other one says in full."""
+    texts = [text for text in dict.fromkeys(assumptions) if text]
     return "".join(
         f'<p class="assumed"><b>Assumed:</b> {_text(text)}</p>'
-        for text in dict.fromkeys(assumptions)
-        if text
+        for text in texts
+        if not any(text in other for other in texts if other != text)
     )
 
 

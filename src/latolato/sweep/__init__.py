@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -155,10 +156,18 @@ def run_plan(
     **options: Any,
 ) -> xr.Dataset:
     """Return the dataset of a plan; `options` go to the executor. See `sweep`."""
-    from latolato.sweep.chunk import STATUS, status_counts
+    from latolato.sweep.chunk import STATUS
     from latolato.sweep.results import Memory
 
     execute = executor_named(executor)
+    known = [p.name for p in signature(execute).parameters.values() if p.kind is p.KEYWORD_ONLY]
+    for option in options:
+        if option not in known:
+            takes = f"only {' and '.join(known)}" if known else "no options"
+            raise ValueError(
+                f"executor '{executor}' does not know {option}, it takes {takes}: leave {option} "
+                "out or name another executor"
+            )
     if store is not None:
         from latolato.sweep.store import Store
 
@@ -175,7 +184,7 @@ def run_plan(
             if progress is not None:
                 progress(done, plan.size)
         dataset: xr.Dataset = results.dataset()
-    counts = status_counts(dataset[STATUS].values)
+    counts = results.status_counts()
     lost = {name: counts[name] for name in ("event_limit", "failed", "invalid") if name in counts}
     if lost:
         told = ", ".join(f"{n} {name}" for name, n in lost.items())

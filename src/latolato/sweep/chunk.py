@@ -85,7 +85,7 @@ def _run(
             for slot, content in enumerate(observable.initial(angle)):
                 acc[block.first + slot, :, ball] = content
     # Longest first: the last points of a worker then are short ones.
-    steps = np.where(batch.valid, plan.duration / batch.points.settings["step"], 0.0)
+    steps = plan.duration / np.where(batch.valid, batch.points.settings["step"], math.inf)
     order = np.argsort(-steps, kind="stable")
     order = order[batch.valid[order]]
     if len(order):
@@ -120,7 +120,8 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
                 slack=gained[:, 4 + ball],
             )
             slots = acc[block.first : block.first + block.size, :, ball]
-            found.append(observable.values(slots, outcome))
+            with np.errstate(all="ignore"):  # points without an answer become NaN below
+                found.append(observable.values(slots, outcome))
         for name in observable.variables:
             per_ball = [np.array(f[name], dtype=np.float64) for f in found]
             joined = per_ball[0] if balls == 1 or name in works else np.stack(per_ball, axis=1)
@@ -141,7 +142,7 @@ def _ends(plan: Plan, batch: Batch, progress: Progress) -> Previous:
     angles = [np.where(usable, progress.state[:, a], batch.state[:, a]) for a, _ in columns]
     velocities = [np.where(usable, progress.state[:, v], batch.state[:, v]) for _, v in columns]
     phase = None
-    if "drive_phase" in batch.columns:
+    if plan.continuation and "drive_frequency" in batch.columns:
         turned = batch.columns["drive_frequency"] * plan.duration
         phase = np.where(
             usable,

@@ -15,11 +15,11 @@ import numpy as np
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
-from latolato.physics.drives import Drive, Harmonic, Static, drives
+from latolato.physics.drives import CrankSlider, Drive, Harmonic, Static, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
-from latolato.registry import checked_count, checked_number, describe, suggest
+from latolato.registry import checked_count, checked_number, describe, rebuild, suggest
 from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
 from latolato.sweep.axes import Axis, Parameter, checked_axes, parameters_of
 
@@ -154,6 +154,49 @@ class Plan:
             },
         }
 
+    @classmethod
+    def from_description(cls, described: Mapping[str, Any]) -> Plan:
+        """Return the plan that `describe` described, also after a way through JSON.
+
+        Raises
+        ------
+        ValueError
+            If another format or something else was described.
+        """
+        if described.get("format") != STORE_FORMAT:
+            raise ValueError(
+                f"a plan of format {described.get('format')} cannot be read, only format "
+                f"{STORE_FORMAT}; use the latolato that wrote it"
+            )
+
+        def law(known: Mapping[str, type], entry: Mapping[str, Any]) -> Any:
+            return rebuild(known[entry["kind"]], {k: v for k, v in entry.items() if k != "kind"})
+
+        rest = {k: v for k, v in described.items() if k != "format"}
+        try:
+            noise = rest["noise"]
+            return cls(
+                **rest
+                | {
+                    "system": law(systems, rest["system"]),
+                    "drive": law(drives, rest["drive"]),
+                    "axes": tuple(
+                        Axis(
+                            axis["name"],
+                            tuple(axis["parameters"]),
+                            tuple(tuple(values) for values in axis["values"]),
+                        )
+                        for axis in rest["axes"]
+                    ),
+                    "observables": tuple(law(observables, o) for o in rest["observables"]),
+                    "start": tuple(sorted(rest["start"].items())),
+                    "contact": law(contact_laws, rest["contact"]),
+                    "noise": None if noise is None else rebuild(VelocityKicks, noise),
+                }
+            )
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"this describes no plan of a sweep: {error}") from None
+
     @cached_property
     def hash(self) -> str:
         """Digest of everything that determines the numbers and their layout."""
@@ -201,7 +244,7 @@ def make_plan(
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"two observables both give '{name}': drop one")
-    if any(o.marks for o in watched) and "drive_frequency" not in known:
+    if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
         raise ValueError(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
         )
@@ -351,7 +394,7 @@ def _check_continuation(
             f"continuation along {starts[0]} makes no sense: each point starts where the one "
             "before ended"
         )
-    if not hasattr(drive, "drive_phase") and type(drive) is not Static:
+    if not isinstance(drive, (Harmonic, CrankSlider, Static)):
         raise ValueError(
             f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
             f"got {drives.name_of(drive)}"

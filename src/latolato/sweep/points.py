@@ -32,12 +32,15 @@ from latolato.numerics.steppers import Stepper
 from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.physics.pendulum import Ball, LatoLato, System, restoring_linear
+from latolato.simulate import MOST_STEPS
 from latolato.start import ON_WALL, checked_start, kicks_of, walls_of
 from latolato.sweep.axes import DERIVED, parameters_of
 from latolato.sweep.plan import Plan
 
 Floats = NDArray[np.float64]
 Columns = dict[str, Floats]
+
+_OUT_OF_RANGE = "the numbers of this point leave the range of floats"
 
 
 @dataclass(frozen=True)
@@ -147,11 +150,10 @@ def transient_of(plan: Plan, columns: Columns) -> Floats:
     """Return how long the transient lasts at each point [s]."""
     period = _drive_period(columns)
     length = columns["length"] if "length" in columns else columns["right_length"]
-    natural = math.tau * np.sqrt(length / columns["gravity"])
-    found: Floats = plan.transient + plan.transient_periods * np.where(
-        np.isfinite(period), period, natural
-    )
-    return found
+    with np.errstate(over="ignore"):
+        natural = math.tau * np.sqrt(length / columns["gravity"])
+        periods: Floats = plan.transient_periods * np.where(np.isfinite(period), period, natural)
+    return plan.transient + periods
 
 
 def _drive_period(columns: Columns) -> Floats:
@@ -210,27 +212,27 @@ def _from_columns(
 
     zero = np.zeros(count)
     lift = frequency = zero
-    if isinstance(plan.drive, Harmonic):
-        # The properties are arithmetic: they take columns as well as numbers.
-        lift = Harmonic.largest_acceleration.fget(c)  # type: ignore[attr-defined]
-        frequency = Harmonic.fastest_frequency.fget(c)  # type: ignore[attr-defined]
     with np.errstate(all="ignore"):
-        rate = rate_of(
-            c.gravity, c.length, lift, frequency, abs(columns["initial_angular_velocity"])
-        )
-        step = step_for(rate, plan.tolerance, stepper)
+        if isinstance(plan.drive, Harmonic):
+            # The properties are arithmetic: they take columns as well as numbers.
+            lift = Harmonic.largest_acceleration.fget(c)  # type: ignore[attr-defined]
+            frequency = Harmonic.fastest_frequency.fget(c)  # type: ignore[attr-defined]
         body = records.body_record(c)  # type: ignore[arg-type]
-    if isinstance(plan.contact, Clamp):
-        step = np.full(count, plan.contact.step)
+        speed = abs(velocity)
+        rate = rate_of(c.gravity, c.length, lift, frequency, speed, (body[1], body[2]))
+        step = step_for(rate, plan.tolerance, stepper)
+        if isinstance(plan.contact, Clamp):
+            step = np.full(count, plan.contact.step)
+        valid &= np.isfinite(step) & (step > 0.0) & (plan.duration <= MOST_STEPS * step)
     settings = np.zeros(count, dtype=SETTINGS)
     values = settings_values(
         gravity=c.gravity,
         walls=(low, high),
         restitution=columns.get("restitution", 1.0),
         rest_speed=plan.rest_speed,
-        step=step,
+        step=np.where(valid, step, 0.0),
         lift_bound=lift,
-        rate=rate,
+        rate=np.where(valid, rate, 0.0),
         follows_tension=_follows_tension(plan),
     )
     for name, value in zip(SETTINGS.names or (), values, strict=True):
@@ -239,7 +241,6 @@ def _from_columns(
     for name, value in zip(BODY.names or (), body, strict=True):
         bodies[name][:, 0] = value
         valid &= np.isfinite(value)
-    valid &= np.isfinite(step) & (step > 0.0)
     stretches = np.zeros(count, dtype=[(name, "f8") for name in plan.drive.stretch_fields])
     if isinstance(plan.drive, Harmonic):
         for name in plan.drive.stretch_fields:
@@ -264,7 +265,9 @@ def _reason(plan: Plan, columns: Columns, k: int, stepper: Stepper) -> str:
         _objects(plan, columns, k, stepper, None)
     except (TypeError, ValueError) as error:
         return str(error)
-    return "the numbers of this point leave the range of floats"
+    except ArithmeticError:
+        pass
+    return _OUT_OF_RANGE
 
 
 def _follows_tension(plan: Plan) -> bool:
@@ -322,8 +325,15 @@ def _objects(
             f"got {transient:g} s"
         )
     if isinstance(plan.contact, Clamp):
-        return system, drive, start, walls, plan.contact.step
-    return system, drive, start, walls, choose_step(system, drive, start, plan.tolerance, stepper)
+        step = plan.contact.step
+    else:
+        step = choose_step(system, drive, start, plan.tolerance, stepper)
+    if not plan.duration <= MOST_STEPS * step:
+        raise ValueError(
+            f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
+            "duration, loosen the tolerance or slow the motion"
+        )
+    return system, drive, start, walls, step
 
 
 def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[float, ...]:
@@ -357,6 +367,9 @@ def _from_objects(
             system, drive, start, walls, step = _objects(plan, columns, k, stepper, previous)
         except (TypeError, ValueError) as error:
             reason = reason or str(error)
+            continue
+        except ArithmeticError:
+            reason = reason or _OUT_OF_RANGE
             continue
         valid[k] = True
         rows, offsets = body_rows(system, walls)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
+from collections.abc import Mapping
 from importlib.metadata import version as package_version
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +15,7 @@ from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
 from latolato.simulate import version
 from latolato.sweep.axes import parameters_of
-from latolato.sweep.chunk import STATUS, Values
+from latolato.sweep.chunk import STATUS, Values, status_counts
 from latolato.sweep.plan import Plan
 
 if TYPE_CHECKING:
@@ -128,6 +130,11 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     return flat | {"plan": json.dumps(described), "plan_hash": plan.hash}
 
 
+def in_order(counts: Mapping[str, int]) -> dict[str, int]:
+    """Return counts of statuses in the order of these, whatever that of the chunks was."""
+    return {name: counts[name] for name in STATUS_NAMES if counts.get(name)}
+
+
 class Memory:
     """A sweep's results in memory."""
 
@@ -135,7 +142,8 @@ class Memory:
         self.plan = plan
         self.missing = range(plan.chunks)
         self.points_done = 0
-        self._reason = ""
+        self._counts: Counter[str] = Counter()
+        self._reasons: dict[int, str] = {}
         lengths = lengths_of(plan)
         self._arrays = {
             name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
@@ -153,7 +161,13 @@ class Memory:
         block = self.plan.block(number)
         for name, array in self._arrays.items():
             array[block] = values[name]
-        self._reason = self._reason or reason
+        self._counts.update(status_counts(values[STATUS]))
+        if reason:
+            self._reasons[number] = reason
+
+    def status_counts(self) -> dict[str, int]:
+        """Return how many points have each status that occurs."""
+        return in_order(self._counts)
 
     def dataset(self) -> xr.Dataset:
         """Return the labelled dataset."""
@@ -167,6 +181,6 @@ class Memory:
         )
         for name in dataset.variables:
             dataset[name].attrs.update(attributes.get(str(name), {}))
-        if self._reason:
-            dataset.attrs["first_invalid"] = self._reason
+        if self._reasons:  # the same whatever the order in which chunks came
+            dataset.attrs["first_invalid"] = self._reasons[min(self._reasons)]
         return dataset

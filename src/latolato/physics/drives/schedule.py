@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -16,6 +17,9 @@ from latolato.physics.drives.base import (
 )
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, quantity_field
 from latolato.scalar import cosine, formula, sine
+
+# A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
+_ROUNDING = 1e-12
 
 
 @formula
@@ -136,7 +140,7 @@ class FrequencySchedule(_Swept):
             raise ValueError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
         check_increasing("times", times)
         gaps = [b - a for a, b in pairwise(times)]
-        if gaps and self.ramp > min(gaps):
+        if gaps and self.ramp > min(gaps) * (1.0 + _ROUNDING):
             raise ValueError(
                 f"ramp must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}"
             )
@@ -145,12 +149,11 @@ class FrequencySchedule(_Swept):
 
     def _knots(self) -> list[tuple[float, float, float]]:
         knots = [(0.0, self.drive_frequencies[0], 0.0)]
-        for start, old, new in zip(
-            self.times[1:], self.drive_frequencies, self.drive_frequencies[1:], strict=False
-        ):
+        rates, ends = self.drive_frequencies, (*self.times[2:], math.inf)
+        for start, end, old, new in zip(self.times[1:], ends, rates, rates[1:], strict=False):
             if self.ramp > 0.0:
                 knots.append((start, old, (new - old) / self.ramp))
-                if knots[-1][0] + self.ramp not in self.times:
+                if end - start > self.ramp * (1.0 + _ROUNDING):
                     knots.append((start + self.ramp, new, 0.0))
             else:
                 knots.append((start, new, 0.0))

@@ -1,0 +1,376 @@
+"""Sweeps beside their peers: latolato's lanes, heyoka's batches and SciPy, at measured errors.
+
+Work: a 40 x 40 grid, A0 in (0, 0.5] m, frequency ratio in (0, 5], l = 1 m, m = 0.8 kg, 300 s:
+(a) free from the contact angle at rest, (b) both walls, e = 1, from 0.2 rad above the contact
+angle, (c) as (b) with e = 0.9 and C = 0.02. One thread, CPU time per trajectory, compilation
+excluded. The error is the median of the final angle's over the points whose motion is regular: a
+tight run of latolato and, in (a) and (b), one of heyoka agree there to 1e-7.
+
+heyoka runs at its best: batches of its recommended width with points of one frequency, fast_math,
+terminal events with a callback in (b). It cannot do (c), whose bounces come to rest. SciPy's DOP853
+runs at a few regular points. Prints tables and writes ``sweep.json`` beside itself.
+
+``python benchmarks/sweep.py [--points N] [--scaling] [--map]``
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import resource
+import statistics
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+import latolato as ll
+from latolato.sweep.chunk import run_chunk
+from latolato.sweep.kernels import run_fastest, run_scalar
+from latolato.sweep.plan import Plan, make_plan
+
+DURATION = 300.0
+RADIUS = 0.1
+LOW, HIGH = math.asin(RADIUS), math.pi - math.asin(RADIUS)
+GRAVITY = 9.8
+REGULAR = 1e-7
+CASES: dict[str, dict[str, Any]] = {
+    "free": {"damping": 0.0, "restitution": 1.0, "start": LOW, "walls": False},
+    "walls": {"damping": 0.0, "restitution": 1.0, "start": LOW + 0.2, "walls": True},
+    "damped": {"damping": 0.02, "restitution": 0.9, "start": LOW + 0.2, "walls": True},
+}
+
+
+def grid(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return amplitudes [m] and frequency ratios."""
+    share = np.arange(1, points + 1) / points
+    return 0.5 * share, 5.0 * share
+
+
+def plan_of(case: str, points: int, tolerance: float, **options: Any) -> Plan:
+    """Return the plan of a case."""
+    c = CASES[case]
+    amplitudes, ratios = grid(points)
+    body = {"length": 1.0, "mass": 0.8, "damping": c["damping"]}
+    system: Any = ll.Pendulum(**body)
+    if c["walls"]:
+        system = ll.LatoLato(**body, radius=RADIUS, restitution=c["restitution"])
+    given = {
+        "axes": {"drive_amplitude": amplitudes, "frequency_ratio": ratios},
+        "duration": DURATION,
+        "observables": ["final_angle"],
+        "initial_angle": c["start"],
+        "tolerance": tolerance,
+        "chunk_size": points * points,
+    }
+    return make_plan(system, None, **(given | options))
+
+
+def own(plan: Plan, runner: Any = run_fastest, repeats: int = 3) -> tuple[float, Any, int]:
+    """Return CPU time per trajectory [s], the values, and the number of contacts."""
+    best, contacts, values = math.inf, 0, None
+    warm = False
+
+    def run_points(plan: Plan, batch: Any, stepper: Any, order: Any, progress: Any) -> None:
+        nonlocal best, contacts, warm
+        if not warm:  # compile, or load what was compiled
+            state, counters = progress.state.copy(), progress.counters.copy()
+            runner(plan, batch, stepper, order[-1:], progress)
+            progress.state[:], progress.counters[:] = state, counters
+            warm = True
+        begin = time.process_time()
+        runner(plan, batch, stepper, order, progress)
+        best = min(best, time.process_time() - begin)
+        contacts = int(progress.counters[:, 3].sum())
+
+    for _ in range(repeats):
+        values, _ = run_chunk(plan, 0, run_points)
+    return best / plan.size, values, contacts
+
+
+def heyoka_batch(case: str, tolerance: float) -> Any:
+    """Return heyoka's batch integrator of a case: parameters are A0 w^2 and w."""
+    x, v = hy.make_vars("x", "v")
+    slope = -(GRAVITY - hy.par[0] * hy.cos(hy.par[1] * hy.time)) * hy.sin(x)
+    width = hy.recommended_simd_size()
+    events = []
+    if CASES[case]["walls"]:
+
+        def reflect(ta: Any, direction: int, lane: int) -> bool:
+            ta.state[1, lane] = -ta.state[1, lane]
+            return True
+
+        events = [
+            hy.t_event_batch(x - LOW, callback=reflect, direction=hy.event_direction.negative),
+            hy.t_event_batch(x - HIGH, callback=reflect, direction=hy.event_direction.positive),
+        ]
+    return hy.taylor_adaptive_batch(
+        [(x, v), (v, slope)],
+        np.zeros((2, width)),
+        t_events=events,
+        pars=np.zeros((2, width)),
+        tol=tolerance,
+        fast_math=True,
+    )
+
+
+def heyoka_sweep(
+    case: str, points: int, tolerance: float, ta: Any
+) -> tuple[float, NDArray[np.float64]]:
+    """Return CPU time per trajectory [s] and the final angles."""
+    amplitudes, ratios = grid(points)
+    width = ta.batch_size
+    found = np.empty((points, points))
+    begin = time.process_time()
+    for column, ratio in enumerate(ratios):
+        w = ratio * math.sqrt(GRAVITY)
+        for first in range(0, points, width):
+            rows = np.minimum(np.arange(first, first + width), points - 1)
+            ta.set_time(0.0)
+            ta.state[0], ta.state[1] = CASES[case]["start"], 0.0
+            ta.pars[0], ta.pars[1] = amplitudes[rows] * w * w, w
+            if CASES[case]["walls"]:
+                ta.reset_cooldowns()
+            ta.propagate_until(DURATION)
+            found[rows, column] = ta.state[0]
+    return (time.process_time() - begin) / (points * points), found
+
+
+def scipy_point(case: str, amplitude: float, ratio: float, tolerance: float) -> tuple[float, float]:
+    """Return CPU time [s] and the final angle of DOP853 with terminal events."""
+    w = ratio * math.sqrt(GRAVITY)
+    lift = amplitude * w * w
+
+    def slope(t: float, y: NDArray[np.float64]) -> list[float]:
+        return [y[1], -(GRAVITY - lift * math.cos(w * t)) * math.sin(y[0])]
+
+    def bottom(t: float, y: NDArray[np.float64]) -> float:
+        return float(y[0]) - LOW
+
+    def top(t: float, y: NDArray[np.float64]) -> float:
+        return float(y[0]) - HIGH
+
+    bottom.terminal = top.terminal = True  # type: ignore[attr-defined]
+    bottom.direction, top.direction = -1.0, 1.0  # type: ignore[attr-defined]
+    events = [bottom, top] if CASES[case]["walls"] else []
+    t, y = 0.0, [CASES[case]["start"], 0.0]
+    begin = time.process_time()
+    while t < DURATION:
+        run = solve_ivp(
+            slope, (t, DURATION), y, "DOP853", [], events=events, rtol=tolerance, atol=tolerance
+        ) if events else solve_ivp(
+            slope, (t, DURATION), y, "DOP853", [DURATION], rtol=tolerance, atol=tolerance
+        )  # fmt: skip
+        if run.status != 1:
+            if events:  # the end was not asked for before it was known that no event comes
+                run = solve_ivp(
+                    slope, (t, DURATION), y, "DOP853", [DURATION], rtol=tolerance, atol=tolerance
+                )
+            return time.process_time() - begin, float(run.y[0, -1])
+        wall = 0 if len(run.t_events[0]) else 1
+        t = float(run.t_events[wall][-1])
+        y = [(LOW, HIGH)[wall], -float(run.y_events[wall][-1][1])]
+    return time.process_time() - begin, float(y[0])
+
+
+def cost_at(rows: list[dict[str, float]], error: float) -> float:
+    """Return the time at an error, by interpolation between logarithms of neighbours [s]."""
+    rows = sorted(rows, key=lambda r: r["error"])
+    errors = np.log([r["error"] for r in rows])
+    times = np.log([r["time"] for r in rows])
+    return float(np.exp(np.interp(math.log(error), errors, times)))
+
+
+def compare(case: str, points: int) -> dict[str, Any]:
+    """Return tables of one case: each peer's times and errors, and the ratios."""
+    _, tight, _ = own(plan_of(case, points, 1e-13), repeats=1)
+    reference = tight["final_angle"]
+    peer = case != "damped"
+    if peer:
+        _, other = heyoka_sweep(case, points, 1e-15, heyoka_batch(case, 1e-15))
+    else:
+        _, loose, _ = own(plan_of(case, points, 1e-12), repeats=1)
+        other = loose["final_angle"]
+    regular = abs(reference - other) < REGULAR
+    found: dict[str, Any] = {"regular_points": int(regular.sum()), "own": [], "heyoka": []}
+    for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
+        seconds, values, contacts = own(plan_of(case, points, tolerance))
+        error = float(np.median(abs(values["final_angle"] - reference)[regular]))
+        found["own"].append({"tolerance": tolerance, "time": seconds, "error": error})
+        found["contacts"] = contacts / points**2
+    if peer:
+        for tolerance in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+            ta = heyoka_batch(case, tolerance)
+            heyoka_sweep(case, min(points, 8), tolerance, ta)
+            seconds, angles = heyoka_sweep(case, points, tolerance, ta)
+            error = float(np.median(abs(angles - reference)[regular]))
+            found["heyoka"].append({"tolerance": tolerance, "time": seconds, "error": error})
+        amplitudes, ratios = grid(points)
+        places = np.argwhere(regular)[:: max(1, int(regular.sum()) // 8)][:8]
+        found["scipy"] = []
+        for tolerance in (1e-7, 1e-10):
+            runs = [scipy_point(case, amplitudes[i], ratios[j], tolerance) for i, j in places]
+            errors = [abs(a - reference[i, j]) for (_, a), (i, j) in zip(runs, places, strict=True)]
+            found["scipy"].append(
+                {
+                    "tolerance": tolerance,
+                    "time": statistics.mean(s for s, _ in runs),
+                    "error": float(np.median(errors)),
+                }
+            )
+        found["ratios"] = {
+            f"{name} at {error:g}": cost_at(found[name], error) / cost_at(found["own"], error)
+            for name in ("heyoka", "scipy")
+            for error in (1e-6, 1e-9)
+        }
+    return found
+
+
+def show(case: str, found: dict[str, Any]) -> None:
+    """Print the tables of one case."""
+    print(
+        f"\n({case}) {found['regular_points']} regular points, {found['contacts']:.0f} contacts each"
+    )
+    for name in ("own", "heyoka", "scipy"):
+        for row in found.get(name, []):
+            print(
+                f"  {name:8} tolerance {row['tolerance']:7.0e}  {1e3 * row['time']:9.4f} ms  "
+                f"median error {row['error']:.1e}"
+            )
+    for name, ratio in found.get("ratios", {}).items():
+        print(f"  {name}: latolato is {ratio:.1f} times faster")
+
+
+def threads(points: int) -> dict[str, float]:
+    """Return wall time of a sweep with one and with two threads, and their ratio."""
+    found = {}
+    for workers in (1, 2):
+        plan = plan_of("walls", points, 1e-6, chunk_size=max(256, points * points // 16))
+        best = math.inf
+        for _ in range(3):
+            begin = time.perf_counter()
+            ll.sweep(
+                plan.system, axes={a.name: a.values[0] for a in plan.axes}, duration=DURATION,
+                observables=plan.observables, initial_angle=LOW + 0.2, tolerance=1e-6,
+                chunk_size=plan.chunk_size, workers=workers,
+            )  # fmt: skip
+            best = min(best, time.perf_counter() - begin)
+        found[f"{workers} thread{'s' if workers > 1 else ''} [s]"] = best
+    found["gain"] = found["1 thread [s]"] / found["2 threads [s]"]
+    return found
+
+
+_SCALE = """
+import resource, sys, time, tempfile, pathlib, numpy as np, latolato as ll
+count, store = int(sys.argv[1]), sys.argv[2] == "store"
+toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+options = dict(duration=float(sys.argv[3]), observables=["largest_angle"], initial_offset=0.2,
+    tolerance=1e-6)
+ll.sweep(toy, axes={"drive_amplitude": [0.1], "frequency_ratio": [2.0]}, **options)
+with tempfile.TemporaryDirectory() as folder:
+    begin = time.process_time()
+    ll.sweep(toy, axes={"drive_amplitude": np.linspace(0.001, 0.5, 1000)[: min(count, 1000)],
+        "frequency_ratio": np.linspace(0.01, 5.0, count // 1000)}, workers=2,
+        store=pathlib.Path(folder) / "map.zarr" if store else None, **options)
+    seconds = time.process_time() - begin
+print(seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+"""
+
+
+def scaling(counts: tuple[int, ...], duration: float, store: bool) -> list[dict[str, float]]:
+    """Return CPU time per point and peak memory of sweeps of growing size, each in a process."""
+    found = []
+    for count in counts:
+        words = [
+            sys.executable,
+            "-c",
+            _SCALE,
+            str(count),
+            "store" if store else "no",
+            str(duration),
+        ]
+        text = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+        seconds, memory = map(float, text.split())
+        found.append(
+            {
+                "points": count,
+                "microseconds per point": 1e6 * seconds / count,
+                "resident GB": memory,
+            }
+        )
+        print("  ", found[-1])
+    return found
+
+
+def big_map(points: int) -> dict[str, float]:
+    """Return points and impacts per second of a map with walls over 300 s on all processors."""
+    plan = plan_of("walls", points, 1e-6, chunk_size=4096)
+    begin = time.perf_counter()
+    result = ll.sweep(
+        plan.system, axes={a.name: a.values[0] for a in plan.axes}, duration=DURATION,
+        observables=["bottom_contacts", "top_contacts"], initial_angle=LOW + 0.2, tolerance=1e-6,
+    )  # fmt: skip
+    seconds = time.perf_counter() - begin
+    impacts = float((result.bottom_contacts + result.top_contacts).sum())
+    return {
+        "points": points * points,
+        "points per second": points * points / seconds,
+        "impacts per second": impacts / seconds,
+    }
+
+
+def composed(points: int) -> dict[str, float]:
+    """Return CPU time per trajectory of lanes and of single trajectories [ms]."""
+    found = {}
+    for case in CASES:
+        plan = plan_of(case, points, 1e-6)
+        found[f"{case}, lanes"] = 1e3 * own(plan)[0]
+        found[f"{case}, one by one"] = 1e3 * own(plan, run_scalar, 1)[0]
+    return found
+
+
+def main() -> None:
+    """Run what was asked for, print it and write it down."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=40, help="points along each axis")
+    parser.add_argument("--scaling", action="store_true", help="also cost and memory against size")
+    parser.add_argument("--map", action="store_true", help="also a map of 400 x 400 points")
+    options = parser.parse_args()
+    results: dict[str, Any] = {
+        "machine": platform.platform(),
+        "processor": platform.processor(),
+        "simd": hy.recommended_simd_size(),
+        "versions": {n: version(n) for n in ("latolato", "numba", "numpy", "heyoka", "scipy")},
+        "points": options.points,
+    }
+    for case in CASES:
+        results[case] = compare(case, options.points)
+        show(case, results[case])
+    results["one by one"] = composed(options.points)
+    print("\nlanes beside single trajectories, tolerance 1e-6 [ms]:", results["one by one"])
+    results["threads"] = threads(max(options.points, 80))
+    print("two threads:", results["threads"])
+    if options.scaling:
+        print("cost against size, 10 s with walls, in memory:")
+        results["scaling"] = scaling((1_000, 10_000, 100_000, 1_000_000), 10.0, False)
+        print("10 million short trajectories (1 s) into a store:")
+        results["store"] = scaling((10_000_000,), 1.0, True)
+    if options.map:
+        results["map"] = big_map(400)
+        print("400 x 400 with walls, 300 s:", results["map"])
+    path = Path(__file__).with_suffix(".json")
+    path.write_text(json.dumps(results, indent=1))
+    print(f"\nwritten to {path}; peak memory here {resource.getrusage(0).ru_maxrss / 1e6:.2f} GB")
+
+
+if __name__ == "__main__":
+    main()

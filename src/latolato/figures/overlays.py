@@ -1,0 +1,279 @@
+"""What is drawn over a map of amplitude and frequency: theory curves and measured trials."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.registry import suggest
+from latolato.units import to_si
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+OVERLAYS = ("tongue", "lift_off")
+AMPLITUDES = ("drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio")
+FREQUENCIES = ("drive_frequency", "frequency_ratio")
+# Marker of the classes of trials (Paper: as in Fig. 9), with the colours of a map of classes.
+TRIALS = {
+    "none": ("o", style.PALE_BLUE),
+    "weak": ("^", style.ORANGE),
+    "strong": ("D", style.RED),
+}
+# The tongue has no upper frequency beyond this amplitude, and none at all beyond the second.
+_OPEN_ENDED, _CLOSED = 0.454, 3.8  # lengths
+_SAMPLES = 400
+
+
+@dataclass(frozen=True)
+class Context:
+    """The axes of a map and the parameters that turn amplitudes and frequencies into them.
+
+    Attributes
+    ----------
+    x, y : str
+        Names of the parameters to the right and upwards.
+    """
+
+    x: str
+    y: str
+    length: float
+    mass: float
+    damping: float
+    gravity: float
+    has_walls: bool
+    other_drag: bool
+
+    @classmethod
+    def of(cls, grid: xr.Dataset, x: str, y: str) -> Context:
+        """Return the context of a map; raise ValueError if it is not of amplitude and frequency."""
+        if not ((x in FREQUENCIES and y in AMPLITUDES) or (y in FREQUENCIES and x in AMPLITUDES)):
+            raise ValueError(
+                f"overlays and points need a map of amplitude ({', '.join(AMPLITUDES)}) and "
+                f"frequency ({', '.join(FREQUENCIES)}), got {y} and {x}"
+            )
+        side = "right_" if "right_length" in {*grid.attrs, *grid.coords} else ""
+        drags = [_number(grid, side + n) for n in ("quadratic_damping", "coulomb_damping")]
+        return cls(
+            x=x,
+            y=y,
+            length=_number(grid, side + "length"),
+            mass=_number(grid, side + "mass"),
+            damping=_number(grid, side + "damping"),
+            gravity=_number(grid, "gravity"),
+            has_walls=grid.attrs.get("contact", "none") != "none",
+            other_drag=any(drags),
+        )
+
+    @property
+    def natural_frequency(self) -> float:
+        """w0 [rad/s]."""
+        return math.sqrt(self.gravity / self.length)
+
+    def place(self, amplitude: Any, frequency: Any) -> tuple[Any, Any]:
+        """Return the coordinates (x, y) of amplitudes [m] at frequencies [rad/s]."""
+        along = {
+            "drive_amplitude": amplitude,
+            "amplitude_ratio": amplitude / self.length,
+            "drive_acceleration_ratio": amplitude * frequency**2 / self.gravity,
+            "drive_frequency": frequency,
+            "frequency_ratio": frequency / self.natural_frequency,
+        }
+        return along[self.x], along[self.y]
+
+
+def _number(grid: xr.Dataset, name: str) -> float:
+    """Return a parameter that does not vary over the picture."""
+    if name in grid.coords:
+        if grid[name].ndim:
+            raise ValueError(f"overlays need one {name}, but it varies: select a value")
+        return float(grid[name])
+    if name not in grid.attrs:
+        raise ValueError(f"this map does not say its {name}, which overlays need")
+    return float(grid.attrs[name])
+
+
+def draw(axes: Axes, context: Context, name: str) -> Any:
+    """Draw the overlay of that name and return its legend entry."""
+    name = name.replace("-", "_")
+    if name == "tongue":
+        return _draw_tongue(axes, context)
+    if name == "lift_off":
+        return _draw_lift_off(axes, context)
+    raise ValueError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")
+
+
+def _limits(axes: Axes, context: Context) -> tuple[float, float, float, float]:
+    """Return the amplitudes [m] and frequencies [rad/s] that a map spans."""
+    spans = {context.x: axes.get_xlim(), context.y: axes.get_ylim()}
+    name = context.x if context.x in FREQUENCIES else context.y
+    slow, fast = spans[name]
+    if name == "frequency_ratio":
+        slow, fast = (each * context.natural_frequency for each in (slow, fast))
+    name = context.y if context.y in AMPLITUDES else context.x
+    small, large = spans[name]
+    if name == "amplitude_ratio":
+        small, large = small * context.length, large * context.length
+    elif name == "drive_acceleration_ratio":
+        factor = context.gravity / max(slow, 1e-3 * fast) ** 2
+        small, large = 0.0, large * factor
+    return small, large, slow, fast
+
+
+def tongue(context: Context, largest: float) -> tuple[Floats, Floats, Floats]:
+    """Return amplitudes [m] and the lower and upper edge of the primary tongue there [rad/s].
+
+    The first row is the tip, where both edges meet; an upper edge of infinity is left out as NaN.
+    """
+    from latolato.analysis.mathieu import mathieu_tongue_edges
+
+    def edges(amplitude: float) -> tuple[float, float]:
+        return mathieu_tongue_edges(
+            drive_amplitude=amplitude,
+            length=context.length,
+            mass=context.mass,
+            damping=context.damping,
+            gravity=context.gravity,
+        )
+
+    largest = min(largest, _CLOSED * context.length)
+    closed, opened = 0.0, largest
+    if math.isnan(edges(opened)[0]):
+        return (np.array([]),) * 3
+    if context.damping > 0.0:
+        for _ in range(50):
+            middle = 0.5 * (closed + opened)
+            closed, opened = (middle, opened) if math.isnan(edges(middle)[0]) else (closed, middle)
+    else:
+        opened = 0.0
+    # Denser near the tip, where a damped tongue is round.
+    amplitudes = opened + (largest - opened) * np.linspace(0.0, 1.0, _SAMPLES) ** 2
+    found = np.array([edges(float(a)) for a in amplitudes]) * context.natural_frequency
+    found[~np.isfinite(found)] = np.nan
+    return amplitudes, found[:, 0], found[:, 1]
+
+
+def _draw_tongue(axes: Axes, context: Context) -> Any:
+    """Draw both edges of the primary tongue as one curve."""
+    _, large, *_ = _limits(axes, context)
+    amplitudes, low, high = tongue(context, large)
+    both = np.concatenate([amplitudes[::-1], amplitudes])
+    x, y = context.place(both, np.concatenate([low[::-1], high]))
+    text = "Mathieu tongue (eq14)" + (", linear drag only" if context.other_drag else "")
+    return _line(axes, x, y, text, (0, ()))
+
+
+def _draw_lift_off(axes: Axes, context: Context) -> Any:
+    """Draw where the pivot's largest acceleration equals gravity."""
+    if not context.has_walls:
+        raise ValueError("overlay lift_off needs a system with contact: nothing rests on a wall")
+    _, _, slow, fast = _limits(axes, context)
+    frequency = np.linspace(max(slow, 1e-3 * fast), fast, _SAMPLES)
+    x, y = context.place(context.gravity / frequency**2, frequency)
+    return _line(axes, x, y, r"lift-off from rest ($A_0\omega^2 = g$)", (0, (4, 2)))
+
+
+def _line(axes: Axes, x: Any, y: Any, text: str, dashes: Any) -> Any:
+    """Draw a curve that shows on dark and on light cells, without moving the limits."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    limits = axes.get_xlim(), axes.get_ylim()
+    ground = Stroke(linewidth=3.0, foreground=style.INK)
+    solid = ground if not dashes[1] else Stroke(linewidth=3.0, foreground=style.INK, alpha=0.9)
+    (line,) = axes.plot(
+        x,
+        y,
+        color=style.PAPER,
+        lw=1.5,
+        ls=dashes,
+        label=text,
+        path_effects=[solid, Normal()],
+        solid_capstyle="butt",
+        dash_capstyle="butt",
+    )
+    axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
+    return line
+
+
+def draw_points(axes: Axes, context: Context, path: str | Path) -> list[Any]:
+    """Draw the trials of a file and return their legend entries."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    trials = read_trials(Path(path), context.natural_frequency)
+    handles = []
+    for name, (marker, colour) in TRIALS.items():
+        rows = [(a, w) for a, w, kind in trials if kind == name]
+        if not rows:
+            continue
+        amplitude, frequency = np.array(rows).T
+        x, y = context.place(amplitude, frequency)
+        outside = int(np.sum((x < left) | (x > right) | (y < bottom) | (y > top)))
+        text = f"trial, {name}" + (f" ({outside} of {len(rows)} outside)" if outside else "")
+        handles.append(
+            axes.scatter(
+                x,
+                y,
+                s=26.0,
+                marker=marker,
+                color=colour,
+                edgecolors=style.INK,
+                linewidths=0.9,
+                zorder=4,
+                label=text,
+            )
+        )
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    return handles
+
+
+def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float, str]]:
+    """Return amplitude [m], frequency [rad/s] and class of every trial in a CSV file.
+
+    Raises
+    ------
+    ValueError
+        For missing columns, unknown classes and what is no number, naming the row.
+    """
+    import csv
+
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is no text file; save the trials as UTF-8 CSV") from None
+    table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
+    columns = [name.strip() for name in table.fieldnames or ()]
+    table.fieldnames = columns
+    frequency = next((name for name in FREQUENCIES if name in columns), None)
+    if not {"drive_amplitude", "class"} <= set(columns) or frequency is None:
+        raise ValueError(
+            f"{path} must have the columns drive_amplitude, class and one of "
+            f"{', '.join(FREQUENCIES)}, got {', '.join(columns) or 'none'}"
+        )
+    units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
+    found = []
+    for number, row in enumerate(table, start=1):
+        kind = (row["class"] or "").strip().lower()
+        if kind not in TRIALS:
+            raise ValueError(
+                f"trial {number} of {path} has the class {kind!r}: it must be one of "
+                f"{', '.join(TRIALS)}"
+            )
+        try:
+            a, w = (
+                float(to_si(name, row[name] or "", units[name]))
+                for name in ("drive_amplitude", frequency)
+            )
+        except ValueError as error:
+            raise ValueError(f"trial {number} of {path}: {error}") from None
+        found.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
+    return found

@@ -1,0 +1,30 @@
+"""Where the numbers of lanes lie: rows of a flat workspace and of the table of a step.
+
+Row R of lane j is ``w[R * LANES + j]``: constants, so that the compiler sees which rows cannot
+overlap.
+"""
+
+from __future__ import annotations
+
+# Lanes that step together: several vectors in flight hide the latency of the sine's polynomial.
+LANES = 128
+
+# Rows of the workspace, each LANES wide. First the motion: angle, velocity, restoring, the drive's
+# pull and its quadrature, work, loss. Then its copy at the start of the step.
+X, V, S, C, D, WORK, LOSS = 0, 1, 2, 3, 4, 5, 6
+COPY = 7
+X0, V0, S0, C0 = X + COPY, V + COPY, S + COPY, C + COPY
+G, LOW, HIGH = 14, 15, 16  # gravity's pull and the walls
+T, N, HALT = 17, 18, 19  # start of the step pattern [s], steps since, steps until a halt
+H, PER_H, RATE = 20, 21, 22  # step [s], its inverse, rate of the drag
+TAKEN = 23  # 1 where the full step is taken, 0 where the lane is put back
+X1, V1, A1 = 24, 25, 26  # end of a step that is not taken, in radians and seconds
+ROWS = 27
+
+# Rows of the step's table: for each kick cosine and sine of the drive's turn since the start of the
+# step, for each drift its reach and what it leaves of the velocity.
+REACH, LEFT, COS, SIN = 0, 1, 2, 3
+TABLE_ROWS = 4
+
+# The halt of a lane that waits for its impact to be located.
+WAITS = -1.0

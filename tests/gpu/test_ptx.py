@@ -1,0 +1,69 @@
+"""Kernels compile for a device that is not there: laws, observables and trajectories alike."""
+
+import importlib.util
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from latolato.numerics.many import make_progress
+from latolato.numerics.watch import slots_of
+from latolato.sweep.points import make_batch, stepper_of
+
+if not importlib.util.find_spec("numba_cuda"):
+    pytest.skip("needs numba-cuda, which has no packages for macOS", allow_module_level=True)
+
+HOPPER = (9, 0)
+
+
+@pytest.fixture(autouse=True)
+def _no_device(monkeypatch):
+    """Let numba-cuda take device functions as meant for Hopper where it would ask a device."""
+    monkeypatch.setattr(
+        "numba.cuda.dispatcher.get_current_device",
+        lambda: SimpleNamespace(compute_capability=HOPPER),
+    )
+
+
+@pytest.fixture(autouse=True)
+def _compiler():
+    """Skip where CUDA's compiler libraries are missing."""
+    import cuda.pathfinder as pathfinder
+
+    for library in ("nvvm", "nvrtc"):
+        try:
+            pathfinder.load_nvidia_dynamic_lib(library)
+        except pathfinder.DynamicLibNotFoundError:
+            pytest.skip(f"CUDA's lib{library} is not installed: pip install 'latolato[cuda]'")
+
+
+@pytest.mark.slow
+def test_kernel_compiles_to_ptx_in_double_precision(plan):
+    import numba
+    from numba import cuda
+
+    from latolato.sweep.executors.cuda import kernel_arguments, kernel_of
+
+    stepper = stepper_of(plan)
+    slots = sum(block.size for block in slots_of(plan.observables))
+    progress = make_progress(plan.size, slots, plan.system.angles)
+    batch = make_batch(plan, np.arange(plan.size), stepper)
+    order = np.arange(plan.size)
+    cancel = np.zeros(1, dtype=np.int64)
+    arguments = (*kernel_arguments(batch, stepper, order, progress), cancel)
+    kernel = kernel_of(plan, stepper)
+    records = [a for a in arguments if isinstance(a, np.ndarray) and a.dtype.names]
+    assert records
+    assert all(a.dtype.isalignedstruct for a in records)  # others are read byte by byte
+
+    ptx, _ = cuda.compile_ptx(
+        kernel.py_func,
+        tuple(numba.typeof(a) for a in arguments),
+        device=False,
+        cc=HOPPER,
+        opt=False,  # faster; what is tested is that everything has a translation
+    )
+
+    assert ".target sm_90" in ptx
+    assert ".visible .entry" in ptx
+    assert "cvt.rn.f32" not in ptx  # NVIDIA's own functions compare high words as float32

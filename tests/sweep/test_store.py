@@ -1,0 +1,588 @@
+"""A store ends with the same bytes whatever happened on the way, and belongs to one sweep."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import latolato as ll
+from latolato.numerics.records import STATUS_NAMES
+from latolato.observables import observables
+from latolato.physics.contacts import contact_laws
+from latolato.sweep import store as store_module
+from latolato.sweep.axes import Axis
+from latolato.sweep.chunk import STATUS
+from latolato.sweep.plan import Plan, make_plan
+from latolato.sweep.results import Memory, lengths_of, template
+from latolato.sweep.store import Store, differences, plan_from_store, store_status
+
+TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
+BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1)
+# 8 points in 4 chunks; a radius beyond the length gives two points without an answer.
+SWEEP = {
+    "axes": {"drive_amplitude": [0.0, 0.05], "radius": [0.05, 0.1, 0.2, 1.5]},
+    "duration": 0.05,
+    "initial_angle": 0.4,
+    "observables": ["largest_angle", "works"],
+    "chunk_size": 2,
+}
+DRIVE = ll.Harmonic(drive_amplitude=0.0, drive_frequency=6.0)
+WITHOUT_ANSWER = "2 of 8 points have no answer: 2 invalid"
+PLAN = make_plan(TOY, DRIVE, **SWEEP)
+# A process that dies, by a signal that it cannot see coming, just before or after it puts a file
+# of the store in its place.
+KILLED = """
+    import os, signal, warnings
+    import latolato as ll
+    from latolato import Harmonic, LatoLato
+
+    warnings.simplefilter("ignore")
+    place, seen = os.replace, 0
+
+    def replace(source, target):
+        global seen
+        hit = str(target) == {target!r}
+        seen += hit
+        if hit and seen == {times} and {when!r} == "before":
+            os.kill(os.getpid(), signal.SIGKILL)
+        place(source, target)
+        if hit and seen == {times}:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    os.replace = replace
+    ll.sweep({system}, {drive}, **{sweep!r}, executor="reference", store={path!r})
+"""
+not_on_windows = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
+
+
+def contents(path):
+    """All files below a folder with their bytes."""
+    return {
+        file.relative_to(path).as_posix(): file.read_bytes()
+        for file in sorted(path.rglob("*"))
+        if file.is_file()
+    }
+
+
+def swept(path, **changed):
+    """The sweep of these tests into a store, in plain Python."""
+    with pytest.warns(RuntimeWarning, match=WITHOUT_ANSWER):
+        return ll.sweep(TOY, DRIVE, **(SWEEP | changed), executor="reference", store=path)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A store that was written without any interruption."""
+    path = tmp_path_factory.mktemp("whole") / "map.zarr"
+    swept(path)
+    return path
+
+
+@contextmanager
+def python(code):
+    """A Python process that runs this code, and does not survive the block."""
+    command = [sys.executable, "-B", "-c", textwrap.dedent(code)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, **pipes) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def made_up(plan, number, reason=""):
+    """Values of a chunk that nobody computed."""
+    shape = tuple(part.stop - part.start for part in plan.block(number))
+    lengths = lengths_of(plan)
+    values = {}
+    for name, (dims, dtype, _) in template(plan).items():
+        full = shape + tuple(lengths[d] for d in dims[len(shape) :])
+        values[name] = np.arange(np.prod(full)).reshape(full).astype(dtype) % 3 + number
+    values[STATUS][:] = STATUS_NAMES.index("invalid" if reason else "converged")
+    return values
+
+
+def fill(plan, path, numbers=None, reasons=()):
+    """Write made-up chunks, in this order, those that are missing by default."""
+    with Store(plan, path) as store:
+        for number in store.missing if numbers is None else numbers:
+            reason = dict(reasons).get(number, "")
+            store.write(number, made_up(plan, number, reason), reason)
+        return store.dataset()
+
+
+@contextmanager
+def made_good(what):
+    """Expect to be told what was damaged."""
+    with pytest.warns(RuntimeWarning, match=f"is made good: {what}"):
+        yield
+
+
+def test_a_store_opens_as_the_dataset_that_memory_gives(whole):
+    with pytest.warns(RuntimeWarning, match=WITHOUT_ANSWER):
+        memory = ll.sweep(TOY, DRIVE, **SWEEP, executor="reference")
+    assert "radius" in memory.attrs["first_invalid"]
+    for opened in (
+        xr.open_zarr(whole),
+        xr.open_zarr(whole, chunks=None, consolidated=False),
+        ll.load(whole),
+    ):
+        xr.testing.assert_identical(opened.load(), memory)
+        assert opened.status.dtype == np.int8
+        assert {k: type(v) for k, v in opened.attrs.items()} == {
+            k: type(v) for k, v in memory.attrs.items()
+        }
+
+
+@pytest.mark.parametrize("direction", ["up", "both"])
+def test_two_balls_samples_and_zipped_axes_come_back(tmp_path, direction):
+    plan = make_plan(
+        ll.BallPair(right=BALL, left=BALL),
+        axes={
+            "case": {"frequency_ratio": [1.0, 2.0, 3.0], "drive_amplitude": [0.1, 0.2, 0.3]},
+            "gravity": [9.7, 9.8],
+        },
+        initial_angle=(0.3, -0.3),
+        duration=1.0,
+        observables=["works", "stroboscope", "final_angle"],
+        continuation="case",
+        direction=direction,
+        chunk_size=3,
+    )
+    memory = Memory(plan)
+    for number in range(plan.chunks):
+        memory.write(number, made_up(plan, number), "")
+    opened = fill(plan, tmp_path / "map.zarr")
+    assert opened.ball.dtype == memory.dataset().ball.dtype
+    xr.testing.assert_identical(opened.load(), memory.dataset())
+
+
+def test_values_in_a_store_are_read_on_use(whole):
+    dataset = ll.load(whole)
+    assert "[8 values" in repr(dataset.largest_angle)  # xarray shows values that it holds
+    assert dataset.chunks == {}
+
+
+@not_on_windows
+@pytest.mark.parametrize(
+    "file, times, when",
+    [
+        ("radius/c/0", 1, "before"),
+        ("zarr.json", 1, "before"),
+        ("zarr.json", 1, "after"),
+        ("largest_angle/c/0/1", 1, "before"),
+        ("drive_work/c/1/0", 1, "after"),
+        (".latolato/chunks/2.json", 1, "before"),
+        (".latolato/chunks/3.json", 1, "after"),
+        ("zarr.json", 2, "before"),
+    ],
+)
+def test_a_sweep_killed_at_any_file_resumes_to_the_same_bytes(whole, tmp_path, file, times, when):
+    path = tmp_path / "map.zarr"
+    target, names = str(path / file), {"sweep": SWEEP, "path": str(path)}
+    code = KILLED.format(target=target, times=times, when=when, system=TOY, drive=DRIVE, **names)
+    with python(code) as killed:
+        assert killed.wait() == -signal.SIGKILL
+    assert contents(path) != contents(whole)
+    assert (path / ".latolato" / "lock").exists()
+    swept(path)
+    assert contents(path) == contents(whole)
+
+
+def test_chunks_in_any_order_end_with_the_same_bytes(tmp_path):
+    reasons = [(1, "second"), (3, "fourth")]
+    first = fill(PLAN, tmp_path / "a.zarr", [0, 1, 2, 3], reasons)
+    second = fill(PLAN, tmp_path / "b.zarr", [3, 2, 1, 0], reasons)
+    assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
+    assert first.attrs["first_invalid"] == second.attrs["first_invalid"] == "second"
+    memory = Memory(PLAN)
+    for number in (3, 1):
+        memory.write(number, made_up(PLAN, number, dict(reasons)[number]), dict(reasons)[number])
+    assert memory.dataset().attrs["first_invalid"] == "second"
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(whole, tmp_path):
+    path = tmp_path / "map.zarr"
+    seen = []
+
+    def progress(done, total):
+        seen.append(done)
+        if done == 4 and len(seen) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ll.sweep(TOY, DRIVE, **SWEEP, executor="reference", store=path, progress=progress)
+    swept(path, chunk_size=2)
+    with pytest.warns(RuntimeWarning, match=WITHOUT_ANSWER):
+        ll.sweep(TOY, DRIVE, **SWEEP, executor="reference", store=path, progress=progress)
+    assert seen == [0, 2, 4, 8]  # the last time there was nothing to do
+    assert contents(path) == contents(whole)
+
+
+def damage(how, file):
+    """Spoil a file."""
+    content = file.read_bytes()
+    if how == "missing":
+        file.unlink()
+    elif how == "truncated":
+        file.write_bytes(content[: len(content) // 2])
+    elif how == "empty":
+        file.write_bytes(b"")
+    else:
+        file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+
+
+@pytest.mark.parametrize("how", ["missing", "truncated", "empty", "one bit"])
+@pytest.mark.parametrize(
+    "name, again",
+    [
+        ("largest_angle/c/1/0", 1),
+        ("status/c/0/1", 1),
+        (".latolato/chunks/2.json", 1),
+        ("radius/c/0", 0),
+        ("status/zarr.json", 0),
+    ],
+)
+def test_a_damaged_file_is_told_and_made_again(tmp_path, how, name, again):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path)
+    before = contents(path)
+    damage(how, path / name)
+    if name.startswith(".latolato") and how == "missing":  # like a chunk that was never done
+        fill(PLAN, path)
+    else:
+        with made_good(f"{name} is damaged.*; {again} of 4 chunks are computed again"):
+            fill(PLAN, path)
+    assert contents(path) == before
+
+
+@pytest.mark.parametrize("how", ["missing", "truncated", "empty"])
+def test_a_damaged_root_is_refused_with_the_way_out(tmp_path, how):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path, [0])
+    damage(how, path / "zarr.json")
+    before = contents(path)
+    for use in (lambda path: fill(PLAN, path), store_status, plan_from_store):
+        with pytest.raises(
+            ValueError, match=r"zarr\.json of the store .* is damaged or missing: na"
+        ):
+            use(path)
+    assert contents(path) == before
+
+
+def test_nothing_is_left_of_a_store_that_was_only_just_begun(tmp_path, monkeypatch):
+    def full(source, target):
+        if target.name == "zarr.json" and target.parent == tmp_path / "map.zarr":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        replace(source, target)
+
+    replace = os.replace
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OSError, match="No space left on device"):
+        fill(PLAN, tmp_path / "map.zarr")
+    assert (tmp_path / "map.zarr" / "radius" / "c" / "0").exists()
+    monkeypatch.undo()
+    other = make_plan(TOY, DRIVE, **SWEEP | {"axes": {"gravity": [9.7, 9.8]}})
+    fill(other, tmp_path / "map.zarr")
+    fill(other, tmp_path / "other.zarr")
+    assert contents(tmp_path / "map.zarr") == contents(tmp_path / "other.zarr")
+    assert not (tmp_path / "map.zarr" / "radius").exists()
+
+
+def test_a_chunk_without_any_answer_is_a_file_too(tmp_path):
+    values = made_up(PLAN, 0, "all of it")
+    for name in ("largest_angle", "drive_work"):
+        values[name][:] = np.nan
+    with Store(PLAN, tmp_path / "map.zarr") as store:
+        store.write(0, values, "all of it")
+    assert (tmp_path / "map.zarr" / "largest_angle" / "c" / "0" / "0").is_file()
+    with Store(PLAN, tmp_path / "map.zarr") as store:
+        assert store.missing == [1, 2, 3]
+        assert store.points_done == 2
+        assert store.status_counts() == {"invalid": 2}
+
+
+def test_the_store_of_another_sweep_is_refused_and_told_apart(whole):
+    before = contents(whole)
+    changes = {
+        "duration": (0.07, r"duration is 0\.05, not 0\.07"),
+        "chunk_size": (4, "chunk_size is 2, not 4"),
+        "initial_angle": (0.5, r"start\.initial_angle is 0\.4, not 0\.5"),
+        "axes": (
+            {"drive_amplitude": [0.0, 0.06], "radius": [0.05, 0.1, 0.2, 1.5]},
+            r"axes\.drive_amplitude\.values is \[\[0\.0, 0\.05\]\], not \[\[0\.0, 0\.06\]\]",
+        ),
+        "observables": (["works"], r'observables is \["largest_angle", "works"\], not \["works"\]'),
+        "contact": (ll.Clamp(step=1e-3), r'contact\.kind is "exact", not "clamp", contact\.step'),
+    }
+    for name, (value, told) in changes.items():
+        with pytest.raises(ValueError, match=f"holds another sweep: {told}.*; name another path"):
+            ll.sweep(TOY, DRIVE, **(SWEEP | {name: value}), executor="reference", store=whole)
+    assert contents(whole) == before
+
+
+def test_long_differences_are_told_briefly():
+    ours, theirs = list(range(100)), [*range(99), 100]
+    assert differences({"a": ours}, {"a": theirs}) == ["a is [... 99 ...], not [... 100 ...]"]
+    assert differences({"a": ours}, {"a": ours[:50]}) == ["a is [100 values], not [50 values]"]
+    assert differences({"a": {"b": None}}, {"a": {"b": {"c": 1}}}) == ['a.b is null, not {"c": 1}']
+
+
+def test_other_kernels_may_open_a_complete_store_but_not_finish_another(tmp_path, monkeypatch):
+    fill(PLAN, tmp_path / "part.zarr", [2])
+    fill(PLAN, tmp_path / "whole.zarr")
+    before = contents(tmp_path)
+    monkeypatch.setattr(store_module, "sources_hash", lambda: "other kernels")
+    with pytest.raises(ValueError, match=r"3 of 4 chunks of .* are missing, and latolato .* other"):
+        fill(PLAN, tmp_path / "part.zarr")
+    fill(PLAN, tmp_path / "whole.zarr")
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("what", ["file", "folder", "zarr", "no parent"])
+def test_what_is_no_store_of_a_sweep_is_not_touched(tmp_path, what):
+    path = tmp_path / "map.zarr"
+    error, told = FileExistsError, "not a store of a sweep: name another path"
+    if what == "file":
+        path.write_text("precious")
+    elif what == "folder":
+        path.mkdir()
+        (path / "thesis.tex").write_text("precious")
+    elif what == "zarr":
+        xr.Dataset({"a": ("x", [1.0, 2.0])}).to_zarr(path, consolidated=False)
+    else:
+        path = tmp_path / "no" / "map.zarr"
+        error, told = FileNotFoundError, "does not exist; create it first"
+    before = contents(tmp_path)
+    with pytest.raises(error, match=told):
+        fill(PLAN, path)
+    assert contents(tmp_path) == before
+    with pytest.raises((ValueError, FileNotFoundError), match=r"no store|does not exist|no file"):
+        store_status(path)
+
+
+def test_an_empty_folder_becomes_a_store(tmp_path):
+    (tmp_path / "map.zarr").mkdir()
+    fill(PLAN, tmp_path / "map.zarr")
+    assert store_status(tmp_path / "map.zarr")["complete"]
+
+
+def test_a_second_writer_in_this_process_is_refused(tmp_path):
+    path = tmp_path / "map.zarr"
+    with Store(PLAN, path) as store:
+        with pytest.raises(BlockingIOError, match=f"process {os.getpid()} on .* is writing the st"):
+            fill(PLAN, path)
+        store.write(0, made_up(PLAN, 0), "")
+        assert store_status(path)["writer_active"]
+    assert not store_status(path)["writer_active"]
+    assert not (path / ".latolato" / "lock").exists()
+    fill(PLAN, path)
+
+
+@not_on_windows
+def test_a_second_writer_is_refused_until_the_first_one_is_killed(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path, [0])
+    code = f"""
+        from latolato.sweep.store import Store, plan_from_store
+        with Store(plan_from_store({str(path)!r}), {str(path)!r}):
+            print("writing", flush=True)
+            input()
+    """
+    with python(code) as first:
+        assert first.stdout.readline() == b"writing\n"
+        with pytest.raises(BlockingIOError, match=f"process {first.pid} on .* wait for it, stop"):
+            fill(PLAN, path)
+        assert store_status(path)["writer_active"]
+    assert not store_status(path)["writer_active"]
+    fill(PLAN, path)
+    assert store_status(path)["complete"]
+
+
+@pytest.mark.parametrize("room", [0, 4, 9, 12, 14, 30, 34])
+def test_a_full_disk_is_told_in_a_line_and_leaves_a_store_to_go_on_with(
+    tmp_path, monkeypatch, room
+):
+    path, files = tmp_path / "map.zarr", 0
+    replace = os.replace
+
+    def full(*names):
+        nonlocal files
+        files += 1
+        if files > room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        replace(*names)
+
+    monkeypatch.setattr(os, "replace", full)
+    told = "No space left on device .finished chunks are kept; once this is mended"
+    with pytest.raises(OSError, match=told) as caught:
+        fill(PLAN, path, reasons=[(0, "for the last file")])
+    assert caught.value.errno == errno.ENOSPC
+    assert caught.value.filename == str(path)
+    monkeypatch.undo()
+    fill(PLAN, path, reasons=[(0, "for the last file")])
+    fill(PLAN, tmp_path / "other.zarr", reasons=[(0, "for the last file")])
+    assert contents(path) == contents(tmp_path / "other.zarr")
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 160 kB, and a function that makes it larger."""
+    mount = ["mount", "-t", "tmpfs", "-o"]
+    command = [*mount, "size=160k", "tmpfs", str(tmp_path)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        pytest.skip("there is no mount command to make a small disk with")
+    if done.returncode:
+        pytest.skip(f"a small disk cannot be mounted: {done.stderr.strip()}")
+    yield (
+        tmp_path,
+        lambda: subprocess.run(["mount", "-o", "remount,size=9m", str(tmp_path)], check=True),
+    )
+    subprocess.run(["umount", str(tmp_path)], check=True)
+
+
+def test_a_sweep_goes_on_when_a_small_disk_has_been_enlarged(small_disk, tmp_path_factory):
+    folder, enlarge = small_disk
+    plan = make_plan(TOY, DRIVE, **SWEEP | {"axes": {"gravity": np.linspace(9, 10, 60)}})
+    with pytest.raises(OSError, match="No space left on device"):
+        fill(plan, folder / "map.zarr")
+    done = store_status(folder / "map.zarr")["chunks_done"]
+    assert 0 < done < plan.chunks
+    with pytest.raises(OSError, match="No space left on device"):  # still full
+        fill(plan, folder / "map.zarr")
+    enlarge()
+    fill(plan, folder / "map.zarr")
+    other = tmp_path_factory.mktemp("roomy") / "map.zarr"
+    fill(plan, other)
+    assert contents(folder / "map.zarr") == contents(other)
+
+
+def test_the_status_tells_how_far_a_sweep_is(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path, [3, 1], [(3, "too large")])
+    state = store_status(path)
+    assert json.loads(json.dumps(state)) == state
+    wanted = {
+        "plan_hash": PLAN.hash,
+        "system": "latolato",
+        "axes": {"drive_amplitude": 2, "radius": 4},
+        "observables": ["largest_angle", "works"],
+        "chunks": 4,
+        "chunks_done": 2,
+        "points": 8,
+        "points_done": 4,
+        "status_counts": {"converged": 2, "invalid": 2},
+        "first_invalid": "too large",
+        "complete": False,
+        "writer_active": False,
+    }
+    assert {name: state[name] for name in wanted} == wanted
+
+
+def test_an_unfinished_store_is_told_on_loading(tmp_path):
+    fill(PLAN, tmp_path / "map.zarr", [0])
+    with pytest.warns(RuntimeWarning, match=r"is unfinished: 2 of 8 points are done, status is -1"):
+        dataset = ll.load(tmp_path / "map.zarr")
+    assert (dataset.status == -1).sum() == 6
+    assert np.isnan(dataset.largest_angle.values[dataset.status.values == -1]).all()
+
+
+def test_a_sweep_goes_to_netcdf_and_back(whole, tmp_path):
+    path = ll.save(ll.load(whole), tmp_path / "map.nc")
+    found, wanted = ll.load(path), ll.load(whole).load()
+    xr.testing.assert_identical(found.drop_encoding(), wanted)
+    assert found.status.dtype == np.int8
+    assert plan_from_store(path) == plan_from_store(whole) == PLAN
+
+
+def test_axes_beyond_the_64_kilobytes_of_small_attributes_go_to_netcdf(tmp_path):
+    plan = make_plan(TOY, DRIVE, **SWEEP | {"axes": {"gravity": np.linspace(9, 10, 9000)}})
+    assert len(json.dumps(plan.describe())) > 2**16
+    path = ll.save(Memory(plan).dataset(), tmp_path / "map.nc")
+    assert plan_from_store(path) == plan
+
+
+def test_a_file_without_a_sweep_gives_no_plan(tmp_path):
+    run = xr.Dataset({"angle": ("time", [0.1, 0.2])})
+    with pytest.raises(ValueError, match=r"run\.nc' holds no sweep"):
+        plan_from_store(ll.save(run, tmp_path / "run.nc"))
+    with pytest.raises(FileNotFoundError, match="there is no store"):
+        plan_from_store(tmp_path / "map.zarr")
+
+
+def test_a_plan_that_was_changed_by_hand_is_refused(tmp_path):
+    fill(PLAN, tmp_path / "map.zarr")
+    root = tmp_path / "map.zarr" / "zarr.json"
+    root.write_text(root.read_text().replace(r"\"duration\": 0.05", r"\"duration\": 0.06"))
+    with pytest.raises(ValueError, match="does not fit its hash"):
+        plan_from_store(tmp_path / "map.zarr")
+
+
+def described(**changed):
+    """A plan of everything there is, and what its description gives after a way through JSON."""
+    plan = Plan(
+        **{
+            "system": TOY,
+            "drive": DRIVE,
+            "axes": (Axis("case", ("gravity", "damping"), ((9.8, 1 / 3), (0.1, 2e-17))),),
+            "observables": tuple(kind() for kind in observables.values()),
+            "start": (("initial_angle", 0.1), ("initial_angular_velocity", -0.0)),
+            "duration": 7.0,
+        }
+        | changed
+    )
+    return plan, Plan.from_description(json.loads(json.dumps(plan.describe())))
+
+
+def test_every_drive_survives_its_description(drive):
+    plan, found = described(drive=drive)
+    assert (found, found.hash) == (plan, plan.hash)
+
+
+def test_every_system_survives_its_description(make_system):
+    plan, found = described(system=make_system(damping=0.1, coulomb_damping=0.2))
+    assert (found, found.hash) == (plan, plan.hash)
+
+
+@pytest.mark.parametrize("law", list(contact_laws))
+def test_every_contact_law_and_noise_survive_their_description(law):
+    noise = ll.VelocityKicks(strength=0.1, seed=2**60 + 1)
+    plan, found = described(contact=contact_laws[law](), noise=noise, direction="both")
+    assert (found, found.hash) == (plan, plan.hash)
+
+
+def test_a_description_of_something_else_is_refused():
+    text = PLAN.describe()
+    with pytest.raises(ValueError, match="a plan of format 99 cannot be read, only format 1"):
+        Plan.from_description(text | {"format": 99})
+    with pytest.raises(ValueError, match="unknown parameter 'lenght' of LatoLato"):
+        Plan.from_description(text | {"system": {"kind": "latolato", "lenght": 1.0}})
+    with pytest.raises(ValueError, match="this describes no plan of a sweep: 'noise'"):
+        Plan.from_description({k: v for k, v in text.items() if k != "noise"})
+
+
+def test_threads_give_one_answer_whatever_the_chunks(tmp_path):
+    given = {"axes": {"drive_amplitude": [0.0, 0.1, 0.2], "frequency_ratio": [1.0, 1.5, 2.0, 2.5]}}
+    found = [
+        ll.sweep(
+            TOY,
+            **SWEEP | given | {"chunk_size": size, "duration": 3.0},
+            executor="threads",
+            workers=2,
+            store=tmp_path / f"{size}.zarr",
+        ).load()
+        for size in (1, 5, 12)
+    ]
+    for other in found[1:]:
+        for name in found[0].variables:
+            np.testing.assert_array_equal(other[name], found[0][name])

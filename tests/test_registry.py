@@ -1,0 +1,73 @@
+"""Messages lead out: a typo to the name that was meant, a number to the values allowed."""
+
+import dataclasses
+import re
+
+import pytest
+
+from latolato.physics.drives import drives
+from latolato.physics.pendulum import systems
+from latolato.quantities import POSITIVE, UNIT_INTERVAL, Range
+from latolato.registry import checked_number, suggest
+from latolato.scenario import RUN_OPTIONS, scenarios
+
+HARMONIC = [f.name for f in dataclasses.fields(drives["harmonic"])]
+TOY = [f.name for f in dataclasses.fields(systems["latolato"]) if f.init]
+
+
+@pytest.mark.parametrize(
+    "typed, known, meant",
+    [
+        *((typed, list(systems), "latolato") for typed in ("latlato", "latolto", "lato-lato")),
+        *((typed, list(systems), "latolato") for typed in ("Latolato", "latolatto", "lato")),
+        *((typed, list(systems), "pendulum") for typed in ("pendulm", "pendelum", "pend")),
+        *((typed, list(systems), "ballpair") for typed in ("pair", "ball_pair", "balpair")),
+        *((typed, list(systems), "mathieu") for typed in ("matthieu", "mathiue")),
+        *((typed, list(drives), "harmonic") for typed in ("harmonics", "harmnoic", "HARMONIC")),
+        *(
+            (typed, list(drives), "frequency_schedule")
+            for typed in ("schedule", "frequencyschedule")
+        ),
+        *((typed, HARMONIC, "drive_phase") for typed in ("phase", "drive-phase", "drivephase")),
+        ("amplitude", HARMONIC, "drive_amplitude"),
+        *((typed, TOY, "length") for typed in ("lenght", "lengt", "Length")),
+        *((typed, TOY, "damping") for typed in ("dampening", "dampnig")),
+        *((typed, TOY, "restitution") for typed in ("resitution", "restituion")),
+        *((typed, list(RUN_OPTIONS), "tolerance") for typed in ("tolerence", "tol")),
+        *((typed, list(scenarios()), "fig04a") for typed in ("fig4a", "fig04", "Fig04a")),
+    ],
+)
+def test_a_typo_leads_to_the_name_that_was_meant(typed, known, meant):
+    assert suggest(typed, known) == f"did you mean '{meant}'?"
+
+
+@pytest.mark.parametrize("known", [list(systems), list(drives), HARMONIC, TOY, list(RUN_OPTIONS)])
+@pytest.mark.parametrize(
+    "typed", ["friction", "omega", "voltage", "charge", "spring", "banana", "x", "", "theta", "e"]
+)
+def test_another_word_leads_to_what_is_known(typed, known):
+    assert suggest(typed, known) == f"known: {', '.join(known)}"
+
+
+def test_a_long_text_or_nothing_known_is_no_trouble():
+    assert suggest("x" * 1_000_000, TOY).startswith("known: ")
+    assert suggest("length", []) == "known: "
+
+
+@pytest.mark.parametrize(
+    "name, value, allowed, unit, message",
+    [
+        ("restitution", 1.5, UNIT_INTERVAL, "1", "in [0, 1], got 1.5; give at most 1"),
+        ("restitution", -1, UNIT_INTERVAL, "1", "in [0, 1], got -1; give at least 0"),
+        ("mass", 0, POSITIVE, "kg", "in (0, inf) kg, got 0; give more than 0"),
+        ("share", 1, Range(0, 1, open_high=True), "1", "in [0, 1), got 1; give less than 1"),
+    ],
+)
+def test_a_number_outside_is_told_how_to_change(name, value, allowed, unit, message):
+    with pytest.raises(ValueError, match=f"^{re.escape(f'{name} must lie {message}')}$"):
+        checked_number(name, value, allowed, unit)
+
+
+def test_a_pure_number_has_no_unit_in_messages():
+    with pytest.raises(TypeError, match="restitution must be a number, got 'x'"):
+        checked_number("restitution", "x", UNIT_INTERVAL, "1")
