@@ -78,11 +78,13 @@ def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 def glossary() -> str:
     """Return the table of all quantities."""
+    from latolato.observables import observables
     from latolato.quantities import QUANTITIES
 
-    rows = [
-        (f"`{name}`", symbol(q), spelled(q.unit), q.long_name) for name, q in QUANTITIES.items()
-    ]
+    known = dict(QUANTITIES)
+    for observable in observables.values():
+        known |= observable.variables
+    rows = [(f"`{name}`", symbol(q), spelled(q.unit), q.long_name) for name, q in known.items()]
     return table(("name", "symbol", "unit", "meaning"), rows)
 
 
@@ -185,6 +187,7 @@ def command_line() -> str:
 
 def write_generated() -> None:
     """Write every page that is made from the code."""
+    from latolato.observables import observables
     from latolato.physics.drives import drives
     from latolato.physics.pendulum import systems
 
@@ -192,6 +195,7 @@ def write_generated() -> None:
         "glossary": glossary(),
         "systems": laws(systems),
         "drives": laws(drives),
+        "observables": laws(observables),
         "api": public_names(),
         "analysis": analysis_names(),
         "cli": command_line(),

@@ -47,7 +47,7 @@ class SweepProgress:
         self._updates += 1
         if sys.stderr.isatty():
             self._show(done, total)
-        elif now - self._told > _PAUSE:
+        elif now - self._told > _PAUSE and done < total:
             self._told = now
             print(f"latolato: {done} of {total} points, {self.pace()}", file=sys.stderr, flush=True)
 

@@ -62,17 +62,18 @@ def boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     which the observable's integral is largest. The *plateau* P beside an edge is the median of the
     observable over a tenth of the region's points, at least 5, next to the edge; it is taken once
     more from the first point on that reaches 0.9 P, to leave the flank out. Both sides have their
-    own, as the energy of unstable motion rises with the frequency. ``left_edge`` and ``right_edge`` are where the straight line between the region's last
-    point and its neighbour outside passes the level. A width goes from where the observable last
-    stays at or above 0.9 P, on the way out from the region's first point that reaches it, to
-    where it first is at or below 0.1 P beyond; both are found on straight lines between points.
+    own, as the energy of unstable motion rises with the frequency. ``left_edge`` and ``right_edge``
+    are where the straight line between the region's last point and its neighbour outside passes
+    the level. A width goes from where the observable last stays at or above 0.9 P, on the way out
+    from the region's first point that reaches it, to where it first is at or below 0.1 P beyond;
+    both are found on straight lines between points.
 
     What it can miss: an edge sharper than the grid shows 0.8 spacings of width, so compare with
     the attribute ``spacing``. A ragged region (chaotic motion, collisions) is cut at its first gap,
     so islands beyond count neither for edges nor for widths. A flank longer than about a fifth of
     the region is measured against a lower plateau, so a soft edge shows less width than it has.
-    NaN (the map ends, a point has no answer, or the observable stays
-    above 0.1 P) says that an edge or a width cannot be told. Contours end at such points.
+    NaN (the map ends, a point has no answer, or the observable stays above 0.1 P) says that an edge
+    or a width cannot be told. Contours end at points without an answer.
 
     Examples
     --------

@@ -20,8 +20,8 @@ TITLE = "On either side of the edge of resonance"
 CAPTION = (
     "The pendulum of Fig. 2 with two driving frequencies. (a) Resonance at 6 rad/s; the dot marks "
     "the largest angle. (b) Decay at 5.9 rad/s. The vertical scale of (b) is a thousandth of that "
-    "of (a), as in the paper, whose scales differ as much. The paper's panels (c) and (d) are "
-    "maps and are not part of this figure yet."
+    "of (a), as in the paper, whose scales differ as much. The maps (c) and (d) are a figure of "
+    "their own."
 )
 DURATION = 300.0  # s
 RESONANT, QUIET, TWICE = "resonant", "quiet", "twice"

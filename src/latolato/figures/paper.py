@@ -29,8 +29,9 @@ WEAK_DRIVE = Harmonic(drive_amplitude=0.02, drive_frequency=6.26)
 # Paper: starts at rest on the wall, where nothing would ever move; a push is assumed.
 PUSH = 0.2  # rad above the low contact angle
 
-# The sweeps of Figs. 3cd and 5: the largest amplitude over the length, and the length of a run.
+# The sweeps of Figs. 3cd and 5: the largest ratios, and the length of a run.
 LARGEST_AMPLITUDE_RATIO = 0.5
+LARGEST_FREQUENCY_RATIO = 5.0
 SWEEP_DURATION = 300.0  # s
 CROSSING_ANGLE = 2.0  # rad
 

@@ -113,7 +113,7 @@ class MotionClass(Observable):
     def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
         """Return 2 where strong, 1 where weak, else 0, and NaN where the angle is."""
         strong, weak = slots[0] >= self.strong_angle, slots[1] >= self.weak_angle
-        known = slots[0] + slots[1] - slots[0] - slots[1]  # zero, or NaN
+        known = 0.0 * slots[0] + 0.0 * slots[1]  # zero, or NaN
         return {"motion_class": known + strong * 2.0 + (weak & ~strong) * 1.0}
 
 

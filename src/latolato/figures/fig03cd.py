@@ -1,0 +1,227 @@
+"""Fig. 3c and d: mean energy and crossings of 2 rad over amplitude and frequency, without walls."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import grids, paper, style
+from latolato.figures.claim import Limit, Numbers, Statement
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+TITLE = "Where a single pendulum becomes unstable"
+CAPTION = (
+    "The pendulum without walls and damping for 300 s. (c) Mean energy. (d) Passages of the "
+    "positions ±2 rad; white: none. Solid: the primary tongue of eq14. Dashed in (d): the region "
+    "that is left with the damping of Fig. 2, C = 0.05 kg m/s."
+)
+UNDAMPED, DAMPED = "undamped", "damped"
+POINTS, QUICK_POINTS = 400, 100  # along each axis
+# Mean energy above which motion counts as unstable: that of a ball as high as the pivot.
+LEVEL = paper.UNDAMPED.mass * paper.UNDAMPED.gravity * paper.UNDAMPED.length  # J
+# Points further from the right edge than this in w/w0 are away from it.
+AWAY = 0.5
+# The start is not printed; the text speaks of the minimum angle as the usual one.
+START_WORDS = "The sweep starts at rest at θmin = asin(r/l); the paper does not print its start."
+
+STATEMENTS = (
+    Statement(
+        name="map-free",
+        where="Fig. 3c, d",
+        words=(
+            "beyond the unstable region near ω/ω0 = 2, Fig. 3(c) shows a narrow dark-red band "
+            "near ω/ω0 = 1 … The absence of this feature in Fig. 3(d)"
+        ),
+        assumed=(
+            Limit("tip_ratio", "ω/ω0 at the smallest A0 that leads to 2 rad", 1.7, 2.1),
+            Limit("band_gain", "mean energy near ω/ω0 = 1 over that beside it, at most", low=3.0),
+            Limit("band_crossings", "most crossings of 2 rad near ω/ω0 = 1", high=0.0),
+        ),
+        assumption=START_WORDS,
+        finding=(
+            "2 rad is passed from A0 = {tip_amplitude:.3f} m on, first at ω/ω0 = {tip_ratio:.2f}. "
+            "Near ω/ω0 = 1 the mean energy is up to {band_gain:.0f} times that beside it, yet the "
+            "angle stays below {band_angle:.2f} rad."
+        ),
+        why=(
+            "Both are tongues 2ω0/n of eq14, n = 1 and 2; a swing in the second one detunes "
+            "before it reaches 2 rad."
+        ),
+    ),
+    Statement(
+        name="left-edge-sharper",
+        where="text on Fig. 3cd",
+        words="the left boundary is more distinct than the right boundary",
+        assumed=(
+            Limit("energy_widths", "width of the right edge over the left one, energy", low=2.0),
+        ),
+        assumption=f"{START_WORDS} Distinct means a short rise of the mean energy, as in Fig. 3c.",
+        finding=(
+            "From 10 to 90 % the energy rises over {left_width:.3f} in ω/ω0 on the left and over "
+            "{right_width:.3f} on the right (medians over A0; points are {spacing:.4f} apart). The "
+            "crossings jump within {left_jump:.3f} and {right_jump:.3f}."
+        ),
+        why=(
+            "A pendulum softens: left of the tongue nothing grows, inside a swing at once finds "
+            "energies far from its start; on the right the swing shrinks to nothing steadily. The "
+            "counts of Fig. 3d cannot show that, as small swings do not count."
+        ),
+    ),
+    Statement(
+        name="abrupt-left-edge",
+        where="text on Fig. 3cd",
+        words=(
+            "when the driving amplitude A0 is relatively small and fixed, and … the ratio … "
+            "crosses a critical value from above, the system abruptly transitions from an unstable "
+            "state to a stable state"
+        ),
+        assumed=(Limit("left_width", "width of the left edge in ω/ω0, median", high=0.1),),
+        assumption=START_WORDS,
+        finding=(
+            "At A0 = 0.1, 0.2 and 0.3 m the left edge is at ω/ω0 = {left_1:.3f}, {left_2:.3f} and "
+            "{left_3:.3f}, the tongue of eq14 begins at {tongue_1:.3f}, {tongue_2:.3f} and "
+            "{tongue_3:.3f}."
+        ),
+        why=(
+            "The edge is that of linear stability, up to what the finite start of 0.1 rad adds on "
+            "its left."
+        ),
+    ),
+    Statement(
+        name="map-damping",
+        where="text on Fig. 3cd",
+        words=(
+            "The damping coefficient C was set to zero …, as its influence can be neglected when "
+            "the focus is solely on determining whether the amplitude grows"
+        ),
+        printed=(
+            Limit("changed", "part of the unstable points (2 rad) that C = 0.05 changes", high=0.05),
+        ),
+        assumed=(
+            Limit("changed_away", "the same, further than 0.5 from the right edge", high=0.05),
+            Limit("gained", "points that damping makes unstable, same measure", high=0.01),
+        ),
+        assumption="Points within 0.5 in ω/ω0 of the right edge are left out.",
+        finding=(
+            "C = 0.05 kg m/s makes {changed:.1%} of the unstable points stable ({changed_all:.1%} "
+            "of the map) and {gained:.1%} more unstable; away from the right edge it changes "
+            "{changed_away:.1%}."
+        ),
+        why=(
+            "Damping shifts the right edge of large motion: at A0 = 0.25 m from ω/ω0 = "
+            "{right_free:.2f} to {right_damped:.2f}. The left edge stays within {left_shift:.3f}."
+        ),
+    ),
+)
+
+
+def data(quick: bool = False) -> xr.Dataset:
+    """Return the maps without damping and with that of Fig. 2."""
+    from latolato.sweep import sweep
+
+    count = QUICK_POINTS if quick else POINTS
+    axes = {
+        "drive_amplitude": grids.even(
+            paper.LARGEST_AMPLITUDE_RATIO * paper.UNDAMPED.length, count
+        ),
+        "frequency_ratio": grids.even(paper.LARGEST_FREQUENCY_RATIO, count),
+    }
+    dampings = {UNDAMPED: 0.0, DAMPED: paper.PENDULUM.damping}
+    maps = {
+        label: sweep(
+            replace(paper.UNDAMPED, damping=damping),
+            axes=axes,
+            duration=paper.SWEEP_DURATION,
+            initial_angle=paper.TOY.contact_angle_low,
+            observables=grids.PENDULUM_OBSERVABLES,
+        )
+        for label, damping in dampings.items()
+    }
+    return grids.gather(maps, title=TITLE, keep=("mean_energy", "crossings", "largest_angle"))
+
+
+def numbers(dataset: xr.Dataset) -> Numbers:
+    """Return the numbers that the statements on the maps need."""
+    from latolato.analysis.boundary import boundary
+    from latolato.analysis.closed_forms import mathieu_tongue_edges
+
+    free, damped = (dataset.sel(case=case) for case in (UNDAMPED, DAMPED))
+    by_energy = boundary(free, "mean_energy", LEVEL)
+    by_count, by_count_damped = (boundary(each, "crossings", 1.0) for each in (free, damped))
+    both = np.isfinite(by_energy.left_width) & np.isfinite(by_energy.right_width)
+    widths = {
+        side: float(by_energy[f"{side}_width"].where(both).median()) for side in ("left", "right")
+    }
+    active, left_over = free.crossings.values > 0.0, damped.crossings.values > 0.0
+    # Where the map ends before the region does, its edge is the map's.
+    right = by_count.right_edge.fillna(np.inf)
+    away = np.abs(dataset.frequency_ratio - right).values.T > AWAY
+    if away.shape != active.shape:
+        away = away.T
+    tip_amplitude, tip_ratio = grids.smallest_amplitude(free.crossings > 0.0)
+    at = {"drive_amplitude": 0.25, "method": "nearest"}
+    found = {
+        "tip_amplitude": tip_amplitude,
+        "tip_ratio": tip_ratio,
+        "band_gain": grids.band_gain(free.mean_energy),
+        "band_crossings": grids.in_band(free.crossings),
+        "band_angle": grids.in_band(free.largest_angle),
+        "left_width": widths["left"],
+        "right_width": widths["right"],
+        "energy_widths": widths["right"] / widths["left"],
+        "left_jump": float(by_count.left_width.median()),
+        "right_jump": float(by_count.right_width.median()),
+        "spacing": by_energy.attrs["spacing"],
+        "changed": float((active & ~left_over).sum() / active.sum()),
+        "changed_all": float((active != left_over).mean()),
+        "gained": float((left_over & ~active).sum() / active.sum()),
+        "changed_away": float((active & ~left_over & away).sum() / (active & away).sum()),
+        "right_free": float(by_count.right_edge.sel(**at)),
+        "right_damped": float(by_count_damped.right_edge.sel(**at)),
+        "left_shift": float(np.abs(by_count.left_edge - by_count_damped.left_edge).median()),
+    }
+    for tenths in (1, 2, 3):
+        amplitude = 0.1 * tenths
+        edge = by_energy.left_edge.sel(drive_amplitude=amplitude, method="nearest")
+        found[f"left_{tenths}"] = float(edge)
+        found[f"tongue_{tenths}"] = mathieu_tongue_edges(
+            drive_amplitude=amplitude, length=paper.UNDAMPED.length
+        )[0]
+    return found
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the figure with panels (c) and (d)."""
+    from matplotlib.colors import LogNorm
+    from matplotlib.lines import Line2D
+
+    figure, axes = style.new_figure(1, 2, sharey=True, height=3.3)
+    c, d = axes[0]
+    free, damped = (dataset.sel(case=case) for case in (UNDAMPED, DAMPED))
+    panels = (
+        (c, "c", "mean energy", free.mean_energy, LogNorm(0.02, 100.0), "viridis"),
+        (d, "d", "crossings of 2 rad", free.crossings, LogNorm(10.0, 1500.0), "viridis_r"),
+    )
+    for panel, letter, text, values, norm, cmap in panels:
+        mesh = grids.draw_cells(panel, values, norm=norm, cmap=cmap)
+        bar = figure.colorbar(
+            mesh, ax=panel, orientation="horizontal", location="top", aspect=32, pad=0.02
+        )
+        bar.set_label(style.label(values))
+        bar.outline.set_visible(False)
+        panel.set_xlabel(style.label(dataset.frequency_ratio))
+        tongue = grids.draw_overlay(panel, paper.UNDAMPED, "tongue")
+        style.panel_letter(panel, letter, dx=-22.0, dy=-2.0)
+    ratio, amplitude = dataset.frequency_ratio.values, dataset.drive_amplitude.values
+    look = {"colors": [style.RED], "linewidths": 1.0, "linestyles": [(0, (4, 2))]}
+    d.contour(ratio, amplitude, (damped.crossings > 0.0).astype(float), levels=[0.5], **look)
+    edge = Line2D([], [], color=style.RED, lw=1.0, ls=(0, (4, 2)), label="the same, C = 0.05 kg m/s")
+    c.set_ylabel(style.label(dataset.drive_amplitude))
+    figure.legend(handles=[tongue, edge], loc="outside lower center", ncols=2)
+    return figure

@@ -1,0 +1,179 @@
+"""Sweeps of one figure in one dataset, maps in its panels, and numbers read off maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.figures import overlays, style
+from latolato.figures.cases import Floats, variable
+from latolato.figures.map import Side
+from latolato.numerics.records import EVENT_LIMIT
+from latolato.physics.pendulum import Pendulum
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
+
+Mask = NDArray[np.bool_]
+
+# One list for all maps of a system, so that each kernel is compiled once.
+PENDULUM_OBSERVABLES = (
+    "mean_energy",
+    "crossings",
+    "largest_angle",
+    "largest_angle_after_transient",
+    "motion_class",
+)
+PAIR_OBSERVABLES = (
+    "mean_energy",
+    "crossings",
+    "largest_angle",
+    "largest_angle_after_transient",
+    "top_contacts",
+)
+# Where the band of order 2 is looked for, and the ratios beside it that it is compared with.
+BAND, BESIDE_BAND = (0.95, 1.05), (0.85, 1.15)
+
+
+def even(last: float, count: int) -> Floats:
+    """Return `count` evenly spaced values above zero, up to `last`."""
+    return np.linspace(last / count, last, count)
+
+
+def gather(
+    grids: Mapping[str, xr.Dataset],
+    *,
+    title: str,
+    keep: Sequence[str],
+    apart: Mapping[str, xr.Dataset] | None = None,
+) -> xr.Dataset:
+    """Return sweeps as one dataset.
+
+    Parameters
+    ----------
+    grids : mapping of str to xarray.Dataset
+        Results of `latolato.sweep` over the same axes, by a label; they are stacked along `case`.
+    title : str
+        Title of the dataset.
+    keep : sequence of str
+        Variables that are kept.
+    apart : mapping of str to xarray.Dataset, optional
+        Sweeps over other axes; their variables and axes get the label and ``_`` in front.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the plan of each sweep (JSON, enough to run it again), its number of points and of
+        points without an answer, over `sweep`.
+    """
+    import xarray as xr
+
+    apart = apart or {}
+    first = next(iter(grids.values()))
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {
+        "case": variable("case", list(grids), units="1", long_name="case")
+    }
+    for name in keep:
+        values = np.stack([grid[name].values for grid in grids.values()])
+        variables[name] = (("case", *first[name].dims), values, dict(first[name].attrs))
+    for dim in map(str, first[keep[0]].dims):
+        coordinates[dim] = (dim, first[dim].values, dict(first[dim].attrs))
+    for label, grid in apart.items():
+        for name in keep:
+            dims = [f"{label}_{dim}" for dim in grid[name].dims]
+            variables[f"{label}_{name}"] = (dims, grid[name].values, dict(grid[name].attrs))
+        for dim in map(str, grid[keep[0]].dims):
+            about = {"units": "1", "long_name": dim, "symbol": ""} | dict(grid[dim].attrs)
+            coordinates[f"{label}_{dim}"] = (f"{label}_{dim}", grid[dim].values, about)
+    everything = {**grids, **apart}
+    counts = {
+        "points": ("points of the sweep", [g.status.size for g in everything.values()]),
+        "unanswered": (
+            "points without an answer",
+            [int((g.status >= EVENT_LIMIT).sum()) for g in everything.values()],
+        ),
+    }
+    for name, (meaning, numbers) in counts.items():
+        variables[name] = variable("sweep", numbers, units="1", long_name=meaning)
+    plans = [grid.attrs["plan"] for grid in everything.values()]
+    variables["plan"] = variable("sweep", plans, units="1", long_name="the sweep as JSON")
+    coordinates["sweep"] = variable("sweep", list(everything), units="1", long_name="sweep")
+    kept = ("latolato_version", "numpy_version", "numba_version")
+    about = {name: first.attrs[name] for name in kept}
+    return xr.Dataset(variables, coordinates, attrs={"title": title, **about})
+
+
+def draw_cells(axes: Axes, values: xr.DataArray, *, norm: Any, cmap: str | Colormap) -> Any:
+    """Draw a map of amplitude (up) and frequency (to the right); zeros and NaN stay white."""
+    y, x = (
+        Side(str(dim), values[dim].values, values[dim].attrs, str(dim), False)
+        for dim in values.dims
+    )
+    shown = np.ma.masked_where(~(values.values > 0.0), values.values)
+    mesh = axes.pcolormesh(
+        x.edges, y.edges, shown, cmap=cmap, norm=norm, shading="flat", rasterized=True
+    )
+    axes.set_xlim(float(x.edges[0]), float(x.edges[-1]))
+    axes.set_ylim(float(y.edges[0]), float(y.edges[-1]))
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    return mesh
+
+
+def draw_overlay(axes: Axes, system: Pendulum, name: str) -> Any:
+    """Draw the tongue of eq14 or the lift-off curve over a map and return its legend entry."""
+    context = overlays.Context(
+        x="frequency_ratio",
+        y="drive_amplitude",
+        length=system.length,
+        mass=system.mass,
+        damping=system.damping,
+        gravity=system.gravity,
+        has_walls=system.kind == "latolato",
+        other_drag=False,
+    )
+    return overlays.draw(axes, context, name)
+
+
+def acceleration_ratio(dataset: xr.Dataset, prefix: str = "") -> Floats:
+    """Return A0 w^2/g at each point of a map of a system of length 1 m: A0/l times ratio^2."""
+    amplitude = dataset[f"{prefix}drive_amplitude"].values
+    ratio = dataset[f"{prefix}frequency_ratio"].values
+    return np.asarray(amplitude[:, None] * ratio[None, :] ** 2)
+
+
+def smallest_amplitude(active: xr.DataArray) -> tuple[float, float]:
+    """Return the smallest amplitude [m] that has an active point, and the mean ratio of these."""
+    rows = np.flatnonzero(active.values.any(axis=1))
+    if not rows.size:
+        return math.nan, math.nan
+    ratios = active.frequency_ratio.values[active.values[rows[0]]]
+    return float(active.drive_amplitude[rows[0]]), float(ratios.mean())
+
+
+def band_gain(energy: xr.DataArray) -> float:
+    """Return by what factor the energy at ratio 1 exceeds that beside it, at most over A0."""
+    ratio = energy.frequency_ratio
+    inside = energy.where((ratio > BAND[0] - 1e-9) & (ratio < BAND[1] + 1e-9), drop=True)
+    beside = [energy.sel(frequency_ratio=r, method="nearest") for r in BESIDE_BAND]
+    gain = inside.max("frequency_ratio") / np.sqrt(beside[0] * beside[1])
+    return float(gain.max())
+
+
+def in_band(values: xr.DataArray) -> float:
+    """Return the largest value of a map around ratio 1."""
+    ratio = values.frequency_ratio
+    return float(values.where((ratio > BAND[0] - 1e-9) & (ratio < BAND[1] + 1e-9)).max())
+
+
+def outliers(active: Mask) -> float:
+    """Return the share of points that differ from most of the nine around and on them."""
+    windows = np.lib.stride_tricks.sliding_window_view(active, (3, 3)).sum(axis=(2, 3))
+    return float(np.mean(active[1:-1, 1:-1] != (windows >= 5)))
