@@ -29,14 +29,17 @@ from pathlib import Path
 from typing import Any
 
 import heyoka as hy
+import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import latolato as ll
+from latolato.scalar import sine
 from latolato.sweep.chunk import run_chunk
 from latolato.sweep.kernels import run_fastest, run_scalar
 from latolato.sweep.plan import Plan, make_plan
+from latolato.sweep.points import stepper_of
 
 DURATION = 300.0
 RADIUS = 0.1
@@ -237,9 +240,8 @@ def compare(case: str, points: int) -> dict[str, Any]:
 
 def show(case: str, found: dict[str, Any]) -> None:
     """Print the tables of one case."""
-    print(
-        f"\n({case}) {found['regular_points']} regular points, {found['contacts']:.0f} contacts each"
-    )
+    print(f"\n({case}) {found['regular_points']} regular points, ", end="")
+    print(f"{found['contacts']:.0f} contacts each")
     for name in ("own", "heyoka", "scipy"):
         for row in found.get(name, []):
             print(
@@ -328,6 +330,69 @@ def big_map(points: int) -> dict[str, float]:
     }
 
 
+def make_by_hand() -> Any:
+    """Return a kernel written for the free pendulum alone: no laws, events, stops or refills."""
+    lanes = 128
+
+    @numba.njit(error_model="numpy", fastmath={"contract"})
+    def by_hand(x, v, g, c, d, table, kicks, steps):  # type: ignore[no-untyped-def]
+        s = np.empty(lanes)
+        for j in range(lanes):
+            s[j] = sine(x[j])
+        stages = table.shape[0]
+        for _ in range(steps):
+            for i in range(stages):
+                b = kicks[i]
+                reach, cos, sin = table[i, 0], table[i, 1], table[i, 2]
+                for j in range(lanes):
+                    v[j] += b * (g[j] + c[j] * cos[j] - d[j] * sin[j]) * s[j]
+                    x[j] += v[j] * reach[j]
+                    s[j] = sine(x[j])
+            b = kicks[stages]
+            for j in range(lanes):
+                cos, sin = table[stages - 1, 3, j], table[stages - 1, 4, j]
+                c[j], d[j] = c[j] * cos - d[j] * sin, d[j] * cos + c[j] * sin
+                v[j] += b * (g[j] + c[j]) * s[j]
+
+    return by_hand
+
+
+def against_hand(points: int) -> dict[str, float]:
+    """Return the time per stage of the composed kernel over that of one written by hand."""
+    plan = plan_of("free", points, 1e-6)
+    stepper = stepper_of(plan)
+    steps_of_all = 0.0
+
+    def count(plan: Plan, batch: Any, stepper: Any, order: Any, progress: Any) -> None:
+        nonlocal steps_of_all
+        steps_of_all = float((DURATION / batch.points.settings["step"]).sum())
+
+    run_chunk(plan, 0, count)
+    by_hand, lanes, steps = make_by_hand(), 128, 5000
+    amplitude, w = np.linspace(0.01, 0.5, lanes), np.linspace(0.1, 15.0, lanes)
+    h = 0.05
+    nodes = np.concatenate([[0.0], stepper.nodes])
+    table = np.zeros((len(stepper.drifts), 5, lanes))
+    table[:, 0] = stepper.drifts[:, None]
+    for row, turn in ((1, nodes[:-1, None] * h * w), (3, nodes[1:, None] * h * w)):
+        table[:, row], table[:, row + 1] = np.cos(turn), np.sin(turn)
+    best = math.inf
+    for repeat in range(6):
+        x, v = np.full(lanes, 0.1), np.zeros(lanes)
+        g, c, d = np.full(lanes, -h * h * GRAVITY), h * h * amplitude * w * w, np.zeros(lanes)
+        begin = time.process_time()
+        by_hand(x, v, g, c, d, table, stepper.kicks, steps if repeat else 1)
+        if repeat:
+            best = min(best, time.process_time() - begin)
+    hand = best / (lanes * steps)
+    composed_time = min(own(plan)[0] for _ in range(2)) * plan.size / steps_of_all
+    return {
+        "composed [ns per step]": 1e9 * composed_time,
+        "by hand [ns per step]": 1e9 * hand,
+        "ratio": composed_time / hand,
+    }
+
+
 def composed(points: int) -> dict[str, float]:
     """Return CPU time per trajectory of lanes and of single trajectories [ms]."""
     found = {}
@@ -357,6 +422,8 @@ def main() -> None:
         show(case, results[case])
     results["one by one"] = composed(options.points)
     print("\nlanes beside single trajectories, tolerance 1e-6 [ms]:", results["one by one"])
+    results["by hand"] = against_hand(options.points)
+    print("composed beside written by hand, free:", results["by hand"])
     results["threads"] = threads(max(options.points, 80))
     print("two threads:", results["threads"])
     if options.scaling:

@@ -8,6 +8,7 @@ share is taken, and what is missing to the wall is a short glide.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 from latolato.numerics import lane_rows as r
@@ -101,8 +102,9 @@ def make_lane_impacts(
     Other parameters are those of `lanes.make_lanes`.
     """
     part: Part = compile_part or (lambda function: function)
+    inlined: Part = partial(compile_part, inline=True) if compile_part else part
 
-    @part
+    @inlined
     def is_impact(j: int, w: Any) -> bool:
         """Return whether lane j meets a wall within its step in an ordinary way.
 
@@ -126,7 +128,7 @@ def make_lane_impacts(
             return False
         return w[r.RATE * L + j] * h < _MOST_DRAG
 
-    @part
+    @inlined
     def note_impact(e: int, j: int, k: int, w: Any, z: Any, points: Points) -> None:
         """Write the impact of lane j into column e."""
         L, E = r.LANES, IMPACTS
@@ -265,7 +267,7 @@ def make_lane_impacts(
             if rest == 0.0:
                 return
 
-    @part
+    @inlined
     def rebound(
         e: int, j: int, k: int, stop: float, w: Any, z: Any, acc: Any, points: Points,
         progress: Progress,

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,8 @@ def make_lanes(
         Whether any point has drag, whether any has walls, whether works are asked for.
     """
     part: Part = compile_part or (lambda function: function)
+    # What every impact needs: passing the arrays of all points to a call costs more than the rest.
+    inlined: Part = partial(compile_part, inline=True) if compile_part else part
     laws = (acceleration, restoring, potential)
     carry_to, is_over, arrive, time_of = make_steering(make, laws, compile_part, hooks)
     watch, watches = make_watch(hooks, compile_part), bool(hooks[0])
@@ -83,7 +86,7 @@ def make_lanes(
         restoring, potential, watch.step, compile_part, damped=damped, walled=walled, works=works
     )
 
-    @part
+    @inlined
     def turn_phase(j: int, k: int, w: Any, points: Points) -> None:
         """Compute the drive's phase of a lane afresh."""
         L = r.LANES
@@ -94,17 +97,17 @@ def make_lanes(
         w[r.C * L + j] = scale * cosine(turn)
         w[r.D * L + j] = scale * sine(turn)
 
-    @part
+    @inlined
     def last_step(j: int, stop: float, w: Any) -> float:
         """Return how many full steps a lane can take before a stop."""
         return (stop - w[r.T * r.LANES + j]) / w[r.H * r.LANES + j] - 1.0 - 1e-9
 
-    @part
+    @inlined
     def set_halt(j: int, stop: float, w: Any) -> None:
         """Write after how many steps a lane must be looked at: before the stop, or to resync."""
         w[r.HALT * r.LANES + j] = min(last_step(j, stop, w), w[r.N * r.LANES + j] + _RESYNC)
 
-    @part
+    @inlined
     def load(j: int, k: int, stop: float, w: Any, points: Points, progress: Progress) -> None:
         """Put the state of point k into lane j."""
         L = r.LANES
@@ -120,7 +123,7 @@ def make_lanes(
         turn_phase(j, k, w, points)
         set_halt(j, stop, w)
 
-    @part
+    @inlined
     def store(j: int, k: int, w: Any, points: Points, progress: Progress) -> None:
         """Write the state of lane j back to point k."""
         L = r.LANES
