@@ -10,9 +10,12 @@ from latolato.observables import Stroboscope
 from latolato.sweep import kernels
 
 TOLERANCE = 1e-8
-# Impacts in lanes may end in a glide whose error is 1e-3 of the tolerance, and motion that bounces
-# for a few seconds amplifies it a hundredfold; velocities and works are ten times the angles.
-AGREE = 10.0 * TOLERANCE
+# Rounding alone, which bouncing amplifies a thousandfold within seconds and the tables of contacts
+# do not hide; impacts end in a glide whose velocity is wrong by 1e-3 of the tolerance at most.
+AGREE = 0.1 * TOLERANCE
+# Mean energy is a quadrature of order 4. Near a wall single trajectories take a step in parts where
+# the force changes sign, lanes only if that may turn the ball twice: (2 rate step)^4/720 = 6e-5.
+AGREE_ENERGY = 1e-6
 WATCHED = (
     "mean_energy",
     "crossings",
@@ -132,7 +135,17 @@ def test_lanes_count_what_single_trajectories_count(name):
 def test_lanes_measure_what_single_trajectories_measure(name):
     lanes, alone = both(name)
     for variable in set(lanes.data_vars) - set(COUNTS):
-        scale = max(1.0, float(np.nanmax(np.abs(alone[variable]), initial=0.0)))
+        scale = max(1.0, float(np.nanmax(np.abs(alone[variable].values), initial=0.0)))
+        atol = scale * (AGREE_ENERGY if variable == "mean_energy" else AGREE)
         np.testing.assert_allclose(
-            lanes[variable], alone[variable], rtol=0.0, atol=AGREE * scale, err_msg=variable
+            lanes[variable], alone[variable], rtol=0.0, atol=atol, err_msg=variable
         )
+
+
+def test_the_cases_bounce_rest_and_whirl():
+    seen = {name: both(name)[1] for name in CASES}
+    assert seen["cascades"].bottom_contacts.max() > 100
+    assert seen["elastic walls"].top_contacts.max() > 0
+    assert seen["free and whirling"].rotations.max() > 3
+    assert 0.1 < seen["no rebound"].rest_fraction.max() < 1.0
+    assert (seen["drag and rest"].status == 2).any()

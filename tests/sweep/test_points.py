@@ -241,7 +241,9 @@ class TestPointsThatMakeNoSense:
 
     def test_a_radius_beyond_the_length_is_invalid_there_only(self):
         asked = {"axes": {"radius": [0.05, 1.0, 0.1, 1.5]}, "initial_offset": 0.4}
-        reason = r"2 of 4 points have no answer: 2 invalid \(radius must lie in \[0, length\), got 1"
+        reason = (
+            r"2 of 4 points have no answer: 2 invalid \(radius must lie in \[0, length\), got 1"
+        )
         found = self.swept(TOY, DRIVE, reason, **asked)
         assert list(found.status) == [CONVERGED, INVALID, CONVERGED, INVALID]
         for name in ("largest_angle", "mean_energy"):
@@ -306,7 +308,7 @@ class TestPointsThatMakeNoSense:
         self.assert_as_without(found, name, [usual[name]], PENDULUM, DRIVE, **asked)
 
     def test_motion_beyond_all_numbers_has_failed(self):
-        # 1e300 rad grow by exp(0.3 * 6.26 / 4 * ...) each second of strong Mathieu resonance
+        # in resonance the linear motion grows by exp(0.4 t): 1e300 rad leave the numbers in 40 s
         asked = {
             "axes": {"initial_angle": [0.1, 1e300]},
             "duration": 40.0,
@@ -320,7 +322,9 @@ class TestPointsThatMakeNoSense:
     def test_too_many_contacts_end_without_an_answer(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
         asked = {
-            "axes": {"initial_offset": [0.0, 0.2, 1.5]},
+            "axes": {
+                "initial_offset": [0.0, 0.01, 1.5]
+            },  # rests, bounces low and often, high and rarely
             "contact_limit": 3,
             "duration": 1.6,
             "initial_angular_velocity": 0.0,

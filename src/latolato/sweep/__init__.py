@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -168,17 +168,24 @@ def run_plan(
                 f"executor '{executor}' does not know {option}, it takes {takes}: leave {option} "
                 "out or name another executor"
             )
+    results: Any
+
+    def missing() -> Iterator[int]:
+        yield from results.missing
+
+    # An executor says what it lacks when it is called: before a store is begun.
+    chunks = execute(plan, missing(), **options)
     if store is not None:
         from latolato.sweep.store import Store
 
-        results: Any = Store(plan, store)
+        results = Store(plan, store)
     else:
         results = Memory(plan)
     with results:
         done = results.points_done
         if progress is not None:
             progress(done, plan.size)
-        for number, (values, reason) in execute(plan, results.missing, **options):
+        for number, (values, reason) in chunks:
             results.write(number, values, reason)
             done += values[STATUS].size
             if progress is not None:

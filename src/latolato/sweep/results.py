@@ -14,7 +14,7 @@ from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
 from latolato.simulate import version
-from latolato.sweep.axes import parameters_of
+from latolato.sweep.axes import DERIVED, parameters_of
 from latolato.sweep.chunk import STATUS, Values, status_counts
 from latolato.sweep.plan import Plan
 
@@ -74,6 +74,8 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
         if per_ball and (name == "mean_energy" or name in _LEDGER):
             both = plan.system.angles == 2 and name in _LEDGER
             found[name]["long_name"] += ", both balls" if both else ", per ball"
+    found["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
+    found["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}
     found[STATUS] = {
         "long_name": "status of the point",
         "units": "1",
@@ -111,11 +113,13 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
         "system": systems.name_of(plan.system),
         "drive": drives.name_of(plan.drive),
     }
+    # What varies under another name has no value of its own either.
+    varied = plan.varied | {DERIVED[name] for name in plan.varied & DERIVED.keys()}
     for part in ("system", "drive", "start"):
         for name, value in described[part].items():
             if isinstance(value, dict):
                 flat.update({f"{name}_{k}": v for k, v in value.items()})
-            elif name != "kind" and name not in plan.varied and value is not None:
+            elif name != "kind" and value is not None:
                 flat[name] = value
     for name in ("duration", "transient", "transient_periods", "tolerance", "rest_speed"):
         flat[name] = described[name]
@@ -124,9 +128,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
         flat |= {"continuation": plan.continuation, "continuation_direction": plan.direction}
     for observable in described["observables"]:
         flat |= {k: v for k, v in observable.items() if k != "kind"}
-    flat = {
-        k: int(v) if isinstance(v, bool) else v for k, v in flat.items() if k not in plan.varied
-    }
+    flat = {k: int(v) if isinstance(v, bool) else v for k, v in flat.items() if k not in varied}
     return flat | {"plan": json.dumps(described), "plan_hash": plan.hash}
 
 
@@ -173,14 +175,13 @@ class Memory:
         """Return the labelled dataset."""
         import xarray as xr
 
-        attributes = attributes_of_variables(self.plan)
+        about = attributes_of_variables(self.plan)
+        coordinates = coordinates_of(self.plan)
         dataset = xr.Dataset(
-            {name: (dims_of(self.plan, name), array) for name, array in self._arrays.items()},
-            coords=coordinates_of(self.plan),
+            {n: (dims_of(self.plan, n), array, about[n]) for n, array in self._arrays.items()},
+            coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
             attrs=attributes_of(self.plan),
         )
-        for name in dataset.variables:
-            dataset[name].attrs.update(attributes.get(str(name), {}))
         if self._reasons:  # the same whatever the order in which chunks came
             dataset.attrs["first_invalid"] = self._reasons[min(self._reasons)]
         return dataset

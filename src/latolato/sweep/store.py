@@ -418,7 +418,7 @@ def _opened(path: Path) -> xr.Dataset:
     # As NumPy's fixed-width text, like the coordinates of a sweep in memory.
     texts = {n: c for n, c in dataset.coords.items() if c.dtype.kind not in "iuf"}
     return dataset.assign_coords(
-        {name: (c.dims, np.array(c.values.tolist())) for name, c in texts.items()}
+        {name: (c.dims, np.array(c.values.tolist()), c.attrs) for name, c in texts.items()}
     )
 
 
