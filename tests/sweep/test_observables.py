@@ -307,13 +307,19 @@ def test_stroboscope_leaves_out_what_is_before_the_start_or_in_the_transient():
             assert angles[1] == start["initial_angle"]  # period 0 is the start itself
 
 
-def test_a_whole_number_of_periods_ends_with_the_final_state():
-    system, drive, start = CASES["rotating pendulum"]
-    duration = 3.0 * (2.0 * math.pi / 6.0)
+@pytest.mark.parametrize("periods, frequency", [(3, 6.0), (11, 4.0), (22, 7.0)])
+def test_a_whole_number_of_periods_ends_with_the_final_state(periods, frequency):
+    # the last two durations are rounded to just below so many periods
+    system, _, start = CASES["rotating pendulum"]
     found = ll.sweep(
-        system, drive, axes={"gravity": [9.8]}, duration=duration, executor="reference",
-        observables=[Stroboscope(periods=4), "final_angle", "final_angular_velocity"], **start,
-    )  # fmt: skip
+        system,
+        ll.Harmonic(drive_amplitude=0.1, drive_frequency=frequency),
+        axes={"gravity": [9.8]},
+        duration=periods * math.tau / frequency,
+        observables=[Stroboscope(periods=4), "final_angle", "final_angular_velocity"],
+        executor="reference",
+        **start,
+    )
     assert found.stroboscopic_angle.values[0, -1] == found.final_angle.values[0]
     velocity = found.stroboscopic_angular_velocity.values[0, -1]
     assert velocity == found.final_angular_velocity.values[0]

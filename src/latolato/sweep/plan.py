@@ -96,7 +96,7 @@ class Plan:
                 continue
             extent = 1 if self.dims[number] == "direction" else min(length, max(1, room))
             found.append(extent)
-            room //= extent if extent == length else max(room, 1) + 1  # a cut axis fills the room
+            room //= extent  # one is left where an axis is cut
         return tuple(reversed(found))
 
     @property
