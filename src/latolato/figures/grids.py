@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.figures import overlays, style
+from latolato.figures import overlays
 from latolato.figures.cases import Floats, variable
 from latolato.figures.map import Side
 from latolato.numerics.records import EVENT_LIMIT
-from latolato.physics.pendulum import Pendulum
+from latolato.physics.pendulum import LatoLato, Pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,8 +37,24 @@ PAIR_OBSERVABLES = (
     "largest_angle_after_transient",
     "top_contacts",
 )
+# The scales of maps of energy and crossings, the same for all: variable, norm, colours.
+SCALES: tuple[tuple[str, Callable[[], Any], str], ...] = (
+    ("mean_energy", lambda: _log_norm(0.02, 100.0), "viridis"),
+    ("crossings", lambda: _log_norm(10.0, 1500.0), "viridis_r"),
+)
+_LABELS = {
+    "mean_energy": r"mean energy $\langle E\rangle$ [J]",
+    "crossings": "crossings of 2 rad",
+}
 # Where the band of order 2 is looked for, and the ratios beside it that it is compared with.
 BAND, BESIDE_BAND = (0.95, 1.05), (0.85, 1.15)
+
+
+def _log_norm(low: float, high: float) -> Any:
+    """Return a logarithmic scale of colours."""
+    from matplotlib.colors import LogNorm
+
+    return LogNorm(low, high)
 
 
 def even(last: float, count: int) -> Floats:
@@ -127,6 +143,11 @@ def draw_cells(axes: Axes, values: xr.DataArray, *, norm: Any, cmap: str | Color
     return mesh
 
 
+def label(values: xr.DataArray) -> str:
+    """Return what a map shows, in few words, with symbol and unit."""
+    return _LABELS[str(values.name).removeprefix("clamp_")]
+
+
 def draw_overlay(axes: Axes, system: Pendulum, name: str) -> Any:
     """Draw the tongue of eq14 or the lift-off curve over a map and return its legend entry."""
     context = overlays.Context(
@@ -136,7 +157,7 @@ def draw_overlay(axes: Axes, system: Pendulum, name: str) -> Any:
         mass=system.mass,
         damping=system.damping,
         gravity=system.gravity,
-        has_walls=system.kind == "latolato",
+        has_walls=isinstance(system, LatoLato),
         other_drag=False,
     )
     return overlays.draw(axes, context, name)
@@ -150,12 +171,12 @@ def acceleration_ratio(dataset: xr.Dataset, prefix: str = "") -> Floats:
 
 
 def smallest_amplitude(active: xr.DataArray) -> tuple[float, float]:
-    """Return the smallest amplitude [m] that has an active point, and the mean ratio of these."""
+    """Return the smallest amplitude [m] that has an active point, and the first ratio."""
     rows = np.flatnonzero(active.values.any(axis=1))
     if not rows.size:
         return math.nan, math.nan
-    ratios = active.frequency_ratio.values[active.values[rows[0]]]
-    return float(active.drive_amplitude[rows[0]]), float(ratios.mean())
+    first = int(np.argmax(active.values[rows[0]]))
+    return float(active.drive_amplitude[rows[0]]), float(active.frequency_ratio[first])
 
 
 def band_gain(energy: xr.DataArray) -> float:

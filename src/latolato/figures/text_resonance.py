@@ -50,7 +50,7 @@ STATEMENTS = (
         ),
         why=(
             "The tongue opens from 2 to both sides as A0 grows. For the colliding pair the range "
-            "depends on the start as well, which its maps will show."
+            "depends on the start as well: see the claims of Fig. 5."
         ),
     ),
     Statement(

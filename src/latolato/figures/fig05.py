@@ -1,0 +1,233 @@
+"""Fig. 5: the maps of Fig. 3cd for the colliding pair, from rest, with a push, and by a clamp."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import grids, paper, style
+from latolato.figures.cases import Floats
+from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.physics.contacts import Clamp
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+TITLE = "Where the colliding pair becomes unstable"
+STEP = 1e-3  # s, of the clamp
+PUSH = 0.05  # rad above the low contact angle
+CAPTION = (
+    "Fig. 3cd with both walls and elastic impacts, on the scales of Fig. 3cd. Upper row: mean "
+    "energy of one ball; lower row: passages of 2 rad, white: none. Columns: exact contact from "
+    f"rest on the wall; exact contact from {PUSH:g} rad above it; a fixed-step code (1 ms) that "
+    "reflects on overlap, from rest, on a coarser grid, which moves where nothing can leave the "
+    "wall. Solid: the primary tongue of eq14; dashed: lift-off from rest, A0 ω² = g."
+)
+FREE, REST, PUSHED, CLAMP = "free", "rest", "push", "clamp"
+POINTS, QUICK_POINTS = 300, 80  # along each axis
+CLAMP_POINTS, QUICK_CLAMP_POINTS = 50, 20
+QUICK_CLAMP_DURATION = 150.0  # s
+MOVED = 0.01  # rad above the wall: a ball has visibly left it
+TOY = replace(paper.TOY, damping=0.0)
+# The start is not printed; from rest nothing would move below lift-off.
+PUSH_WORDS = f"The start is not printed: at rest on the wall, and {PUSH:g} rad above it, are tried."
+
+STATEMENTS = (
+    Statement(
+        name="map-pair",
+        where="Fig. 5, text",
+        words=(
+            "although Fig. 5 still retains the same overall structure as Figs. 3(c)-(d), its "
+            "boundaries have become blurred"
+        ),
+        assumed=(
+            Limit("agree_push", "points of the same class (2 rad) as without walls, push", low=0.8),
+            Limit("agree_rest", "the same from rest", low=0.8),
+            Limit("blur_push", "outliers over those without walls, push", low=1.2),
+        ),
+        assumption=PUSH_WORDS,
+        finding=(
+            "{agree_rest:.0%} (rest) and {agree_push:.0%} (push) of the points fall into the same "
+            "class as without walls. Points that differ from their surroundings: "
+            "{outliers_free:.2%} without walls, {outliers_rest:.2%} from rest, {outliers_push:.2%} "
+            "with the push."
+        ),
+        why=(
+            "Between impacts the equation is the same. From rest, though, the left boundary is the "
+            "lift-off curve √(l/A0) and sharp: {left_rest:.2f} against {lift_off:.2f} at A0 = 0.3 "
+            "m. Where balls bounce on both sides of it, impacts make it ragged. A fixed-step clamp "
+            "of 1 ms instead leaves the wall at {clamp_moved:.0%} of the points below lift-off, "
+            "and passes 2 rad at {clamp_crossed:.0%} of them."
+        ),
+    ),
+    Statement(
+        name="map-pair-band",
+        where="text on Fig. 5",
+        words="Notably, the secondary resonance region no longer appears in Fig. 5",
+        assumed=(
+            Limit("band_rest", "mean energy near ω/ω0 = 1 over that beside it, rest", high=1.5),
+            Limit("band_push", "the same with the push", high=1.5),
+        ),
+        assumption=PUSH_WORDS,
+        finding=(
+            "Near ω/ω0 = 1 the mean energy is at most {band_rest:.2f} (rest) and {band_push:.2f} "
+            "(push) times that beside it; without walls it is {band_free:.0f} times."
+        ),
+        why=(
+            "From rest nothing leaves the wall there. Small bounces off a wall beside the lowest "
+            "point are quicker than ω0 and change their pace with their height, so that no narrow "
+            "resonance builds up."
+        ),
+    ),
+    Statement(
+        name="map-pair-amplitude",
+        where="text on Fig. 5",
+        words="a larger driving amplitude is required to observe the resonance effect",
+        assumed=(
+            Limit("more_rest", "smallest A0 for 2 rad over that without walls, rest", low=1.2),
+            Limit("more_push", "the same with the push", low=1.2),
+        ),
+        assumption=PUSH_WORDS,
+        finding=(
+            "2 rad is first reached at A0 = {tip_rest:.3f} m from rest (ω/ω0 = {at_rest:.2f}) and "
+            "{tip_push:.3f} m with the push ({at_push:.2f}), without walls at {tip_free:.3f} m "
+            "({at_free:.2f}). At ω/ω0 = 4 it is the other way round: {four_rest:.2f}, "
+            "{four_push:.2f} and {four_free:.2f} m."
+        ),
+        why=(
+            "It holds for the smallest amplitude of the map, not for each frequency: on the right "
+            "side the walls make more of the plane unstable."
+        ),
+    ),
+    Statement(
+        name="pair-range",
+        where="Abstract",
+        words=(
+            "parametric resonance consistently occurs within a characteristic frequency ratio "
+            "range (ω/ω0) starting from 2"
+        ),
+        printed=(
+            Limit("left_rest", "left edge (2 rad) at A0 = 0.3 m, rest", 1.95, 2.05),
+            Limit("left_push", "left edge (2 rad) at A0 = 0.3 m, push", 1.95, 2.05),
+        ),
+        finding=(
+            "For the pair the range begins at ω/ω0 = {left_rest_2:.2f}, {left_rest:.2f} and "
+            "{left_rest_5:.2f} from rest and at {left_push_2:.2f}, {left_push:.2f} and "
+            "{left_push_5:.2f} with the push, for A0 = 0.2, 0.3 and 0.5 m."
+        ),
+        why=(
+            "It depends on amplitude and start. From rest the range begins at the lift-off curve "
+            "√(l/A0), with a push near the tongue of eq14; both move to the left as A0 grows."
+        ),
+    ),
+)
+
+
+def data(quick: bool = False) -> xr.Dataset:
+    """Return the maps without walls, from rest, with a push and by the clamp."""
+    from latolato.sweep import sweep
+
+    def run(count: int, duration: float, offset: float, step: float = 0.0) -> xr.Dataset:
+        return sweep(
+            TOY,
+            axes=_axes(count),
+            duration=duration,
+            initial_offset=offset,
+            observables=grids.PAIR_OBSERVABLES,
+            contact=Clamp(step=step) if step else "exact",
+        )
+
+    count, long = QUICK_POINTS if quick else POINTS, paper.SWEEP_DURATION
+    maps = {
+        FREE: sweep(
+            paper.UNDAMPED,
+            axes=_axes(count),
+            duration=long,
+            initial_angle=TOY.contact_angle_low,
+            observables=grids.PENDULUM_OBSERVABLES,
+        ),
+        REST: run(count, long, 0.0),
+        PUSHED: run(count, long, PUSH),
+    }
+    count, long = (QUICK_CLAMP_POINTS, QUICK_CLAMP_DURATION) if quick else (CLAMP_POINTS, long)
+    return grids.gather(
+        maps,
+        title=TITLE,
+        keep=("mean_energy", "crossings", "largest_angle"),
+        apart={CLAMP: run(count, long, 0.0, STEP)},
+    )
+
+
+def _axes(count: int) -> dict[str, Floats]:
+    """Return the axes of a map with that many points along each."""
+    return {
+        "drive_amplitude": grids.even(paper.LARGEST_AMPLITUDE_RATIO * TOY.length, count),
+        "frequency_ratio": grids.even(paper.LARGEST_FREQUENCY_RATIO, count),
+    }
+
+
+def numbers(dataset: xr.Dataset) -> Numbers:
+    """Return the numbers that the statements on the pair's maps need."""
+    from latolato.analysis.boundary import boundary
+
+    low = TOY.contact_angle_low
+    below = grids.acceleration_ratio(dataset) < 1.0
+    below_clamp = grids.acceleration_ratio(dataset, f"{CLAMP}_") < 1.0
+    active = {case: dataset.crossings.sel(case=case) > 0.0 for case in (FREE, REST, PUSHED)}
+    found: dict[str, float] = {}
+    for case, points in active.items():
+        chosen = dataset.sel(case=case)
+        found[f"agree_{case}"] = float((points.values == active[FREE].values).mean())
+        found[f"outliers_{case}"] = grids.outliers(points.values)
+        found[f"band_{case}"] = grids.band_gain(chosen.mean_energy)
+        found[f"tip_{case}"], found[f"at_{case}"] = grids.smallest_amplitude(points)
+        column = points.sel(frequency_ratio=4.0, method="nearest").values
+        found[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
+        edge = boundary(chosen, "crossings", 1.0).left_edge
+        for name, amplitude in (("_2", 0.2), ("", 0.3), ("_5", 0.5)):
+            here = edge.sel(drive_amplitude=amplitude, method="nearest")
+            found[f"left_{case}{name}"] = float(here)
+    rise = dataset.largest_angle.sel(case=REST).values - low
+    clamp_rise = dataset.clamp_largest_angle.values - low
+    return found | {
+        "blur_push": found["outliers_push"] / found["outliers_free"],
+        "lift_off": (TOY.length / 0.3) ** 0.5,
+        "more_rest": found["tip_rest"] / found["tip_free"],
+        "more_push": found["tip_push"] / found["tip_free"],
+        "rest_moved": float((rise[below] > MOVED).mean()),
+        "clamp_moved": float((clamp_rise[below_clamp] > MOVED).mean()),
+        "clamp_crossed": float((dataset.clamp_crossings.values[below_clamp] > 0.0).mean()),
+    }
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the figure with panels (a) to (f)."""
+    figure, axes = style.new_figure(2, 3, sharex=True, sharey=True, height=4.9)
+    columns = (
+        ("from rest", dataset.sel(case=REST), ""),
+        (f"with a push of {PUSH:g} rad", dataset.sel(case=PUSHED), ""),
+        ("clamp artefact, from rest", dataset, f"{CLAMP}_"),
+    )
+    handles = []
+    for row, (name, norm, cmap) in enumerate(grids.SCALES):
+        for column, (title, chosen, prefix) in enumerate(columns):
+            panel = axes[row, column]
+            values = chosen[f"{prefix}{name}"]
+            mesh = grids.draw_cells(panel, values, norm=norm(), cmap=cmap)
+            handles = [grids.draw_overlay(panel, TOY, each) for each in ("tongue", "lift_off")]
+            style.panel_title(panel, "abcdef"[3 * row + column], title)
+            if row == 1:
+                panel.set_xlabel(style.label(dataset.frequency_ratio, short=True))
+            if column == 0:
+                panel.set_ylabel(style.label(dataset.drive_amplitude))
+        bar = figure.colorbar(mesh, ax=list(axes[row]), pad=0.01, aspect=22)
+        bar.set_label(grids.label(dataset[name]))
+        bar.outline.set_visible(False)
+    axes[0, 0].set_xlim(0.0, paper.LARGEST_FREQUENCY_RATIO)
+    axes[0, 0].set_ylim(0.0, paper.LARGEST_AMPLITUDE_RATIO * TOY.length)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    return figure
