@@ -188,6 +188,8 @@ def load(path: str | Path) -> xr.Dataset:
         from latolato.sweep.store import open_store
 
         return open_store(path)
+    if path.suffix == ".zarr" and not path.exists():
+        raise FileNotFoundError(f"there is no store '{path}'")
     suffix = check_suffix(path, SUFFIXES, "the name of a result file")
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")

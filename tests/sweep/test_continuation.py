@@ -141,12 +141,6 @@ def test_both_ways_are_a_dimension_and_equal_each_way_alone():
         assert_same_numbers(both.sel(direction=direction, drop=True), swept(direction))
 
 
-def test_downwards_is_upwards_along_the_reversed_axis():
-    values = {"axes": {"frequency_ratio": RATIOS[::-1]}}
-    found = ll.sweep(PENDULUM, DRIVE, **(SWEEP | values), direction="up")
-    assert_same_numbers(found.isel(frequency_ratio=slice(None, None, -1)), swept("down"))
-
-
 @pytest.mark.parametrize("chunk_size", [1, 30, 1000])
 def test_lines_of_a_map_do_not_touch_each_other(chunk_size):
     axes = {"mass": [0.4, 0.8, 1.2], "frequency_ratio": RATIOS, "damping": [0.1, 0.2]}
@@ -183,8 +177,8 @@ def test_a_fast_end_makes_the_steps_of_the_next_point_shorter():
     pendulum = ll.Pendulum(length=1.0, mass=0.8)
     found = ll.sweep(
         pendulum, axes={"gravity": [9.8, 0.5]}, initial_angle=3.0, duration=1.16,
-        continuation="gravity", observables=["final_angle", "final_angular_velocity"],
-        executor="reference", tolerance=1e-6,
+        continuation="gravity", direction="down", executor="reference", tolerance=1e-6,
+        observables=["final_angle", "final_angular_velocity"],
     )  # fmt: skip
     start = {
         "initial_angle": float(found.final_angle[0]),
@@ -196,3 +190,15 @@ def test_a_fast_end_makes_the_steps_of_the_next_point_shorter():
         observables=["final_angle", "final_angular_velocity"], **start,
     )  # fmt: skip
     assert float(found.final_angle[1]) == float(alone.final_angle[0])
+
+
+def test_up_is_towards_larger_values_in_whatever_order_they_stand():
+    backwards = {"frequency_ratio": RATIOS[::-1]}
+    found = ll.sweep(PENDULUM, DRIVE, **{**SWEEP, "axes": backwards}, direction="up")
+    assert_same_numbers(found.sortby("frequency_ratio"), swept("up"))
+
+
+def test_every_parameter_of_a_followed_zip_moves_steadily():
+    axes = {"case": {"length": [0.9, 1.0, 1.1], "mass": [1.0, 3.0, 2.0]}}
+    with pytest.raises(ValueError, match="sort the values of mass"):
+        ll.sweep(PENDULUM, DRIVE, **{**SWEEP, "axes": axes, "continuation": "case"})

@@ -200,6 +200,21 @@ MISTAKES = {
         "initial_angle and initial_offset both set initial_angle",
     ),
     "reserved name": ({"axes": {"sample": {"mass": [1.0]}}}, "axis name 'sample' is taken"),
+    "name of an observable": (
+        {"axes": {"mean_energy": {"mass": [1.0]}}, "observables": ["mean_energy"]},
+        "axis name 'mean_energy' is that of an observable",
+    ),
+    "name of the status": ({"axes": {"status": {"mass": [1.0]}}}, "axis name 'status' is taken"),
+    "name that is no name": ({"axes": {"a/b": {"mass": [1.0]}}}, "letters, digits and underscores"),
+    "misspelt, without a drive": (
+        {"drive": None, "axes": {"drive_amplitud": [0.1], "frequency_ratio": [2.0]}},
+        "unknown parameter 'drive_amplitud' in axes: did you mean 'drive_amplitude'",
+    ),
+    "an angle beside an axis of offsets": (
+        {"axes": {"initial_offset": [0.1]}, "initial_angle": 0.4},
+        "give only one of initial_angle and an axis initial_offset",
+    ),
+    "no array": ({"axes": {"mass": np.array(1.0)}}, "axis mass must hold numbers in kg"),
     "two dimensions": ({"axes": {"mass": np.ones((2, 2))}}, "must be one-dimensional"),
     "text as values": ({"axes": {"mass": "heavy"}}, "axis mass must hold numbers in kg"),
     "text as a value": ({"axes": {"mass": [1.0, "heavy"]}}, "mass must be a number in kg"),

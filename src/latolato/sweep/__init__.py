@@ -78,7 +78,8 @@ def sweep(
         Name of an axis along which every point starts where its neighbour ended, with the phase
         of the drive going on: hysteresis.
     direction : {"up", "down", "both"}
-        Way along the axis of a continuation; ``"both"`` adds a dimension `direction`.
+        Way along the axis of a continuation, up towards larger values; ``"both"`` adds a dimension
+        `direction`.
     executor : {"threads", "reference", "dask", "cuda"}
         Where the points run. ``"reference"`` is plain Python.
     workers : int, optional
@@ -96,7 +97,9 @@ def sweep(
     -------
     xarray.Dataset
         The observables' variables over the axes (also on ``ball`` for a `BallPair`, on ``sample``
-        where an observable gives several numbers), and `status`: NaN never stands without one.
+        where an observable gives several numbers), and `status`. Where it is ``event_limit``,
+        ``failed`` or ``invalid`` everything else is NaN; elsewhere NaN says that there is nothing
+        to tell, such as a mean impact speed without impacts.
 
     Raises
     ------
@@ -106,7 +109,11 @@ def sweep(
     Notes
     -----
     Results do not depend on chunks, on the number of workers or on what ran before: they are
-    identical bit by bit on one machine.
+    identical bit by bit on one machine, on threads and Dask. ``"reference"`` and ``"cuda"`` round
+    differently and cut some steps beside a wall elsewhere; at regular points they agree within the
+    tolerance, `mean_energy` within the fourth power of the step.
+
+    A new combination of laws and observables is compiled for some ten seconds, once.
 
     Examples
     --------

@@ -128,7 +128,8 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
         raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     parameter = known[name]
     unit = parameter.quantity.unit
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+    single = isinstance(values, np.ndarray) and values.ndim == 0
+    if isinstance(values, (str, bytes)) or single or not isinstance(values, Iterable):
         raise TypeError(f"axis {name} must hold numbers in {unit}, got {values!r}")
     values = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not values:
@@ -150,5 +151,9 @@ def _check_conflicts(axes: list[Axis]) -> None:
             setters[target] = name
     names = [axis.name for axis in axes]
     for name in names:
-        if names.count(name) > 1 or name in ("direction", "ball", "sample"):
+        if not name.isidentifier():
+            raise ValueError(
+                f"axis name '{name}' must be of letters, digits and underscores: choose another"
+            )
+        if names.count(name) > 1 or name in ("direction", "ball", "sample", "status"):
             raise ValueError(f"axis name '{name}' is taken: choose another")

@@ -49,6 +49,9 @@ def run_chunk(plan: Plan, number: int, run_points: RunPoints) -> tuple[Values, s
     axis = plan.dims.index(plan.continuation)
     lines = np.moveaxis(index, axis, 0).reshape(shape[axis], -1)
     downwards = plan.direction == "down" or (plan.direction == "both" and block[0].start == 1)
+    along = next(a for a in plan.axes if a.name == plan.continuation).values[0]
+    if along[0] > along[-1]:  # up is towards larger values, in whatever order they stand
+        downwards = not downwards
     order = range(len(lines))[::-1] if downwards else range(len(lines))
     generations: dict[int, Values] = {}
     previous, reason = None, ""

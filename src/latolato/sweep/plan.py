@@ -228,7 +228,7 @@ def make_plan(
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
     if not isinstance(system, System):
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
-    drive = _drive_for(drive, axes)
+    drive = _drive_for(system, drive, axes)
     known = parameters_of(system, drive)
     found = checked_axes(axes, known)
     varied = {name for axis in found for name in axis.parameters}
@@ -244,6 +244,8 @@ def make_plan(
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"two observables both give '{name}': drop one")
+        if name in {axis.name for axis in found}:
+            raise ValueError(f"axis name '{name}' is that of an observable: choose another")
     if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
         raise ValueError(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
@@ -283,7 +285,7 @@ def make_plan(
     return plan
 
 
-def _drive_for(drive: Drive | None, axes: Any) -> Drive:
+def _drive_for(system: System, drive: Drive | None, axes: Any) -> Drive:
     """Return the drive, a harmonic one if there is none but the axes vary one."""
     if drive is not None or not isinstance(axes, Mapping):
         return checked_drive(drive)
@@ -292,8 +294,13 @@ def _drive_for(drive: Drive | None, axes: Any) -> Drive:
         varied |= set(values) if isinstance(values, Mapping) else {name}
     amplitudes = {"drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"}
     frequencies = {"drive_frequency", "frequency_ratio"}
+    harmonic = Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
+    known = parameters_of(system, harmonic)
+    for name in varied:
+        if name not in known:
+            raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     if varied & amplitudes and varied & frequencies:
-        return Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
+        return harmonic
     if varied & (amplitudes | frequencies | {"drive_phase"}):
         name = sorted(varied & (amplitudes | frequencies | {"drive_phase"}))[0]
         raise ValueError(f"axis {name} needs a drive: give one, for example Harmonic")
@@ -361,6 +368,8 @@ def _start(
         for side, number in zip(sides, values, strict=True):
             unit = QUANTITIES[name].unit
             given[name + side] = checked_number(name + side, number, ANY, unit)
+    if "initial_offset" in varied and angle is not None:
+        raise ValueError("give only one of initial_angle and an axis initial_offset")
     if varied & {"initial_angle", "initial_offset"}:
         given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
@@ -382,11 +391,13 @@ def _check_continuation(
             f"continuation must name an axis, got '{name}': {suggest(str(name), names)}"
         )
     axis = axes[names.index(name)]
-    for values in axis.values[:1]:
+    for number, values in enumerate(axis.values):
         steps = np.diff(values)
-        if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        rises, falls = np.all(steps >= 0.0), np.all(steps <= 0.0)
+        if not (rises or falls) or (number == 0 and np.any(steps == 0.0)):
             raise ValueError(
-                f"axis {name} must increase or decrease steadily to be followed; sort its values"
+                f"axis {name} must increase or decrease steadily to be followed; sort the values "
+                f"of {axis.parameters[number]}"
             )
     starts = [p for p in axis.parameters if p.startswith("initial_")]
     if starts:
