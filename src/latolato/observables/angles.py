@@ -34,7 +34,7 @@ def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
 @observables.register("largest_angle")
 @dataclass(frozen=True, kw_only=True)
 class LargestAngle(Observable):
-    """Largest absolute angle at any time, the transient included; unwrapped when the ball rotates."""
+    """Largest absolute angle at any time, transient included; unwrapped if the ball rotates."""
 
     variables: ClassVar[Any] = {"largest_angle": QUANTITIES["largest_angle"]}
     step: ClassVar[Any] = staticmethod(_step)
