@@ -272,19 +272,26 @@ def threads(points: int) -> dict[str, float]:
 
 
 _SCALE = """
-import resource, sys, time, tempfile, pathlib, numpy as np, latolato as ll
-count, store = int(sys.argv[1]), sys.argv[2] == "store"
+import pathlib, sys, tempfile, time
+import numpy as np
+import latolato as ll
+
+side, store, duration = int(sys.argv[1]), sys.argv[2] == "store", float(sys.argv[3])
 toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
-options = dict(duration=float(sys.argv[3]), observables=["largest_angle"], initial_offset=0.2,
-    tolerance=1e-6)
+options = dict(
+    duration=duration, observables=["largest_angle"], initial_offset=0.2, tolerance=1e-6
+)
 ll.sweep(toy, axes={"drive_amplitude": [0.1], "frequency_ratio": [2.0]}, **options)
+share = np.arange(1, side + 1) / side
 with tempfile.TemporaryDirectory() as folder:
     begin = time.process_time()
-    ll.sweep(toy, axes={"drive_amplitude": np.linspace(0.001, 0.5, 1000)[: min(count, 1000)],
-        "frequency_ratio": np.linspace(0.01, 5.0, count // 1000)}, workers=2,
-        store=pathlib.Path(folder) / "map.zarr" if store else None, **options)
+    ll.sweep(
+        toy, axes={"drive_amplitude": 0.5 * share, "frequency_ratio": 5.0 * share}, workers=2,
+        store=pathlib.Path(folder) / "map.zarr" if store else None, **options,
+    )
     seconds = time.process_time() - begin
-print(seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+peak = pathlib.Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]
+print(seconds, float(peak) / 1e6)
 """
 
 
@@ -296,7 +303,7 @@ def scaling(counts: tuple[int, ...], duration: float, store: bool) -> list[dict[
             sys.executable,
             "-c",
             _SCALE,
-            str(count),
+            str(math.isqrt(count)),
             "store" if store else "no",
             str(duration),
         ]
@@ -304,8 +311,8 @@ def scaling(counts: tuple[int, ...], duration: float, store: bool) -> list[dict[
         seconds, memory = map(float, text.split())
         found.append(
             {
-                "points": count,
-                "microseconds per point": 1e6 * seconds / count,
+                "points": math.isqrt(count) ** 2,
+                "microseconds per point": 1e6 * seconds / math.isqrt(count) ** 2,
                 "resident GB": memory,
             }
         )
@@ -427,8 +434,8 @@ def main() -> None:
     results["threads"] = threads(max(options.points, 80))
     print("two threads:", results["threads"])
     if options.scaling:
-        print("cost against size, 10 s with walls, in memory:")
-        results["scaling"] = scaling((1_000, 10_000, 100_000, 1_000_000), 10.0, False)
+        print("cost against size, 100 s with walls, in memory:")
+        results["scaling"] = scaling((1_000, 10_000, 100_000, 1_000_000), 100.0, False)
         print("10 million short trajectories (1 s) into a store:")
         results["store"] = scaling((10_000_000,), 1.0, True)
     if options.map:
