@@ -250,7 +250,7 @@ BAD = [
     ([*BOTH, "--direction", "down"], "direction 'down' needs a continuation"),
     (
         [*PENDULUM, *A0, "--axis", "frequency_ratio=2,1,3", "--continuation", "frequency_ratio"],
-        "must increase or decrease steadily to be followed; sort its values",
+        "must increase or decrease steadily to be followed; sort the values",
     ),
     ([*BOTH, "--executor", "thread"], "unknown executor 'thread': did you mean 'threads'?"),
     ([*BOTH, "--workers", "0"], "workers must be a positive integer"),
