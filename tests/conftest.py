@@ -5,7 +5,6 @@ tests without an edit here. Compiled kernels stay in the user's cache between se
 """
 
 import dataclasses
-import importlib.util
 import itertools
 import json
 import math
@@ -114,8 +113,6 @@ def damping_law(request):
 def make_system(request):
     """For every registered system: a function of a damping law that returns it."""
     kind = systems[request.param]
-    if request.param == "ballpair" and not importlib.util.find_spec("latolato.numerics.fold_pair"):
-        pytest.skip("the kernel of two balls is not there yet")
 
     def make(**law):
         names = {f.name for f in dataclasses.fields(kind)}
