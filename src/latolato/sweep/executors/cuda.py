@@ -10,9 +10,7 @@ from __future__ import annotations
 import importlib.util
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from functools import lru_cache
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -28,6 +26,7 @@ from latolato.sweep.chunk import Cancelled, Values, run_chunk
 from latolato.sweep.kernels import trajectory_name
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
+from latolato.sweep.pool import run_in_threads
 
 if importlib.util.find_spec("numba_cuda") is None:
     raise ImportError("executor 'cuda' needs numba-cuda: pip install \"latolato[cuda]\"")
@@ -99,20 +98,11 @@ def _execute(
             raise Cancelled
         return number, run_chunk(plan, number, run_points)
 
-    waiting = iter(numbers)
-    with ThreadPoolExecutor(count) as pool:
-        try:
-            running: set[Future[tuple[int, tuple[Values, str]]]] = {
-                pool.submit(run, number) for number in islice(waiting, count + 1)
-            }
-            while running:
-                done, running = wait(running, return_when=FIRST_COMPLETED)
-                for future in done:
-                    running |= {pool.submit(run, number) for number in islice(waiting, 1)}
-                    yield future.result()
-        finally:
-            cancel[0] = 1
-            cancel_on_device.copy_to_device(cancel, stream=cuda.stream())
+    def stop() -> None:
+        cancel[0] = 1
+        cancel_on_device.copy_to_device(cancel, stream=cuda.stream())
+
+    yield from run_in_threads(run, numbers, count, stop)
 
 
 def kernel_of(plan: Plan, stepper: Stepper) -> Any:

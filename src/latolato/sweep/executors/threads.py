@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from latolato.sweep.chunk import Cancelled, Values, run_chunk
 from latolato.sweep.kernels import run_fastest
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
+from latolato.sweep.pool import run_in_threads
 
 
 def execute(
@@ -44,21 +43,10 @@ def execute(
             raise Cancelled
         return number, run_chunk(plan, number, run_points)
 
-    # A chunk more than there are threads waits, so that none of them does; results that nobody
-    # has taken yet are bounded the same way.
-    waiting = iter(numbers)
-    with ThreadPoolExecutor(count) as pool:
-        try:
-            running: set[Future[tuple[int, tuple[Values, str]]]] = {
-                pool.submit(run, number) for number in islice(waiting, count + 1)
-            }
-            while running:
-                done, running = wait(running, return_when=FIRST_COMPLETED)
-                for future in done:
-                    running |= {pool.submit(run, number) for number in islice(waiting, 1)}
-                    yield future.result()
-        finally:
-            cancel[0] = 1
+    def stop() -> None:
+        cancel[0] = 1
+
+    yield from run_in_threads(run, numbers, count, stop)
 
 
 def available_processors() -> int:
