@@ -22,10 +22,13 @@ from numba.extending import register_jitable
 
 from latolato.scalar import for_each_formula
 
+# Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
+_PART: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 
 def _make_callable(function: Callable[..., Any]) -> None:
     """Let compiled code call a formula."""
-    register_jitable(forceinline=True)(function)  # small, and lanes need it
+    register_jitable(**_PART, forceinline=True)(function)  # small, and lanes need it
 
 
 for_each_formula(_make_callable)
@@ -62,6 +65,9 @@ def cache_directory() -> Path:
 
 class _Locator(_CacheLocator):
     """Puts every kernel below one folder, stamped by the hash of all sources."""
+
+    # numba's warning of code that cannot be kept (as with NUMBA_OPT=0) names a place.
+    _py_file, _lineno = __file__, 1
 
     def __init__(self, *_: Any) -> None:
         self._path = str(cache_directory() / sources_hash())
@@ -126,12 +132,16 @@ def compile_kernel(
     key = f"{name}:{law_key(*laws)}"
     suffix = hashlib.sha256(key.encode()).hexdigest()[:16]
 
-    def compile_part(function: Callable[..., Any], *, inline: bool = False) -> Any:
+    def rename(function: Callable[..., Any]) -> None:
         function.__qualname__ = f"{function.__qualname__}_{suffix}"
-        return numba.njit(**_OPTIONS, forceinline=inline)(function)
+
+    def compile_part(function: Callable[..., Any], *, inline: bool = False) -> Any:
+        rename(function)
+        return numba.njit(**_OPTIONS, **_PART, forceinline=inline)(function)
 
     function = make(*laws, compile_part)
-    dispatcher = compile_part(function)
+    rename(function)
+    dispatcher = numba.njit(**_OPTIONS)(function)
     with contextlib.suppress(OSError):  # a read-only home: compile in every process
         dispatcher._cache = _KernelCache(function, key)
     compiled: Callable[..., Any] = dispatcher
