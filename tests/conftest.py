@@ -9,6 +9,7 @@ import itertools
 import json
 import math
 import os
+import signal
 from pathlib import Path
 
 import hypothesis
@@ -21,6 +22,10 @@ from latolato.physics.pendulum import Ball, systems
 
 # Subprocesses share the compiled kernels whatever their HOME is.
 os.environ.setdefault("LATOLATO_CACHE_DIR", str(cache_directory()))
+
+# A shell starts its background jobs with Ctrl-C ignored, and children inherit that.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The gate tries the same examples every time; HYPOTHESIS_PROFILE=explore looks for new ones.
 hypothesis.settings.register_profile("gate", derandomize=True)
