@@ -1,7 +1,8 @@
 """Every analysis labels its dataset in the same way."""
 
-import latolato as ll
 import numpy as np
+
+import latolato as ll
 from latolato.analysis.registry import labelled
 
 

@@ -10,7 +10,7 @@ import contextlib
 import hashlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -114,6 +114,11 @@ def law_key(*laws: Callable[..., Any]) -> str:
         body = hashlib.sha256(code.co_code + repr(code.co_consts).encode()).hexdigest()[:12]
         parts.append(f"{law.__module__}.{law.__qualname__}.{body}")
     return "+".join(parts)
+
+
+def hooks_key(hooks: Iterable[Iterable[tuple[int, Callable[..., Any]]]]) -> str:
+    """Return a text that identifies observables' formulas and slots."""
+    return ";".join("+".join(f"{at}@{law_key(f)}" for at, f in hook) for hook in hooks)
 
 
 # Multiply-adds may be fused: faster and rounded once less, but not to the bits of plain Python.

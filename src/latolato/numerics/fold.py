@@ -37,6 +37,7 @@ from latolato.numerics.records import (
     IMPACT,
     KICKED,
     LARGEST_ENERGY,
+    MATRIX,
     MODE,
     NOISE,
     REST_HIGH,
@@ -55,10 +56,12 @@ from latolato.numerics.records import (
     WORK,
 )
 from latolato.numerics.rest import make_resting
+from latolato.numerics.tangent import clear_matrix, make_tangent, write_matrix
 from latolato.numerics.watch import BLIND, Hooks, make_watch
 from latolato.observables import Segment
-from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, wall_saltation
 from latolato.physics.damping import drag
+from latolato.physics.pendulum import SLOPES
 
 # A step is cut here when the acceleration changes sign beside a wall, so that a dip in between
 # is seen by one of its parts.
@@ -84,7 +87,10 @@ def make_trajectory(
         acceleration, restoring, compile_part
     )
     find_release, held_slack = make_resting(acceleration, restoring, compile_part)
-    watch_step, watches = make_watch(hooks, compile_part).step, bool(hooks[0])
+    watch = make_watch(hooks, compile_part)
+    watch_step, watches = watch.step, bool(hooks[0])
+    watch_tangent, follows_tangent = watch.tangent, bool(hooks[4])
+    tangent, slope = make_tangent(acceleration, restoring, compile_part), SLOPES[restoring]
 
     def trajectory(
         state: Any,
@@ -123,7 +129,7 @@ def make_trajectory(
         stiffness = gravity * body.coupling
         pull, sag = math.inf, settings.sag
         strongest = (gravity + settings.lift_bound) * body.coupling
-        full = tables[0]
+        full, jacobian = tables[0], space[MATRIX]
         prepare(Method(full, kicks, drifts, nodes), h, body.rate)
         method = Method(tables[1], kicks, drifts, nodes)
 
@@ -191,6 +197,10 @@ def make_trajectory(
                     e = stiffness * potential(angle)
                     held = Segment(t, until, angle, angle, 0.0, 0.0, 0.0, 0.0, e, e, 0.0, 0.0, 1.0)
                     watch_step(acc, column, columns, held)
+                if follows_tangent:  # the place is the wall's, or stays; the velocity is zero
+                    kept = 1.0 if mode == STUCK else 0.0
+                    write_matrix(jacobian, 0, (kept, 0.0, 0.0, 0.0))
+                    watch_tangent(acc, column, columns, 2, until - t, -math.inf, jacobian)
                 t_base, n, t = until, 0, until
                 if release <= goal:
                     if mode == STUCK:
@@ -319,6 +329,17 @@ def make_trajectory(
                         v * (driven1 - slowing1 - body.coulomb * sign), 0.0,
                     )  # fmt: skip
                     watch_step(acc, column, columns, segment)
+                if follows_tangent:
+                    spread = -body.rate * hs - 2.0 * body.quadratic * abs(x - angle)
+                    if mode != FLIGHT:
+                        clear_matrix(jacobian, 2)
+                        spread = -math.inf
+                    elif whole:
+                        write_matrix(jacobian, 0, tangent(point, sign, full, law))
+                    else:
+                        prepare(method, hs, body.rate)
+                        write_matrix(jacobian, 0, tangent(point, sign, method.table, law))
+                    watch_tangent(acc, column, columns, 2, hs, spread, jacobian)
                 angle, velocity, a, driven, lift = x, v, a1, driven1, lift1
                 work += inertia * dw
                 damped += inertia * dd
@@ -339,6 +360,11 @@ def make_trajectory(
                     else:
                         sign = -sign if free == 0.0 else math.copysign(1.0, free)
                         a, driven, lift = force(t, angle, sign, law)
+                    if follows_tangent:
+                        ratio = 0.0 if mode == STUCK else a / a1
+                        write_matrix(jacobian, 0, (1.0, 0.0, 0.0, ratio))
+                        spread = math.log(ratio) if ratio > 0.0 else -math.inf
+                        watch_tangent(acc, column, columns, 2, 0.0, spread, jacobian)
                 if hit:
                     free = (gravity + lift) * body.coupling * restoring(angle) * far
                     velocity, impact, caught, rests = meet_wall(
@@ -353,9 +379,19 @@ def make_trajectory(
                             rows = write_contact(*table_of_contacts, rows, t, REST, 0.0, 0.0)
                     lost += inertia * impact
                     captured += inertia * caught
+                    before = a1 - drag(v, sign, body.rate, body.quadratic, 0.0)
                     sign = -far
                     a, driven, lift = force(t, angle, sign, law)
                     pull = pull_at(angle, velocity, lift, gravity, body.coupling)
+                    if follows_tangent:
+                        clear_matrix(jacobian, 2)
+                        spread = -math.inf
+                        if not rests and v != 0.0:
+                            after = a - drag(velocity, sign, body.rate, body.quadratic, 0.0)
+                            write_matrix(jacobian, 0, wall_saltation(v, velocity, before, after))
+                            e = settings.restitution
+                            spread = 2.0 * math.log(e) if e > 0.0 else -math.inf
+                        watch_tangent(acc, column, columns, 2, 0.0, spread, jacobian)
 
             if t >= goal and (at_stretch or at_kick):
                 given = 0.0
@@ -371,6 +407,10 @@ def make_trajectory(
                     noise += inertia * more * (velocity + 0.5 * more)
                     velocity += more
                     given += more
+                if follows_tangent and at_stretch:
+                    bend = -jumps[stretch] * body.coupling * slope(angle)
+                    write_matrix(jacobian, 0, (1.0, 0.0, bend, 1.0))
+                    watch_tangent(acc, column, columns, 2, 0.0, 0.0, jacobian)
                 a, driven, lift = force(t, angle, sign, law)
                 if given != 0.0:
                     side = 0.0
@@ -380,6 +420,7 @@ def make_trajectory(
                         side = 1.0
                     if side != 0.0:
                         before = velocity
+                        a0 = a - drag(velocity, sign, body.rate, body.quadratic, 0.0)
                         free = (gravity + lift) * body.coupling * restoring(angle) * side
                         velocity, impact, caught, rests = meet_wall(
                             velocity, free, settings.restitution, settings.rest_speed,
@@ -403,6 +444,15 @@ def make_trajectory(
                     if velocity != 0.0:
                         sign = math.copysign(1.0, velocity)
                     a, driven, lift = force(t, angle, sign, law)
+                    if follows_tangent and side != 0.0:
+                        clear_matrix(jacobian, 2)
+                        spread = -math.inf
+                        if velocity != 0.0:
+                            after = a - drag(velocity, sign, body.rate, body.quadratic, 0.0)
+                            matrix = wall_saltation(before, velocity, a0, after)
+                            write_matrix(jacobian, 0, matrix)
+                            spread = 2.0 * math.log(settings.restitution)
+                        watch_tangent(acc, column, columns, 2, 0.0, spread, jacobian)
                 pull = pull_at(angle, velocity, lift, gravity, body.coupling)
                 t_base, n = t, 0
 

@@ -41,6 +41,7 @@ from latolato.numerics.pair_flight import (
     point_of,
     write_pair_contact,
 )
+from latolato.numerics.pair_tangent import make_pair_tangent
 from latolato.numerics.records import (
     ANGLE_1,
     ANGLE_2,
@@ -53,6 +54,7 @@ from latolato.numerics.records import (
     IMPACT,
     KICKED,
     LARGEST_ENERGY,
+    MATRIX,
     MODE,
     NOISE,
     REST_HIGH,
@@ -94,7 +96,10 @@ def make_pair_trajectory(
     both balls and the body they form at the bottom and at the top.
     """
     flight = make_flight(acceleration, restoring, compile_part)
-    watch_step, watches = make_watch(hooks, compile_part).step, bool(hooks[0])
+    watch = make_watch(hooks, compile_part)
+    watch_step, watches = watch.step, bool(hooks[0])
+    follows_tangent = bool(hooks[4])
+    deviate = make_pair_tangent(acceleration, restoring, watch.tangent, compile_part)
     part: Part = compile_part or (lambda function: function)
 
     @part
@@ -127,6 +132,7 @@ def make_pair_trajectory(
         return energy
 
     turn, follow_slack = flight.turn, flight.follow_slack
+    fly, turn_back, move_jointly, unite, collide, jump = deviate
     (
         free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
         split, joint_margin, joint_pulls, dip,
@@ -161,7 +167,7 @@ def make_pair_trajectory(
         settings = settings_row[0]
         g, h = settings.gravity, settings.step
         low, high = settings.low, settings.high
-        q, r, w, signs = space[0], space[1], space[2], space[3, 0]
+        q, r, w, signs, jacobian = space[0], space[1], space[2], space[3, 0], space[MATRIX]
         for i in range(3):
             signs[i] = 0.0
             for j in range(7):
@@ -171,6 +177,7 @@ def make_pair_trajectory(
         for i in range(2):
             nonlinear = nonlinear or bodies[i].quadratic > 0.0 or bodies[i].coulomb > 0.0
             prepare(Method(tables[i], kicks, drifts, nodes), h, bodies[i].rate)
+        share = bodies[0].inertia / (bodies[0].inertia + bodies[1].inertia)
         methods = (
             Method(tables[3], kicks, drifts, nodes),
             Method(tables[4], kicks, drifts, nodes),
@@ -225,6 +232,10 @@ def make_pair_trajectory(
             if strikes:
                 strikes = False
                 before = (q[0, V], q[1, V])
+                forces = (
+                    slowed(q[0, FORCE], q[0, V], signs[0], bodies[0]),
+                    slowed(q[1, FORCE], q[1, V], signs[1], bodies[1]),
+                )
                 impact, caught, rests = strike(far, t, q, settings, pair)
                 lost += impact
                 captured += caught
@@ -239,6 +250,11 @@ def make_pair_trajectory(
                 leaving = far
                 if rests:
                     mode = REST_LOW if far < 0.0 else REST_HIGH
+                if follows_tangent and (rests or before[0] == before[1]):
+                    unite(acc, column, columns, jacobian, share)
+                elif follows_tangent:
+                    e = settings.restitution
+                    collide(acc, column, columns, jacobian, share, e, before, forces, q, pair)
                 continue
 
             goal, at_stretch, at_kick = stop, False, False
@@ -302,6 +318,10 @@ def make_pair_trajectory(
                     )  # fmt: skip
                     sample += 1
                 go_by(hs, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
+                if follows_tangent:
+                    move_jointly(
+                        acc, column, columns, jacobian, hs, t, q, r, share, turned, law, pair
+                    )
                 work += inertia * r[JOINT, GAIN]
                 damped += inertia * r[JOINT, LOSS]
                 begin_1, begin_2 = joint_pulls(t, q, gap, pair)
@@ -433,6 +453,8 @@ def make_pair_trajectory(
                     captured += 0.5 * i1 * i2 / (i1 + i2) * (q[0, V] - q[1, V]) ** 2
                     q[0, V], _ = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
                     q[1, V] = q[0, V]
+                    if follows_tangent:
+                        unite(acc, column, columns, jacobian, share)
                     mode, leaving = (REST_LOW if far < 0.0 else REST_HIGH), 0.0
                     held_until = min(t + max(_HOLD * hs, SHORTEST * t), goal)
                     if rows > 0 and contact_kinds[rows - 1] == RELEASE:
@@ -484,6 +506,11 @@ def make_pair_trajectory(
                         a1 = slowed(r[i, FORCE], r[i, V], signs[i], bodies[i])
                         held = 1.0 if signs[i] == STUCK else 0.0
                         notice(acc, column, columns, t, t_new, q, r, a0, a1, i, laws[i], held)
+                if follows_tangent:
+                    fly(acc, column, columns, jacobian, hs, t, q, r, pair)
+                    for i in range(2):
+                        if i == turning:
+                            turn_back(acc, column, columns, jacobian, t + hs, r, i, pair)
 
                 for i in range(2):
                     k = bodies[i].coupling
@@ -535,6 +562,8 @@ def make_pair_trajectory(
                     q[i, V] += more + thrown
                     given = given or more + thrown != 0.0
                 if at_stretch:
+                    if follows_tangent:
+                        jump(acc, column, columns, jacobian, jumps[stretch + 1], q, pair)
                     stretch += 1
                     p = stretches[stretch]
                     laws = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,8 @@ from latolato.numerics.records import (
     VELOCITY_2,
 )
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
+from latolato.numerics.watch import BLIND, Hooks, hooks_of
+from latolato.observables import Observable
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System, restoring_linear
 
@@ -64,6 +66,8 @@ class Trajectory:
         Rows as laid down in `latolato.numerics.records`.
     contact_values : ndarray, shape (4, contact)
         Angular velocities before (one row a ball) and after.
+    slots : ndarray, shape (slot, ball)
+        What was watched, one observable's slots after the other's.
     """
 
     samples: Floats
@@ -76,6 +80,7 @@ class Trajectory:
     step: float
     stepper: Stepper
     status: str
+    slots: Floats
 
 
 def choose_stepper(system: System) -> Stepper:
@@ -187,17 +192,24 @@ def maker_of(name: str) -> Callable[..., Callable[..., Any]]:
 
 
 @lru_cache(maxsize=64)
-def kernel(name: str, *laws: Callable[..., float], compiled: bool = True) -> Callable[..., Any]:
+def kernel(
+    name: str,
+    *laws: Callable[..., float],
+    compiled: bool = True,
+    hooks: tuple[Hooks, ...] = BLIND,
+) -> Callable[..., Any]:
     """Return a kernel made of these laws, compiled (and kept on disk) or as plain Python.
 
-    `name` is ``one``, ``pair``, ``clamp`` or ``observe``.
+    `name` is ``one``, ``pair``, ``clamp`` or ``observe``; the last has no hooks.
     """
     make = maker_of(name)
+    if hooks != BLIND:
+        make = partial(make, hooks=hooks)
     if not compiled:
         return make(*laws)
-    from latolato.numerics.compiled import compile_kernel
+    from latolato.numerics.compiled import compile_kernel, hooks_key
 
-    return compile_kernel(make, name, *laws)
+    return compile_kernel(make, name if hooks == BLIND else f"{name} {hooks_key(hooks)}", *laws)
 
 
 def integrate(
@@ -215,6 +227,7 @@ def integrate(
     kick_sizes: Floats | None = None,
     clamped: bool = False,
     compiled: bool = True,
+    watched: Sequence[Observable] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Return the trajectory from 0 to `duration` [s], sampled at `sample_times`.
@@ -229,15 +242,16 @@ def integrate(
         Whether contact is the fixed-step artefact of `latolato.numerics.clamp`.
     compiled : bool
         Whether the kernel is compiled or runs as plain Python.
+    watched : sequence of Observable
+        What is gathered of every step and its matrix; contacts are in the table.
     progress : callable, optional
         Called with the fraction done, now and then.
     """
     stepper = choose_stepper(system)
     angles = system.angles
     name = "clamp" if clamped else ("pair" if angles == 2 else "one")
-    carry_on = kernel(
-        name, drive.acceleration, system.restoring, system.potential, compiled=compiled
-    )
+    laws = (drive.acceleration, system.restoring, system.potential)
+    carry_on = kernel(name, *laws, compiled=compiled, hooks=hooks_of(watched))
     states, all_counters = initial_state(start.angles, start.velocities)
     state, counters = states[0], all_counters[0]
     rows, offsets = body_rows(system, walls)
@@ -261,7 +275,9 @@ def integrate(
     kick_sizes = np.empty((angles, 0)) if kick_sizes is None else kick_sizes
     tables = np.zeros((6 if angles == 2 else 2, 3, len(stepper.kicks)))
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
-    unwatched, space = np.zeros(1), np.zeros(SPACE)
+    first = np.array([value for o in watched for value in o.initial(np.zeros(1))])
+    # One column for each ball.
+    acc, space = np.repeat(first, angles) if watched else np.zeros(1), np.zeros(SPACE)
     room = 256
     kinds, times, values = [], [], []
     count = 0
@@ -274,7 +290,7 @@ def integrate(
         written = carry_on(
             state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
             tables, space, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
-            *buffers, duration, _STEPS_PER_CALL, unwatched, 0, 1,
+            *buffers, duration, _STEPS_PER_CALL, acc, 0, angles,
         )  # fmt: skip
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
@@ -300,6 +316,7 @@ def integrate(
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, counters, float(min(reached, duration)), step, stepper, status,
+        acc.reshape(-1, angles) if watched else np.zeros((0, angles)),
     )  # fmt: skip
 
 

@@ -98,8 +98,10 @@ STATE_SIZE = 17
 MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)
 COUNTERS_SIZE = 10
 
-# Scratch of two balls: three sets of points of the motion, and the signs of the velocities.
-SPACE = (4, 3, 7)
+# Scratch: three sets of points of two balls' motion, the signs of their velocities, and the matrix
+# of small deviations.
+SPACE = (5, 4, 7)
+MATRIX = 4
 
 # Modes of motion. Two balls may also be in lasting contact, moving or stuck.
 FLIGHT, STUCK, REST_LOW, REST_HIGH = 0, 1, 2, 3

@@ -23,6 +23,7 @@ class Watch(NamedTuple):
     contact: Callable[..., None]
     mark: Callable[..., None]
     restart: Callable[..., None]
+    tangent: Callable[..., None]
 
 
 class Slots(NamedTuple):
@@ -32,8 +33,8 @@ class Slots(NamedTuple):
     size: int
 
 
-BLIND: tuple[Hooks, ...] = ((), (), (), ())
-_OCCASIONS = ("step", "contact", "mark", "restart")
+BLIND: tuple[Hooks, ...] = ((), (), (), (), ())
+_OCCASIONS = ("step", "contact", "mark", "restart", "tangent")
 
 
 def slots_of(watched: Sequence[Observable]) -> list[Slots]:
@@ -63,7 +64,7 @@ def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Wa
     """Return the folded functions of `hooks_of`."""
     # Lanes become vectors only if nothing in their loop is called.
     part: Part = partial(compile_part, inline=True) if compile_part else (lambda function: function)
-    steps, contacts, marks, restarts = hooks
+    steps, contacts, marks, restarts, tangents = hooks
 
     @part
     def no_step(acc: Any, column: int, n: int, segment: Any) -> None:
@@ -81,6 +82,12 @@ def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Wa
 
     @part
     def no_restart(acc: Any, column: int, n: int, x: float, v: float) -> None:
+        """Do nothing."""
+
+    @part
+    def no_tangent(
+        acc: Any, column: int, n: int, size: int, time: float, spread: float, jacobian: Any
+    ) -> None:
         """Do nothing."""
 
     def on_step(first: int, formula: Any, rest: Any) -> Any:
@@ -117,6 +124,16 @@ def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Wa
 
         return restart
 
+    def on_tangent(first: int, formula: Any, rest: Any) -> Any:
+        @part
+        def tangent(
+            acc: Any, column: int, n: int, size: int, time: float, spread: float, jacobian: Any
+        ) -> None:
+            formula(acc, first * n + column, n, size, time, spread, jacobian)
+            rest(acc, column, n, size, time, spread, jacobian)
+
+        return tangent
+
     def folded(hooks: Hooks, nothing: Any, link: Any) -> Any:
         rest = nothing
         for first, formula in reversed(hooks):
@@ -128,4 +145,5 @@ def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Wa
         folded(contacts, no_contact, on_contact),
         folded(marks, no_mark, on_mark),
         folded(restarts, no_restart, on_restart),
+        folded(tangents, no_tangent, on_tangent),
     )

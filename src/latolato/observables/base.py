@@ -61,6 +61,7 @@ class Outcome(NamedTuple):
     inertia: Any  # kg m^2
     works: Mapping[str, Any]
     slack: Any  # time in which the rod was pushed [s]
+    balls: int = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +82,17 @@ class Observable:
         At the instants that `marks` asks for.
     restart : formula ``(acc, i, n, angle, velocity)``
         When the transient ends; by default what was gathered is kept.
+    tangent : formula ``(acc, i, n, size, time, spread, jacobian)``
+        After every step and event, with the matrix ``jacobian[row, column]`` by which it changes
+        small deviations of the `size` numbers of the state (angle and angular velocity of the
+        right, then of the left ball), the time that it took [s] and the logarithm of the
+        determinant that the laws of motion give it. Columns 4 to 6 are free for scratch. It is
+        called for the first ball only; needs exact contact and single trajectories.
+    dimension : str
+        A further dimension of the variables: ``sample`` (one for each mark), ``exponent`` (one for
+        each number of the state) or none.
+    is_joint : bool
+        Whether the variables belong to both balls of a pair together; those of the first count.
     """
 
     variables: ClassVar[Mapping[str, Quantity]] = {}
@@ -89,6 +101,9 @@ class Observable:
     contact: ClassVar[Callable[..., None] | None] = None
     mark: ClassVar[Callable[..., None] | None] = None
     restart: ClassVar[Callable[..., None] | None] = None
+    tangent: ClassVar[Callable[..., None] | None] = None
+    dimension: ClassVar[str] = ""
+    is_joint: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -105,6 +120,6 @@ class Observable:
     def values(self, slots: Floats, outcome: Outcome) -> dict[str, Any]:
         """Return the variables from slots of shape (slot, point).
 
-        An array of shape (point, sample) is given the dimension ``sample``.
+        Arrays of an observable with a further dimension are of shape (point, sample).
         """
         raise TypeError(f"{type(self).__name__} must say its values")

@@ -57,6 +57,7 @@ class Works(Observable):
         for name in ("drive_work", "damping_loss", "impact_loss", "capture_loss")
     }
     needs: ClassVar[frozenset[str]] = frozenset({"works"})
+    is_joint: ClassVar[bool] = True
 
     def initial(self, angle: Any) -> list[Any]:
         """Return nothing: the state tells."""
@@ -107,6 +108,7 @@ class Stroboscope(Observable):
         ),
     }
     mark: ClassVar[Any] = staticmethod(_mark)
+    dimension: ClassVar[str] = "sample"
 
     periods: int = field(default=32, metadata={"description": "number of drive periods"})
 

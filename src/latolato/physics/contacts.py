@@ -117,3 +117,16 @@ def pair_impact(
     mean = (inertia_1 * velocity_1 + inertia_2 * velocity_2) / total
     rebound = restitution * (velocity_1 - velocity_2) / total
     return mean - inertia_2 * rebound, mean + inertia_1 * rebound
+
+
+@formula
+def wall_saltation(
+    before: float, after: float, pull_before: float, pull_after: float
+) -> tuple[float, float, float, float]:
+    """Return how deviations of angle and velocity change at an impact, row by row.
+
+    Aizerman & Gantmacher (1958): later impacts of neighbours give ``[[-e, 0], [(a+ + e a-)/v-,
+    -e]]`` with ``e = -after/before`` and the accelerations a- and a+ just before and after.
+    """
+    reversal = after / before
+    return reversal, 0.0, (pull_after - reversal * pull_before) / before, reversal

@@ -59,6 +59,15 @@ def drift(
 
 
 @formula
+def drift_slopes(
+    velocity: float, sign: float, reach: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """Return how what `drift` returns changes with the velocity, [s] and [1]."""
+    stretch = 1.0 + quadratic * sign * velocity * reach
+    return reach / stretch, (1.0 - rate * reach) / (stretch * stretch)
+
+
+@formula
 def drag(velocity: float, sign: float, rate: float, quadratic: float, coulomb: float) -> float:
     """Return the deceleration by drag [rad/s^2]; `sign` is the velocity's (0 when it sticks)."""
     return rate * velocity + quadratic * velocity * abs(velocity) + coulomb * sign

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from latolato.scalar import formula
 
@@ -46,3 +47,40 @@ def radial_push(torque: float, length: float, other_length: float, separation: f
     """
     l1, l2 = length, other_length
     return torque * (l1 - l2 * math.cos(separation)) / (l1 * l2 * math.sin(separation))
+
+
+@formula
+def write_pair_saltation(
+    matrix: Any,
+    share: float,
+    restitution: float,
+    before: tuple[float, float],
+    after: tuple[float, float],
+    pulls_before: tuple[float, float],
+    pulls_after: tuple[float, float],
+) -> None:
+    """Write how deviations of both angles and angular velocities change at an impact.
+
+    ``S = R + (f+ - R f-) n/(n f-)`` (Aizerman & Gantmacher, 1958) for the state
+    ``(angle_1, velocity_1, angle_2, velocity_2)``: R is the impact itself, f the rates of the
+    state and n the gradient of the separation; `share` is the first ball's of the inertia.
+    """
+    closing = before[0] - before[1]
+    # Velocities after = impact times velocities before; angular momentum is kept.
+    keep_1 = share - restitution * (1.0 - share)
+    take_1 = (1.0 - share) * (1.0 + restitution)
+    keep_2 = 1.0 - share - restitution * share
+    take_2 = share * (1.0 + restitution)
+    bend_1 = pulls_after[0] - keep_1 * pulls_before[0] - take_1 * pulls_before[1]
+    bend_2 = pulls_after[1] - take_2 * pulls_before[0] - keep_2 * pulls_before[1]
+    for row in range(4):
+        for column in range(4):
+            matrix[row, column] = 0.0
+    matrix[0, 0], matrix[2, 2] = 1.0, 1.0
+    matrix[1, 1], matrix[1, 3] = keep_1, take_1
+    matrix[3, 1], matrix[3, 3] = take_2, keep_2
+    shifts = (after[0] - before[0], bend_1, after[1] - before[1], bend_2)
+    for row in range(4):
+        shift = shifts[row] / closing
+        matrix[row, 0] += shift
+        matrix[row, 2] -= shift

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from latolato.physics import contacts
 from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
 from latolato.registry import Registry, check_fields, checked_number
-from latolato.scalar import formula, sine
+from latolato.scalar import cosine, formula, sine
 
 GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
 
@@ -44,6 +44,22 @@ def restoring_linear(angle: float) -> float:
 def potential_linear(angle: float) -> float:
     """Return angle^2 / 2, the potential that belongs to `restoring_linear`."""
     return 0.5 * angle * angle
+
+
+@formula
+def slope_sine(angle: float) -> float:
+    """Return cos(angle), the slope of `restoring_sine`."""
+    return cosine(angle)
+
+
+@formula
+def slope_linear(angle: float) -> float:
+    """Return 1, the slope of `restoring_linear`."""
+    return 1.0
+
+
+# The slope of each restoring factor, for what is linear in small deviations.
+SLOPES: dict[Any, Any] = {restoring_sine: slope_sine, restoring_linear: slope_linear}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -121,13 +121,15 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
                 inertia=batch.points.bodies["inertia"][:, ball],
                 works=works,
                 slack=gained[:, 4 + ball],
+                balls=balls,
             )
             slots = acc[block.first : block.first + block.size, :, ball]
             with np.errstate(all="ignore"):  # points without an answer become NaN below
                 found.append(observable.values(slots, outcome))
         for name in observable.variables:
             per_ball = [np.array(f[name], dtype=np.float64) for f in found]
-            joined = per_ball[0] if balls == 1 or name in works else np.stack(per_ball, axis=1)
+            one = balls == 1 or observable.is_joint
+            joined = per_ball[0] if one else np.stack(per_ball, axis=1)
             joined[bad] = math.nan
             values[name] = joined
     values[STATUS] = progress.status.astype(np.int8)

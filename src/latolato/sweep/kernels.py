@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.compiled import compile_kernel, law_key
+from latolato.numerics.compiled import compile_kernel, hooks_key
 from latolato.numerics.integrate import maker_of
 from latolato.numerics.many import Points, Progress, Weights, make_many, make_scratch
 from latolato.numerics.records import python_view
@@ -24,11 +24,6 @@ def trajectory_name(plan: Plan) -> str:
     if isinstance(plan.contact, Clamp):
         return "clamp"
     return "pair" if plan.system.angles == 2 else "one"
-
-
-def hooks_key(hooks: tuple[Hooks, ...]) -> str:
-    """Return a text that identifies the observables' formulas and slots."""
-    return ";".join("+".join(f"{at}@{law_key(f)}" for at, f in hook) for hook in hooks)
 
 
 @lru_cache(maxsize=64)
@@ -106,15 +101,15 @@ def run_fastest(
 def has_lanes(plan: Plan) -> bool:
     """Return whether the plan's points can run in SIMD lanes.
 
-    One ball with linear drag under a drive whose phase rotates, without noise; slack is followed
-    by single trajectories only.
+    One ball with linear drag under a drive whose phase rotates, without noise; slack and small
+    deviations are followed by single trajectories only.
     """
     return (
         is_arithmetic(plan)
         and is_smooth(plan)
         and plan.drive.rotation is not None
         and not isinstance(plan.contact, Clamp)
-        and not any("slack" in o.needs for o in plan.observables)
+        and not any("slack" in o.needs or o.tangent is not None for o in plan.observables)
     )
 
 

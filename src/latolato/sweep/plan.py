@@ -24,6 +24,7 @@ from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
 from latolato.sweep.axes import Axis, Parameter, checked_axes, parameters_of
 
 DIRECTIONS = ("up", "down", "both")
+DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 STORE_FORMAT = 1
 
 
@@ -49,7 +50,7 @@ class Plan:
     transient_periods: float = 0.0
     tolerance: float = 1e-6
     contact: Exact | Clamp | NoContact = field(default_factory=Exact)
-    rest_speed: float = 1e-7
+    rest_speed: float = DEFAULT_REST_SPEED
     contact_limit: int = 1_000_000
     noise: VelocityKicks | None = None
     continuation: str = ""
@@ -210,7 +211,7 @@ def make_plan(
     *,
     axes: Mapping[str, Any],
     duration: float,
-    observables: Sequence[str | Observable],
+    observables: Sequence[str | Observable] = DEFAULT_OBSERVABLES,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -253,6 +254,12 @@ def make_plan(
     law = checked_contact(contact, system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+    blind = [name for o in watched if o.tangent is not None for name in o.variables]
+    if blind and isinstance(law, Clamp):
+        raise ValueError(
+            f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
+            "deviations have no meaning there"
+        )
     if direction not in DIRECTIONS:
         raise ValueError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
     if continuation is None and direction != "up":

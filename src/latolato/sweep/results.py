@@ -21,19 +21,16 @@ from latolato.sweep.plan import Plan
 if TYPE_CHECKING:
     import xarray as xr
 
-# Of both balls of a pair together.
-_LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss")
-
 
 def dims_of(plan: Plan, name: str) -> tuple[str, ...]:
     """Return the dimensions of a variable."""
     extra: tuple[str, ...] = ()
     if name != STATUS:
         observable = next(o for o in plan.observables if name in o.variables)
-        if plan.system.angles == 2 and name not in _LEDGER:
+        if plan.system.angles == 2 and not observable.is_joint:
             extra += ("ball",)
-        if observable.marks:
-            extra += ("sample",)
+        if observable.dimension:
+            extra += (observable.dimension,)
     return plan.dims + extra
 
 
@@ -43,6 +40,7 @@ def lengths_of(plan: Plan) -> dict[str, int]:
     return lengths | {
         "ball": plan.system.angles,
         "sample": max((o.marks for o in plan.observables), default=0),
+        "exponent": 2 * plan.system.angles,
     }
 
 
@@ -65,14 +63,16 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for observable in plan.observables:
         quantities |= observable.variables
+    joint = {name for o in plan.observables if o.is_joint for name in o.variables}
+    energies = {n for o in plan.observables for n, q in o.variables.items() if q.unit == "J"}
     for name, quantity in quantities.items():
         found[name] = {
             "units": quantity.unit,
             "long_name": quantity.long_name,
             "symbol": quantity.symbol,
         }
-        if per_ball and (name == "mean_energy" or name in _LEDGER):
-            both = plan.system.angles == 2 and name in _LEDGER
+        if per_ball and name in energies:
+            both = plan.system.angles == 2 and name in joint
             found[name]["long_name"] += ", both balls" if both else ", per ball"
     found["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
     found["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}

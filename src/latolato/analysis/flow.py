@@ -1,0 +1,170 @@
+"""The motion over a given time together with what it does to small deviations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics import records
+from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.observables import Observable
+from latolato.observables.deviations import STATE, Deviations
+from latolato.physics.contacts import REST, Clamp
+from latolato.physics.drives import CrankSlider, Drive, Harmonic
+from latolato.physics.pendulum import System
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Passage:
+    """Where a motion led, and how.
+
+    Attributes
+    ----------
+    end : ndarray, shape (state,)
+        Angle and angular velocity of the right, then of the left ball.
+    slots : ndarray, shape (slot,)
+        What the observables gathered.
+    contact_times, contact_kinds, contact_values
+        The contact table as in `latolato.numerics.integrate.Trajectory`.
+    grazes : int
+        Contacts that nearly or hardly happened.
+    is_complete : bool
+        False where the numbers or the contacts overflowed.
+    """
+
+    end: Floats
+    slots: Floats
+    contact_times: Floats
+    contact_kinds: NDArray[np.int64]
+    contact_values: Floats
+    grazes: int
+    is_complete: bool
+
+    @property
+    def matrix(self) -> Floats:
+        """The matrix of small deviations, shape (state, state), from `Deviations`."""
+        size = len(self.end)
+        return self.slots[: STATE * STATE].reshape(STATE, STATE)[:size, :size]
+
+    @property
+    def impacts(self) -> int:
+        """How many rows of the table are impacts."""
+        return int(np.sum(self.contact_kinds < REST))
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The motion of a system under a drive, ready to be followed from many starts.
+
+    Parameters
+    ----------
+    system, drive : System, Drive
+        The drive is given, a pivot at rest is `Static`.
+    contact, tolerance, rest_speed
+        As of `latolato.simulate`; without clamped contact.
+    speed : float
+        The largest angular velocity expected at a start [rad/s]; sets the step.
+    observable : Observable
+        What is gathered; by default the matrix of small deviations.
+    compiled : bool
+        Whether kernels are compiled or run as plain Python.
+    """
+
+    system: System
+    drive: Drive
+    contact: Any = "exact"
+    tolerance: float = 1e-12
+    rest_speed: float = DEFAULT_REST_SPEED
+    speed: float = 0.0
+    observable: Observable = field(default_factory=Deviations)
+    compiled: bool = True
+
+    def __post_init__(self) -> None:
+        law = checked_contact(self.contact, self.system)
+        if isinstance(law, Clamp):
+            raise ValueError(
+                "contact must be exact or none here: a clamped motion depends on its step, so "
+                "small deviations have no meaning"
+            )
+        object.__setattr__(self, "contact", law)
+
+    @property
+    def size(self) -> int:
+        """How many numbers the state has."""
+        return 2 * self.system.angles
+
+    @property
+    def walls(self) -> tuple[float, float]:
+        """Contact angles of one ball or contact separations of two [rad]."""
+        return walls_of(self.system, self.contact)
+
+    def with_law(self, system: System, drive: Drive) -> Flow:
+        """Return the same for another system and drive."""
+        return replace(self, system=system, drive=drive)
+
+    def follow(self, start: Floats, duration: float, *, limit: int = 100_000) -> Passage:
+        """Return where a start leads in `duration` seconds.
+
+        Parameters
+        ----------
+        start : ndarray, shape (state,)
+            Angle and angular velocity of the right, then of the left ball, at time zero.
+        duration : float
+            Time [s], positive.
+        limit : int
+            Contacts after which the motion is given up.
+        """
+        numbers = np.asarray(start, dtype=np.float64)
+        angles, velocities = numbers[0::2], numbers[1::2]
+        fast = max(self.speed, *(abs(v) for v in velocities))
+        bound = Start(tuple(angles), (fast,) * len(angles))
+        stepper = choose_stepper(self.system)
+        found = integrate(
+            self.system,
+            self.drive,
+            Start(tuple(angles), tuple(velocities)),
+            np.zeros(0),
+            duration,
+            walls=self.walls,
+            step=choose_step(self.system, self.drive, bound, self.tolerance, stepper),
+            rest_speed=self.rest_speed,
+            contact_limit=limit,
+            compiled=self.compiled,
+            watched=(self.observable,),
+        )
+        return Passage(
+            found.state[records.ANGLE_1 : records.ANGLE_1 + self.size].copy(),
+            found.slots[:, 0],
+            found.contact_times,
+            found.contact_kinds,
+            found.contact_values,
+            int(found.counters[records.GRAZES]),
+            found.status == "complete",
+        )
+
+
+def drive_period(drive: Drive) -> float:
+    """Return the period of a periodic drive [s].
+
+    Raises
+    ------
+    ValueError
+        For a drive that does not repeat itself.
+    """
+    if isinstance(drive, (Harmonic, CrankSlider)):
+        return math.tau / drive.drive_frequency
+    raise ValueError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
+
+
+def periodic_drive(drive: Any) -> Drive:
+    """Return a checked drive that has a period."""
+    found = checked_drive(drive)
+    drive_period(found)
+    return found

@@ -1,0 +1,189 @@
+"""What becomes of small deviations: the matrix of a run, and the Lyapunov exponents."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from latolato.observables.base import Observable, Outcome, observables
+from latolato.quantities import Quantity
+from latolato.scalar import formula
+
+# Of the state: two angles and two angular velocities at most.
+STATE = 4
+# A vector shorter than this part of what it was before its part along the others was taken away
+# holds rounding only: the motion has lost that direction.
+_LOST = 1e-13
+
+
+@formula
+def _multiply(acc: Any, i: int, n: int, size: int, jacobian: Any) -> None:
+    """Multiply the matrix of columns, in slots ``4 row + column``, by `jacobian` from the left."""
+    for column in range(size):
+        for row in range(size):
+            total = 0.0
+            for k in range(size):
+                total += jacobian[row, k] * acc[i + (STATE * k + column) * n]
+            jacobian[row, STATE] = total
+        for row in range(size):
+            acc[i + (STATE * row + column) * n] = jacobian[row, STATE]
+
+
+@formula
+def _gather(acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any) -> None:
+    """Gather the matrix and the logarithm of the determinant that it should have."""
+    _multiply(acc, i, n, size, jacobian)
+    acc[i + STATE * STATE * n] += spread
+
+
+def identity() -> list[float]:
+    """Return the slots of the unit matrix."""
+    return [1.0 if row == column else 0.0 for row in range(STATE) for column in range(STATE)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deviations(Observable):
+    """The matrix by which a run changes small deviations; not registered, as it is no number."""
+
+    tangent: ClassVar[Any] = staticmethod(_gather)
+    is_joint: ClassVar[bool] = True
+
+    def initial(self, angle: Any) -> list[Any]:
+        """Return the unit matrix and zero."""
+        return [*identity(), 0.0]
+
+
+# Slots of `LyapunovExponents` behind the vectors.
+_SUMS = STATE * STATE
+_TIME, _SPREAD = _SUMS + STATE, _SUMS + STATE + 1
+
+
+@formula
+def _stretch(
+    acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any
+) -> None:
+    """Stretch the vectors, make them orthonormal again, and add up how much they grew."""
+    _multiply(acc, i, n, size, jacobian)
+    acc[i + _TIME * n] += time
+    acc[i + _SPREAD * n] += spread
+    for column in range(size):
+        before = 0.0
+        for row in range(size):
+            before += acc[i + (STATE * row + column) * n] ** 2
+        for other in range(column):
+            along = 0.0
+            for row in range(size):
+                at = i + STATE * row * n
+                along += acc[at + other * n] * acc[at + column * n]
+            for row in range(size):
+                at = i + STATE * row * n
+                acc[at + column * n] -= along * acc[at + other * n]
+        length = 0.0
+        for row in range(size):
+            length += acc[i + (STATE * row + column) * n] ** 2
+        length = math.sqrt(length)
+        is_lost = length <= _LOST * math.sqrt(before)
+        scale = 0.0 if is_lost else 1.0 / length
+        for row in range(size):
+            acc[i + (STATE * row + column) * n] *= scale
+        acc[i + (_SUMS + column) * n] += -math.inf if is_lost else math.log(length)
+
+
+@formula
+def _start_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
+    """Forget the growth; a direction that the transient lost is given back."""
+    lost = 0.0
+    for k in range(STATE):
+        lost += acc[i + (_SUMS + k) * n]
+    for row in range(STATE):
+        for column in range(STATE):
+            if lost == -math.inf:
+                acc[i + (STATE * row + column) * n] = 1.0 if row == column else 0.0
+    for k in range(_SUMS, _SPREAD + 1):
+        acc[i + k * n] = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Exponents(Observable):
+    """What both observables of exponents share."""
+
+    tangent: ClassVar[Any] = staticmethod(_stretch)
+    restart: ClassVar[Any] = staticmethod(_start_again)
+    is_joint: ClassVar[bool] = True
+
+    def initial(self, angle: Any) -> list[Any]:
+        """Return unit vectors and empty sums."""
+        return [*identity(), *[0.0] * (STATE + 2)]
+
+    @staticmethod
+    def exponents(slots: Any, balls: int) -> Any:
+        """Return all exponents [1/s], largest first, of shape (point, exponent).
+
+        Orthonormalisation sorts those that differ; what it cannot tell apart is sorted here.
+        """
+        found = slots[_SUMS : _SUMS + 2 * balls] / slots[_TIME]
+        return -np.sort(-found.T, axis=1)
+
+    @staticmethod
+    def residual(slots: Any) -> Any:
+        """Return by how much the sum of all exponents misses the mean divergence [1/s]."""
+        total = slots[_SUMS : _SUMS + STATE].sum(axis=0)
+        # Both are minus infinity where the motion loses its past.
+        missed = np.where(total == slots[_SPREAD], 0.0, total - slots[_SPREAD])
+        return missed / slots[_TIME]
+
+
+@observables.register("lyapunov_exponent")
+@dataclass(frozen=True, kw_only=True)
+class LyapunovExponent(_Exponents):
+    """Largest Lyapunov exponent after the transient.
+
+    Benettin et al., Meccanica 15 (1980) 9, with the saltation matrices of impacts. Minus infinity
+    where the motion forgets its past: it rests, or meets a wall without rebound.
+    """
+
+    variables: ClassVar[Any] = {
+        "lyapunov_exponent": Quantity("1/s", r"\lambda_1", "largest Lyapunov exponent")
+    }
+
+    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
+        """Return the largest exponent."""
+        return {"lyapunov_exponent": self.exponents(slots, outcome.balls)[:, 0]}
+
+
+@observables.register("lyapunov_spectrum")
+@dataclass(frozen=True, kw_only=True)
+class LyapunovSpectrum(_Exponents):
+    """All Lyapunov exponents after the transient, and how well the sum rule holds.
+
+    The exponents add up to the mean divergence of the flow plus ``2 f ln e`` at f impacts per
+    second; the residual is what is missing.
+    """
+
+    variables: ClassVar[Any] = {
+        "lyapunov_exponents": Quantity("1/s", r"\lambda", "Lyapunov exponents")
+    }
+    dimension: ClassVar[str] = "exponent"
+
+    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
+        """Return the exponents."""
+        return {"lyapunov_exponents": self.exponents(slots, outcome.balls)}
+
+
+@observables.register("sum_rule_residual")
+@dataclass(frozen=True, kw_only=True)
+class SumRuleResidual(_Exponents):
+    """By how much the sum of the Lyapunov exponents misses what the laws of motion give."""
+
+    variables: ClassVar[Any] = {
+        "sum_rule_residual": Quantity(
+            "1/s", r"\Delta\lambda", "sum of the exponents minus the mean divergence"
+        )
+    }
+
+    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
+        """Return the residual."""
+        return {"sum_rule_residual": self.residual(slots)}
