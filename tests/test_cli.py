@@ -15,13 +15,14 @@ import pytest
 from typer.testing import CliRunner
 
 import latolato as ll
+from latolato import progress
 from latolato.cli import app, main
 from latolato.options import law_options
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.scenario import scenarios
 
-COMMAND = [sys.executable, "-c", "import sys; from latolato.cli import main; sys.exit(main())"]
+COMMAND = [sys.executable, "-m", "latolato"]
 TOY = [
     "--system",
     "latolato",
@@ -479,13 +480,11 @@ def test_reproduce_hands_folder_and_quickness_on(monkeypatch):
 
 
 def test_a_bar_is_drawn_on_a_screen_for_long_work_only(monkeypatch, capsys):
-    from latolato import cli
-
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with cli._progress("working") as show:
+    with progress.bar("working") as show:
         show(0.5)
         assert capsys.readouterr().err == ""
-        monkeypatch.setattr(cli, "_PATIENCE", 0.0)
+        monkeypatch.setattr(progress, "_PATIENCE", 0.0)
         show(1.0)
     assert capsys.readouterr().out == ""  # standard output stays for results
 

@@ -19,7 +19,7 @@ from latolato.scenario import Scenario
 from latolato.sweep.plan import make_plan
 from latolato.variation import parse_axes, tables_of_plan
 
-COMMAND = [sys.executable, "-c", "import sys; from latolato.cli import main; sys.exit(main())"]
+COMMAND = [sys.executable, "-m", "latolato"]
 PENDULUM = ["--system", "pendulum", "--length", "1", "--mass", "0.8", "--initial-angle", "0.1"]
 A0 = ["--axis", "drive_amplitude = 0 : 10 : 3 cm"]
 RATIO = ["--axis", "frequency-ratio = 1.9, 2"]

@@ -9,7 +9,8 @@ from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.quantities import POSITIVE, UNIT_INTERVAL, Range
 from latolato.registry import checked_number, suggest
-from latolato.scenario import RUN_OPTIONS, scenarios
+from latolato.scenario import scenarios
+from latolato.tables import RUN_OPTIONS
 
 HARMONIC = [f.name for f in dataclasses.fields(drives["harmonic"])]
 TOY = [f.name for f in dataclasses.fields(systems["latolato"]) if f.init]

@@ -9,7 +9,8 @@ import pytest
 
 import latolato as ll
 from latolato.figures import paper
-from latolato.scenario import RUN_OPTIONS, Scenario, load_scenario, overridden, scenarios
+from latolato.scenario import Scenario, load_scenario, overridden, scenarios
+from latolato.tables import RUN_OPTIONS
 
 SHIPPED = sorted(scenarios())
 RUNS = [name for name, scenario in sorted(scenarios().items()) if not scenario.varied]

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from latolato.analysis.boundary import boundary
     from latolato.citation import cite
     from latolato.figures.animate import animate
-    from latolato.figures.run import plot
+    from latolato.figures.plot import plot
     from latolato.files import load, save
     from latolato.scenario import Scenario, load_scenario, scenarios
 
@@ -62,7 +62,7 @@ _LATE: dict[str, str] = {
     "cite": "latolato.citation",
     "load": "latolato.files",
     "load_scenario": "latolato.scenario",
-    "plot": "latolato.figures.run",
+    "plot": "latolato.figures.plot",
     "save": "latolato.files",
     "scenarios": "latolato.scenario",
 }

@@ -3,39 +3,30 @@
 from __future__ import annotations
 
 import gc
-import inspect
 import json
 import signal
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
-from latolato.options import changes, law_options
-from latolato.physics.pendulum import systems
-from latolato.scenario import (
-    Scenario,
-    find,
-    load_scenario,
-    overridden,
-    read_tables,
-    scenarios,
+from latolato import run_command
+from latolato.command_options import (
+    EachOptionOnce,
+    JsonOption,
+    PlotOption,
+    ScenarioArgument,
+    UsageError,
+    with_law_options,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-PICTURES = (".png", ".svg", ".pdf")
-# A bar appears once work has taken this long [s].
-_PATIENCE = 0.7
-# What typer raises for wrong options; its name has moved between versions.
-_UsageError: Any = typer.BadParameter.__mro__[1]
+from latolato.options import changes
+from latolato.progress import bar
+from latolato.scenario import find, load_scenario, scenarios
 
 app = typer.Typer(
     name="latolato",
@@ -46,51 +37,6 @@ app = typer.Typer(
 )
 scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
 app.add_typer(scenarios_app, name="scenarios")
-
-
-class _EachOptionOnce(TyperCommand):
-    """A command that refuses an option given twice, where typer would take the last."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Return the arguments that are left when the options are read."""
-        *_, given = self.make_parser(ctx).parse_args(list(args))
-        for parameter in given:
-            count = given.count(parameter)
-            if count > 1 and not getattr(parameter, "multiple", False):
-                flag = max(parameter.opts, key=len)
-                raise _UsageError(f"option {flag} must be given once, got it {count} times")
-        return super().parse_args(ctx, args)
-
-
-def _with_law_options(
-    command: Callable[..., None], without: Sequence[str] = ()
-) -> Callable[..., None]:
-    """Return a command whose keyword arguments are spelled out as options."""
-    panels = {"system": "System", "drive": "Drive", "run": "Run", "noise": "Noise"}
-    signature = inspect.signature(command, eval_str=True)
-    parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    for option in law_options().values():
-        if option.name in without:
-            continue
-        flag = "--" + option.name.replace("_", "-")
-        unit = f", in {option.unit}" if option.unit not in ("", "1") else ""
-        about = typer.Option(
-            flag,
-            help=f"{option.description}{unit}",
-            rich_help_panel=panels[option.path[0]],
-            show_default=False,
-            metavar=None if option.kind is bool else "VALUES" if option.several else "VALUE",
-        )
-        parameters.append(
-            inspect.Parameter(
-                option.name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=None,
-                annotation=Annotated[option.kind | None, about],
-            )
-        )
-    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    return command
 
 
 @app.callback(invoke_without_command=True)
@@ -106,13 +52,10 @@ def _root(
         print(context.get_help())
 
 
-@app.command(cls=_EachOptionOnce)
-@_with_law_options
+@app.command(cls=EachOptionOnce)
+@with_law_options
 def simulate(
-    scenario: Annotated[
-        str | None,
-        typer.Argument(help="A scenario's name or TOML file.", show_default=False),
-    ] = None,
+    scenario: ScenarioArgument = None,
     rerun: Annotated[
         Path | None,
         typer.Option("--from", help="Run a result file again, at the same instants."),
@@ -121,10 +64,7 @@ def simulate(
         Path | None,
         typer.Option(help="Result file: .nc, .csv or .parquet.", rich_help_panel="Output"),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
-    ] = None,
+    plot: PlotOption = None,
     animate: Annotated[
         Path | None,
         typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output"),
@@ -133,10 +73,7 @@ def simulate(
         float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
     ] = 1.0,
     fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
-    as_json: Annotated[
-        bool,
-        typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
-    ] = False,
+    as_json: JsonOption = False,
     **given: Any,
 ) -> None:
     """Run one scenario, or a system given by options, and write what is asked for.
@@ -146,19 +83,19 @@ def simulate(
     """
     begun = time.perf_counter()
     with _uncollected():
-        ready = _scenario(scenario, rerun, given)
-        _check_targets(output, plot, animate, speed, fps)
-        with _progress("simulating") as progress:
+        ready = run_command.scenario_of(scenario, rerun, given)
+        run_command.check_targets(output, plot, animate, speed, fps)
+        with bar("simulating") as progress:
             run = ready.simulate(progress=progress)
-        files = _write(run, output, None, None, speed, fps)
-    files += _write(run, None, plot, animate, speed, fps)
+        files = run_command.write(run, output, None, None, speed, fps)
+    files += run_command.write(run, None, plot, animate, speed, fps)
     from latolato.summary import summarise
 
     found = summarise(run) | {
         "wall_time": round(time.perf_counter() - begun, 3),
         "files": [str(path) for path in files],
     }
-    print(json.dumps(found) if as_json else _as_text(found))
+    print(json.dumps(found) if as_json else run_command.as_text(found))
 
 
 @scenarios_app.callback(invoke_without_command=True)
@@ -178,10 +115,7 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
 
 
 def _sweep(
-    scenario: Annotated[
-        str | None,
-        typer.Argument(help="A scenario's name or TOML file.", show_default=False),
-    ] = None,
+    scenario: ScenarioArgument = None,
     rerun: Annotated[
         Path | None,
         typer.Option("--from", help="Run the sweep of a store or of a .nc file again."),
@@ -262,10 +196,7 @@ def _sweep(
             rich_help_panel="Output",
         ),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
-    ] = None,
+    plot: PlotOption = None,
     variable: Annotated[
         str | None,
         typer.Option(
@@ -273,10 +204,7 @@ def _sweep(
             rich_help_panel="Output",
         ),
     ] = None,
-    as_json: Annotated[
-        bool,
-        typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
-    ] = False,
+    as_json: JsonOption = False,
     **given: Any,
 ) -> None:
     """Run a map of many trajectories over any parameters, and write what is asked for.
@@ -303,7 +231,6 @@ def _sweep(
         "chunk_size": chunk_size,
     }
     plan = sweep_command.plan_of(
-        _tables,
         scenario,
         rerun,
         changes(given),
@@ -321,12 +248,12 @@ def _sweep(
     )
 
 
-app.command("sweep", cls=_EachOptionOnce)(
-    _with_law_options(_sweep, without=("times", "samples", "frame"))
+app.command("sweep", cls=EachOptionOnce)(
+    with_law_options(_sweep, without=("times", "samples", "frame"))
 )
 
 
-@app.command(cls=_EachOptionOnce)
+@app.command(cls=EachOptionOnce)
 def plot(
     file: Annotated[Path, typer.Argument(help="A result file or a sweep's store.")],
     output: Annotated[
@@ -372,14 +299,14 @@ def plot(
 
     dataset = load(file)
     picture = output or file.with_suffix(".png")
-    _check_targets(None, picture, animate, speed, fps)
-    from latolato.figures import run as pictures
+    run_command.check_targets(None, picture, animate, speed, fps)
+    from latolato.figures import plot as pictures
 
     of_map: dict[str, Any] = {
         "variable": variable,
         "log": log,
         "curves": curves,
-        "select": _selection(select or [], dataset),
+        "select": run_command.selection_of(select or [], dataset),
         "overlays": overlay or [],
         "points": points,
     }
@@ -393,11 +320,11 @@ def plot(
     unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
     if unfit:
         raise ValueError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
-    for path in _write(dataset, None, picture, animate, speed, fps):
+    for path in run_command.write(dataset, None, picture, animate, speed, fps):
         print(path)
 
 
-@app.command(cls=_EachOptionOnce)
+@app.command(cls=EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
@@ -405,7 +332,7 @@ def reproduce(
     """Reproduce the paper's figures and judge its claims in a report."""
     from latolato import report
 
-    with _progress("reproducing") as progress:
+    with bar("reproducing") as progress:
         result = report.reproduce(output, quick=quick, progress=progress)
     report.print_claims(result)
 
@@ -429,7 +356,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return code if isinstance(code, int) else 0
     except (KeyboardInterrupt, typer.Abort):
         return 130
-    except _UsageError as error:
+    except UsageError as error:
         return _refuse(error.format_message())
     except OSError as error:
         has_cause = error.strerror and error.filename
@@ -458,94 +385,6 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     print(f"latolato: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
 
-def _scenario(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
-    """Return the scenario named by the command line with the options put in."""
-    if source is not None and rerun is not None:
-        raise ValueError("give either a scenario or --from, not both")
-    changed = changes(given)
-    path = rerun or (find(source) if source is not None else None)
-    tables, folder = _tables(path, changed)
-    return Scenario.from_dict(tables, folder=folder)
-
-
-def _tables(
-    path: Path | None, changed: dict[str, dict[str, Any]], tables: Mapping[str, Any] | None = None
-) -> tuple[dict[str, Any], Path | None]:
-    """Return the tables of a scenario with the options put in, and where its files begin."""
-    if path is None and tables is None and "kind" not in changed.get("system", {}):
-        raise ValueError(
-            "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
-            f"--from FILE or --system with one of {', '.join(systems)}"
-        )
-    if tables is None:
-        tables = read_tables(path) if path else {}
-    if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
-        changed["drive"].setdefault("kind", "harmonic")
-    return overridden(dict(tables), changed), path.parent if path else None
-
-
-def _selection(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the values of dimensions that options name, in SI units."""
-    from latolato.units import to_si
-
-    found: dict[str, Any] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_")
-        if not equals or not value:
-            raise ValueError(f"--select must be NAME=VALUE, such as restitution=0.9, got {text!r}")
-        is_text = name not in dataset.coords or dataset[name].dtype.kind not in "iuf"
-        unit = "1" if is_text else str(dataset[name].attrs.get("units", "1"))
-        found[name] = value if is_text and not value.isdigit() else to_si(name, value, unit)
-    return found
-
-
-def _check_targets(
-    output: Path | None, plot: Path | None, animate: Path | None, speed: float, fps: float
-) -> None:
-    """Raise before any work if a file that is asked for cannot be written."""
-    from latolato import files
-
-    for path in (output, plot, animate):
-        if path is not None:
-            files.check_folder(path)
-    if output is not None:
-        files.check_target(output)
-    if plot is not None:
-        files.check_suffix(plot, PICTURES, "the name of a picture")
-    if animate is not None:
-        from latolato.figures.animate import check_target
-
-        check_target(animate, speed, fps)
-
-
-def _write(
-    run: xr.Dataset,
-    output: Path | None,
-    plot: Path | None,
-    animate: Path | None,
-    speed: float,
-    fps: float,
-) -> list[Path]:
-    """Write the files that are asked for and return their names."""
-    written = []
-    if output is not None:
-        from latolato.files import save
-
-        written.append(save(run, output))
-    if plot is not None:
-        from latolato.figures import run as picture
-        from latolato.figures.style import save_figure
-
-        written.append(save_figure(picture.plot(run), plot))
-    if animate is not None:
-        from latolato.figures import animate as movie
-
-        with _progress("animating") as progress:
-            written.append(movie.animate(run, animate, speed=speed, fps=fps, progress=progress))
-    return written
-
-
 @contextmanager
 def _uncollected() -> Iterator[None]:
     """Look for no garbage: while modules load, that costs a sixth of a short command's time."""
@@ -554,48 +393,3 @@ def _uncollected() -> Iterator[None]:
         yield
     finally:
         gc.enable()
-
-
-@contextmanager
-def _progress(text: str) -> Iterator[Callable[[float], None] | None]:
-    """Give a function that shows a bar on standard error, on a screen and for long work only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    bar: Any = None
-    begun = time.perf_counter()
-
-    def show(fraction: float) -> None:
-        nonlocal bar
-        if bar is None and time.perf_counter() - begun > _PATIENCE:
-            from rich.console import Console
-            from rich.progress import Progress
-
-            bar = Progress(console=Console(stderr=True), transient=True)
-            bar.add_task(text, total=1.0)
-            bar.start()
-        if bar is not None:
-            bar.update(bar.task_ids[0], completed=fraction)
-
-    try:
-        yield show
-    finally:
-        if bar is not None:
-            bar.stop()
-
-
-def _as_text(found: Mapping[str, Any]) -> str:
-    """Return a summary as lines for reading."""
-    contacts = ", ".join(f"{count} {kind}" for kind, count in found["contacts"].items())
-    energy = found["largest_energy"]  # None beyond all floats
-    largest = f"{energy:.3g} J" if energy is not None else "more than floats hold"
-    lines = {
-        "run": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
-        "status": found["status"],
-        "largest angle": f"{found['largest_angle']:.6g} rad",
-        "contacts": contacts or "none",
-        "energy residual": f"{found['energy_residual']:.2g} J of {largest}",
-        "wall time": f"{found['wall_time']:.2f} s",
-        "written": ", ".join(found["files"]) or "nothing; name a file with --output",
-    }
-    return "\n".join(f"{name:16} {text}" for name, text in lines.items())

@@ -11,7 +11,7 @@ from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.quantities import Quantity
-from latolato.scenario import RATIOS, RUN_OPTIONS
+from latolato.tables import RATIOS, RUN_OPTIONS
 from latolato.units import to_si_list
 
 

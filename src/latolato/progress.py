@@ -1,14 +1,46 @@
-"""How far a sweep is: a bar with rate and remaining time on a screen, some lines in a log."""
+"""How far work is: a bar on a screen, of a sweep with its pace, and some lines in a log."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
+# A bar appears once work has taken this long [s].
+_PATIENCE = 0.7
 # Time between two lines where standard error is no screen [s].
 _PAUSE = 60.0
+
+
+@contextmanager
+def bar(text: str) -> Iterator[Callable[[float], None] | None]:
+    """Give a function that shows a bar on standard error, on a screen and for long work only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    shown: Any = None
+    begun = time.perf_counter()
+
+    def show(fraction: float) -> None:
+        nonlocal shown
+        if shown is None and time.perf_counter() - begun > _PATIENCE:
+            from rich.console import Console
+            from rich.progress import Progress
+
+            shown = Progress(console=Console(stderr=True), transient=True)
+            shown.add_task(text, total=1.0)
+            shown.start()
+        if shown is not None:
+            shown.update(shown.task_ids[0], completed=fraction)
+
+    try:
+        yield show
+    finally:
+        if shown is not None:
+            shown.stop()
 
 
 class SweepProgress:

@@ -7,12 +7,13 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.scenario import Scenario, find
+from latolato.run_command import PICTURES, changed_tables
+from latolato.scenario import Scenario, find, read_tables
 from latolato.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
 
 if TYPE_CHECKING:
@@ -60,7 +61,6 @@ class Targets:
             check_suffix(self.file, (".nc", STORE_SUFFIX), "the name of a map")
             check_target(self.file)
         if self.plot is not None:
-            from latolato.cli import PICTURES
             from latolato.figures.map import check_drawable
 
             check_folder(self.plot)
@@ -71,7 +71,6 @@ class Targets:
 
 
 def plan_of(
-    read: Callable[..., tuple[dict[str, Any], Path | None]],
     source: str | None,
     rerun: Path | None,
     changed: Changes,
@@ -83,8 +82,6 @@ def plan_of(
 
     Parameters
     ----------
-    read : callable
-        Gives the tables of a scenario with changes put in, and where its files begin.
     source, rerun
         A scenario's name or file; a store or the NetCDF file of a sweep.
     changed, table : mapping
@@ -92,8 +89,6 @@ def plan_of(
     axes, observables : sequence of str
         As they are given.
     """
-    from latolato.scenario import read_tables
-
     tables: Mapping[str, Any] | None = None
     path = find(source) if source is not None else None
     if rerun is not None:
@@ -116,7 +111,7 @@ def plan_of(
     if "transient" in table or "transient_periods" in table:
         # One given alone takes the place of both, which add up.
         sweep = {"transient": 0.0, "transient_periods": 0.0} | sweep
-    plain, folder = read(path, changed | ({"sweep": sweep} if sweep else {}), tables)
+    plain, folder = changed_tables(path, changed | ({"sweep": sweep} if sweep else {}), tables)
     old = plain.get("sweep", {})
     if isinstance(old, Mapping) and (new or old.get("axes")):
         known_axes = old.get("axes", {})
@@ -210,10 +205,10 @@ def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:
 
         written.append(save(grid, targets.file))
     if targets.plot is not None:
-        from latolato.figures.map import plot_map
+        from latolato.figures.plot import plot
         from latolato.figures.style import save_figure
 
-        written.append(save_figure(plot_map(grid, targets.variable), targets.plot))
+        written.append(save_figure(plot(grid, targets.variable), targets.plot))
     return written
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.observables import Stroboscope
 from latolato.sweep import kernels
+from watched import IN_LANES, WITHOUT_PERIODS
 
 TOLERANCE = 1e-8
 # Rounding alone, which bouncing amplifies a thousandfold within seconds and the tables of contacts
@@ -16,23 +16,6 @@ AGREE = 0.1 * TOLERANCE
 # Mean energy is a quadrature of order 4. Near a wall single trajectories take a step in parts where
 # the force changes sign, lanes only if that may turn the ball twice: (2 rate step)^4/720 = 6e-5.
 AGREE_ENERGY = 1e-6
-WATCHED = (
-    "mean_energy",
-    "crossings",
-    "rotations",
-    "largest_angle",
-    "largest_angle_after_transient",
-    "motion_class",
-    "self_start",
-    "bottom_contacts",
-    "top_contacts",
-    "impact_speed",
-    "rest_fraction",
-    "works",
-    "final_angle",
-    "final_angular_velocity",
-)
-SAMPLED = (*WATCHED, Stroboscope(periods=4))
 COUNTS = (
     "status",
     "crossings",
@@ -111,7 +94,7 @@ def both(name):
         "duration": 4.0,
         "transient": 1.0,
         "tolerance": TOLERANCE,
-        "observables": WATCHED if drive is None else SAMPLED,
+        "observables": WITHOUT_PERIODS if drive is None else IN_LANES,
         **options,
     }
     lanes = ll.sweep(system, drive, **asked)

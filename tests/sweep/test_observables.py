@@ -9,30 +9,11 @@ import pytest
 import latolato as ll
 from latolato.observables import Crossings, MotionClass, SelfStart, Stroboscope, observables
 from latolato.observables.hermite import quintic, turning_angle
+from watched import ALL
 
 # Both sides follow the same motion with this tolerance.
 TOLERANCE = 1e-10
 DURATION = 10.0
-# Everything there is; instances only where the default would not tell much in ten seconds.
-WATCHED = (
-    "mean_energy",
-    "crossings",
-    "rotations",
-    "largest_angle",
-    "largest_angle_after_transient",
-    MotionClass(),
-    SelfStart(),
-    "bottom_contacts",
-    "top_contacts",
-    "impact_speed",
-    "rest_fraction",
-    "works",
-    "final_angle",
-    "final_angular_velocity",
-    Stroboscope(periods=4),
-)
-# Slack is followed by single trajectories only: it keeps the others out of the lanes.
-ALL = (*WATCHED, "slack_fraction")
 LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss")
 COUNTS = ("crossings", "rotations", "bottom_contacts", "top_contacts", "motion_class", "self_start")
 

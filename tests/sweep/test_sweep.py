@@ -7,35 +7,17 @@ import pytest
 import xarray as xr
 
 import latolato as ll
-from latolato.observables import Stroboscope
 from latolato.quantities import QUANTITIES
 from latolato.sweep.plan import make_plan
+from watched import IN_LANES
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
 DRIVE = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
-# The combination that test_lanes.py compiles too.
-WATCHED = (
-    "mean_energy",
-    "crossings",
-    "rotations",
-    "largest_angle",
-    "largest_angle_after_transient",
-    "motion_class",
-    "self_start",
-    "bottom_contacts",
-    "top_contacts",
-    "impact_speed",
-    "rest_fraction",
-    "works",
-    "final_angle",
-    "final_angular_velocity",
-    Stroboscope(periods=4),
-)
 # Long and strong enough that some points are chaotic: the least difference would show.
 ASKED = {
     "duration": 30.0,
     "transient_periods": 2.0,
-    "observables": WATCHED,
+    "observables": IN_LANES,
     "initial_offset": 0.3,
 }
 AXES = {

@@ -126,25 +126,13 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the maps without damping and with that of Fig. 2."""
-    from latolato.sweep import sweep
-
     count = QUICK_POINTS if quick else POINTS
-    axes = {
-        "drive_amplitude": grids.even(paper.LARGEST_AMPLITUDE_RATIO * paper.UNDAMPED.length, count),
-        "frequency_ratio": grids.even(paper.LARGEST_FREQUENCY_RATIO, count),
-    }
     dampings = {UNDAMPED: 0.0, DAMPED: paper.PENDULUM.damping}
     maps = {
-        label: sweep(
-            replace(paper.UNDAMPED, damping=damping),
-            axes=axes,
-            duration=paper.SWEEP_DURATION,
-            initial_angle=paper.TOY.contact_angle_low,
-            observables=grids.PENDULUM_OBSERVABLES,
-        )
+        label: grids.without_walls(replace(paper.UNDAMPED, damping=damping), count)
         for label, damping in dampings.items()
     }
-    return grids.gather(maps, title=TITLE, keep=("mean_energy", "crossings", "largest_angle"))
+    return grids.gather(maps, title=TITLE, keep=grids.KEPT)
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import grids, paper, style
-from latolato.figures.cases import Floats
 from latolato.figures.claim import Limit, Numbers, Statement
 from latolato.physics.contacts import Clamp
 
@@ -133,7 +132,7 @@ def data(quick: bool = False) -> xr.Dataset:
     def run(count: int, duration: float, offset: float, step: float = 0.0) -> xr.Dataset:
         return sweep(
             TOY,
-            axes=_axes(count),
+            axes=grids.paper_axes(TOY.length, count),
             duration=duration,
             initial_offset=offset,
             observables=grids.PAIR_OBSERVABLES,
@@ -142,13 +141,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
     count, long = QUICK_POINTS if quick else POINTS, paper.SWEEP_DURATION
     maps = {
-        FREE: sweep(
-            paper.UNDAMPED,
-            axes=_axes(count),
-            duration=long,
-            initial_angle=TOY.contact_angle_low,
-            observables=grids.PENDULUM_OBSERVABLES,
-        ),
+        FREE: grids.without_walls(paper.UNDAMPED, count),
         REST: run(count, long, 0.0),
         PUSHED: run(count, long, PUSH),
     }
@@ -156,17 +149,9 @@ def data(quick: bool = False) -> xr.Dataset:
     return grids.gather(
         maps,
         title=TITLE,
-        keep=("mean_energy", "crossings", "largest_angle"),
+        keep=grids.KEPT,
         apart={CLAMP: run(count, long, 0.0, STEP)},
     )
-
-
-def _axes(count: int) -> dict[str, Floats]:
-    """Return the axes of a map with that many points along each."""
-    return {
-        "drive_amplitude": grids.even(paper.LARGEST_AMPLITUDE_RATIO * TOY.length, count),
-        "frequency_ratio": grids.even(paper.LARGEST_FREQUENCY_RATIO, count),
-    }
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:

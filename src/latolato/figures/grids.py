@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.figures import overlays
+from latolato.figures import overlays, paper
 from latolato.figures.cases import Floats, variable
-from latolato.figures.map import Side
+from latolato.figures.sides import Side
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.pendulum import LatoLato, Pendulum
 
@@ -37,6 +37,8 @@ PAIR_OBSERVABLES = (
     "largest_angle_after_transient",
     "top_contacts",
 )
+# What Figs. 3cd and 5 keep of their maps.
+KEPT = ("mean_energy", "crossings", "largest_angle")
 # The scales of maps of energy and crossings, the same for all: variable, norm, colours.
 SCALES: tuple[tuple[str, Callable[[], Any], str], ...] = (
     ("mean_energy", lambda: _log_norm(0.02, 100.0), "viridis"),
@@ -60,6 +62,27 @@ def _log_norm(low: float, high: float) -> Any:
 def even(last: float, count: int) -> Floats:
     """Return `count` evenly spaced values above zero, up to `last`."""
     return np.linspace(last / count, last, count)
+
+
+def paper_axes(length: float, count: int) -> dict[str, Floats]:
+    """Return the axes of Figs. 3cd and 5 for a length [m], with `count` points along each."""
+    return {
+        "drive_amplitude": even(paper.LARGEST_AMPLITUDE_RATIO * length, count),
+        "frequency_ratio": even(paper.LARGEST_FREQUENCY_RATIO, count),
+    }
+
+
+def without_walls(system: Pendulum, count: int) -> xr.Dataset:
+    """Return the map of Fig. 3cd of a pendulum, from rest at the toy's low contact angle."""
+    from latolato.sweep import sweep
+
+    return sweep(
+        system,
+        axes=paper_axes(system.length, count),
+        duration=paper.SWEEP_DURATION,
+        initial_angle=paper.TOY.contact_angle_low,
+        observables=PENDULUM_OBSERVABLES,
+    )
 
 
 def gather(

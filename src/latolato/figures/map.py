@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +11,9 @@ import numpy as np
 
 from latolato.figures import overlays as marks
 from latolato.figures import style
+from latolato.figures.map_title import in_words, plain_text, title_of
+from latolato.figures.sides import Side, side_of, values_along
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
-from latolato.quantities import QUANTITIES
 from latolato.registry import suggest
 
 if TYPE_CHECKING:
@@ -44,116 +44,6 @@ ZERO = style.PAPER
 _HEIGHT = 3.6  # inch
 # More curves than this cannot be told apart.
 _MOST_CURVES = 12
-# Parameters that the line above the picture tells.
-_TOLD = (
-    *("length", "mass", "radius", "restitution", "damping", "quadratic_damping"),
-    *("coulomb_damping", "initial_angle", "initial_offset", "drive_amplitude", "frequency_ratio"),
-    *("drive_frequency", "duration", "transient"),
-)
-# Parameters of observables, which the line tells with these only.
-_OF_VARIABLE = {
-    "crossings": ("crossing_angle",),
-    "motion_class": ("strong_angle", "weak_angle"),
-    "self_start": ("least_motion",),
-}
-# How closely a spacing must keep its ratio or its difference to count as even.
-_EVEN = 1e-6
-
-
-@dataclass(frozen=True)
-class Side:
-    """One axis of a picture: its dimension, the coordinate that labels it, cells and scale."""
-
-    dim: str
-    values: Floats
-    attributes: Mapping[str, Any]
-    name: str
-    is_log: bool
-
-    @property
-    def label(self) -> str:
-        """The axis label."""
-        import xarray as xr
-
-        return style.label(xr.DataArray(self.values, attrs=dict(self.attributes))) or self.name
-
-    @property
-    def edges(self) -> Floats:
-        """Borders of the cells, midway between values; of amounts, never below zero."""
-        values = np.log(self.values) if self.is_log else self.values
-        if len(values) == 1:
-            half = 0.5 if self.is_log else 0.5 * abs(values[0]) or 0.5
-            found = np.array([values[0] - half, values[0] + half])
-        else:
-            middle = 0.5 * (values[1:] + values[:-1])
-            first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
-            found = np.concatenate([[first], middle, [last]])
-        if self.is_log:
-            return np.asarray(np.exp(found))
-        return np.maximum(found, 0.0) if values[0] >= 0.0 else found
-
-
-def plot_map(
-    grid: xr.Dataset,
-    variable: str | None = None,
-    *,
-    log: bool = False,
-    curves: bool = False,
-    select: Mapping[str, Any] | None = None,
-    overlays: Sequence[str] = (),
-    points: str | Path | None = None,
-) -> Figure:
-    """Return a figure of one variable of a sweep over one or two parameters.
-
-    Parameters
-    ----------
-    grid : xarray.Dataset
-        What `latolato.sweep` or `latolato.load` returned.
-    variable : str, optional
-        What to draw; by default the first.
-    log : bool
-        A logarithmic scale of the values. Zeros get a colour of their own.
-    curves : bool
-        Draw a curve for each value of the shorter of two dimensions, at most 12, not a map.
-    select : mapping, optional
-        Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is taken
-        and told. A dimension without numbers takes its text or its index.
-    overlays : sequence of {"tongue", "lift_off"}
-        Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
-        the sweep's linear damping, and where the pivot's acceleration reaches gravity.
-    points : str or Path, optional
-        A CSV of trials with the columns `drive_amplitude`, `drive_frequency` or
-        `frequency_ratio`, and `class` (none, weak or strong).
-
-    Raises
-    ------
-    ValueError
-        For unknown names, too many dimensions left, overlays that the axes cannot carry.
-
-    Notes
-    -----
-    A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
-    legend, by status; they never look like a value.
-    """
-    variable = _variable(list(map(str, grid.data_vars)), variable)
-    grid, told = _selected(grid, variable, select or {})
-    rest = _ordered(list(map(str, grid[variable].dims)))
-    _check_dims({d: grid.sizes[d] for d in rest}, variable)
-    sides = [_side(grid, dim) for dim in rest]
-    for side in sides:
-        order = np.argsort(_side_values(grid, side.dim), kind="stable")
-        grid = grid.isel({side.dim: order})
-    data = grid[variable].transpose(*rest)
-    if not (overlays or points):
-        context = None
-    elif len(sides) != 2 or curves:
-        raise ValueError("overlays and points belong to a map of amplitude and frequency")
-    else:
-        context = marks.Context.of(grid, sides[1].name, sides[0].name)
-    drawn = _Drawing(grid, data, sides, log, told)
-    if len(sides) == 1 or curves:
-        return drawn.curves()
-    return drawn.map(context, overlays, points)
 
 
 def check_drawable(plan: Plan, variable: str | None) -> None:
@@ -213,7 +103,7 @@ def _selected(
             index = _nearest(name, coordinate, float(wanted))
         grid = grid.isel({name: index})
         if name in grid.coords and coordinate.dtype.kind != "U":
-            told[name] = _told(grid, name, float(grid[name]))
+            told[name] = in_words(grid, name, float(grid[name]))
         else:
             told[name] = f"{name} {wanted}"
     return grid, told
@@ -231,70 +121,28 @@ def _nearest(name: str, values: Floats, wanted: float) -> int:
     return int(np.argmin(np.abs(values - wanted)))
 
 
-def _side_values(grid: xr.Dataset, dim: str) -> Floats:
-    """Return the numbers along a dimension: its own, those of its first parameter, or 0, 1, ..."""
-    values: Floats = grid[_label_of(grid, dim)].values
-    return values if values.dtype.kind in "iuf" else np.arange(float(len(values)))
+class Drawing:
+    """One variable of a sweep over one or two dimensions, ready to be drawn.
 
-
-def _label_of(grid: xr.Dataset, dim: str) -> str:
-    """Return the coordinate that labels a dimension."""
-    if dim in grid.coords:
-        return dim
-    own = [str(name) for name, c in grid.coords.items() if c.dims == (dim,)]
-    usable = [name for name in own if len(np.unique(grid[name].values)) == grid.sizes[dim]]
-    return usable[0] if usable else dim
-
-
-def _side(grid: xr.Dataset, dim: str) -> Side:
-    """Return an axis of the picture."""
-    name = _label_of(grid, dim)
-    values = np.sort(np.asarray(_side_values(grid, dim), dtype=np.float64))
-    is_log = False
-    if len(values) > 2 and values[0] > 0.0:
-        steps, ratios = np.diff(values), values[1:] / values[:-1]
-        is_log = bool(np.ptp(ratios) < _EVEN * ratios[0] and np.ptp(steps) > _EVEN * steps[0])
-    about = grid[name].attrs if name in grid.coords else {}
-    others = [str(n) for n, c in grid.coords.items() if c.dims == (dim,) and n != name]
-    if others:
-        long_name = f"{about.get('long_name', name)} (and {', '.join(others)})"
-        about = {**about, "long_name": long_name}
-    return Side(dim, values, about, name, is_log)
-
-
-def _told(grid: xr.Dataset, name: str, value: float) -> str:
-    """Return a parameter and its value as ``$e$ = 0.9``."""
-    quantity = QUANTITIES.get(name)
-    about = grid[name].attrs if name in grid.coords else {}
-    symbol = about.get("symbol") or (quantity.symbol if quantity else "")
-    unit = about.get("units") or (quantity.unit if quantity else "1")
-    if name in {"strong_angle", "weak_angle", "least_motion"}:
-        name, unit, value = name.replace("_", " "), "deg", math.degrees(value)
-    if name == "transient":
-        unit = "s"
-    shown = f"{value:.4g}"
-    if "e" in shown:
-        digits, _, power = shown.partition("e")
-        shown = rf"${digits}\times10^{{{int(power)}}}$"
-    tail = "" if unit == "1" else "°" if unit == "deg" else f" {style.pretty_unit(unit)}"
-    return f"{f'${symbol}$' if symbol else name} = {shown}{tail}"
-
-
-class _Drawing:
-    """One picture while it is made."""
+    A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
+    legend, by status; they never look like a value.
+    """
 
     def __init__(
-        self,
-        grid: xr.Dataset,
-        data: xr.DataArray,
-        sides: list[Side],
-        log: bool,
-        told: Mapping[str, str],
+        self, grid: xr.Dataset, variable: str | None, *, log: bool, select: Mapping[str, Any]
     ) -> None:
-        self.data, self.sides, self.log = data, sides, log
+        self.name = _variable(list(map(str, grid.data_vars)), variable)
+        grid, told = _selected(grid, self.name, select)
+        rest = _ordered(list(map(str, grid[self.name].dims)))
+        _check_dims({d: grid.sizes[d] for d in rest}, self.name)
+        self.sides = [side_of(grid, dim) for dim in rest]
+        for side in self.sides:
+            order = np.argsort(values_along(grid, side.dim), kind="stable")
+            grid = grid.isel({side.dim: order})
+        data = grid[self.name].transpose(*rest)
+        self.grid, self.data, self.log = grid, data, log
+        self.title = title_of(grid, told, self.name)
         self.values = np.array(data.values, dtype=np.float64)
-        self.name = str(data.name)
-        self.title = _title(grid, told, _OF_VARIABLE.get(self.name, ()))
         status = grid.get("status")
         if status is not None and set(status.dims) <= set(data.dims):
             self.status = status.broadcast_like(data).transpose(*data.dims).values
@@ -326,10 +174,12 @@ class _Drawing:
             return (low / 2.0, high * 2.0) if self.log else (low - 0.5, high + 0.5)
         return low, high
 
-    def map(
-        self, context: marks.Context | None, overlays: Sequence[str], points: str | Path | None
-    ) -> Figure:
-        """Return the heat map."""
+    def map(self, overlays: Sequence[str], points: str | Path | None) -> Figure:
+        """Return the heat map, with theory and trials over it."""
+        context = None
+        if overlays or points:
+            y, x = self.sides
+            context = marks.Context.of(self.grid, x.name, y.name)
         with style.use_style():
             figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT + 0.5)
             axes = panels[0, 0]
@@ -500,42 +350,6 @@ def _shades(count: int) -> list[Any]:
     return list(mpl.colormaps["viridis"](np.linspace(0.0, 0.88, count)))
 
 
-def _title(grid: xr.Dataset, told: Mapping[str, str], further: Sequence[str]) -> list[str]:
-    """Return what the picture is of, in lines: system and parameters that do not vary."""
-    attributes = grid.attrs
-    varied = {str(name) for name, c in grid.coords.items() if c.dims}
-    words = [f"{attributes.get('system', 'sweep')}"]
-    targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
-    named = []
-    for name in (*_TOLD, *further):
-        value = attributes.get(name)
-        if not isinstance(value, (int, float)) or name in told or name in varied:
-            continue
-        if varied & set(targets.get(name, ())) or set(told) & set(targets.get(name, ())):
-            continue
-        if value == 0.0 and name not in ("damping", "initial_offset"):
-            continue
-        named.append(_told(grid, name, float(value)))
-    if attributes.get("contact") == "clamp":
-        words.append("a fixed-step artefact")
-    if attributes.get("continuation"):
-        words.append(f"following {attributes['continuation']}")
-    first = ", ".join([*words, *told.values()])
-    lines, line = [], first
-    for word in named:
-        if len(_plain_text(line)) + len(_plain_text(word)) > 84:
-            lines.append(line)
-            line = word
-        else:
-            line = f"{line}, {word}"
-    return [*lines, line]
-
-
-def _plain_text(text: str) -> str:
-    """Return roughly what mathematics looks like, to measure its length."""
-    return text.replace("$", "").replace("\\", "").replace("{", "").replace("}", "")
-
-
 def _finish(figure: Figure, axes: Axes, title: list[str], handles: list[Any]) -> None:
     """Put the title above and the legend below the panel, where it hides nothing."""
     axes.set_title("\n".join(title), fontsize=style.SMALL, loc="left")
@@ -543,7 +357,7 @@ def _finish(figure: Figure, axes: Axes, title: list[str], handles: list[Any]) ->
         columns = min(
             len(handles),
             max(
-                1, math.floor(90 / (6 + max(len(_plain_text(str(h.get_label()))) for h in handles)))
+                1, math.floor(90 / (6 + max(len(plain_text(str(h.get_label()))) for h in handles)))
             ),
         )
         figure.legend(handles=handles, loc="outside lower center", ncols=columns)

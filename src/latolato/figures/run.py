@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,82 +42,6 @@ _MARK_SIZE = 7.0  # points squared
 _INVISIBLE = 1e-9
 
 
-def plot(
-    run: xr.Dataset,
-    variable: str | None = None,
-    *,
-    log: bool = False,
-    curves: bool = False,
-    select: Mapping[str, Any] | None = None,
-    overlays: Sequence[str] = (),
-    points: str | Path | None = None,
-) -> Figure:
-    """Return a figure of a run, or of one variable of a sweep.
-
-    A run shows its angles, its energies, where these came from and went, and the pivot. A sweep is
-    drawn by `latolato.figures.map.plot_map`, which the further arguments belong to.
-
-    Parameters
-    ----------
-    run : xarray.Dataset
-        What `latolato.simulate`, `latolato.sweep` or `latolato.load` returned.
-    variable : str, optional
-        Of a sweep, what to draw; by default its first variable.
-    log : bool
-        A logarithmic scale.
-    curves : bool
-        Curves, one for each value of the shorter dimension, instead of a map.
-    select : mapping, optional
-        Values of further dimensions, such as ``{"restitution": 0.9}``.
-    overlays : sequence of {"tongue", "lift_off"}
-        Theory curves over a map of amplitude and frequency.
-    points : str or Path, optional
-        A CSV of trials to draw over it.
-
-    Raises
-    ------
-    TypeError
-        If `run` is no dataset.
-    ValueError
-        If the dataset holds neither a run nor a sweep, or the arguments do not fit it.
-
-    Examples
-    --------
-    >>> import latolato as ll
-    >>> figure = ll.plot(ll.load_scenario("zeno").simulate())
-    >>> len(figure.axes)
-    4
-    """
-    import xarray as xr
-
-    if not isinstance(run, xr.Dataset):
-        raise TypeError(
-            f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
-        )
-    if is_map(run):
-        from latolato.figures.map import plot_map
-
-        return plot_map(
-            run,
-            variable,
-            log=log,
-            curves=curves,
-            select=select,
-            overlays=overlays,
-            points=points,
-        )
-    if "angle" not in run or "time" not in run.dims:
-        raise ValueError("plot needs a run: a dataset with angle over time, or a sweep")
-    if variable or log or curves or select or overlays or points:
-        raise ValueError("a run is drawn whole: variable, log and the like belong to sweeps")
-    return _draw(run)
-
-
-def is_map(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset is that of a sweep."""
-    return "plan" in dataset.attrs and "time" not in dataset.dims
-
-
 def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
     """Return the angle of every ball [rad] by name, shape (time,); a mirrored ball too."""
     angle = run[name].values
@@ -148,8 +70,8 @@ def draw_angles(axes: Axes, run: xr.Dataset) -> None:
 
 
 @style.styled
-def _draw(run: xr.Dataset) -> Figure:
-    """Return the figure."""
+def draw_run(run: xr.Dataset) -> Figure:
+    """Return the figure of a run."""
     figure, panels = style.new_figure(
         4, sharex=True, height=1.15 * style.PAGE, height_ratios=[1.5, 1.0, 1.0, 0.6]
     )

@@ -14,7 +14,7 @@ from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.start import DEFAULT_REST_SPEED
 from latolato.sweep.executors import executor_named
-from latolato.sweep.plan import Plan, make_plan
+from latolato.sweep.plan import DEFAULT_OBSERVABLES, Plan, make_plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +28,7 @@ def sweep(
     *,
     axes: Mapping[str, Any],
     duration: float,
-    observables: Sequence[str | Observable] = ("mean_energy", "crossings", "largest_angle"),
+    observables: Sequence[str | Observable] = DEFAULT_OBSERVABLES,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,

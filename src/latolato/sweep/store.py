@@ -8,7 +8,6 @@ place whole, the group's own ``zarr.json`` last of those that a new store begins
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -25,25 +24,30 @@ from latolato.files import atomic_path
 from latolato.numerics.compiled import sources_hash
 from latolato.sweep import lock
 from latolato.sweep.chunk import STATUS, Values, status_counts
-from latolato.sweep.plan import Plan
-from latolato.sweep.results import (
-    attributes_of,
-    attributes_of_variables,
-    coordinates_of,
-    in_order,
-    lengths_of,
-    template,
+from latolato.sweep.differences import differences
+from latolato.sweep.layout import (
+    GROUP,
+    NOTES,
+    OWN,
+    ROOT,
+    as_text,
+    digest_of,
+    documents,
+    encoders,
+    existing_root,
+    first_files,
+    is_damaged,
+    read_note,
+    root_of,
+    signed,
 )
+from latolato.sweep.plan import Plan
+from latolato.sweep.results import in_order
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_ROOT = "zarr.json"
-_OWN = ".latolato"
-_NOTES = f"{_OWN}/chunks"
-_LOCK = f"{_OWN}/lock"
-# Lets Zarr know the folder of notes as something of its own.
-_GROUP = b'{"zarr_format": 3, "node_type": "group", "attributes": {}}'
+_LOCK = f"{OWN}/lock"
 # A file that `atomic_path` has not put in place because its process was killed.
 _UNFINISHED = re.compile(r"\..+\.\d+\.[0-9a-f]{6}(\.\w+)?")
 # What a store begins with, the root apart.
@@ -97,7 +101,7 @@ class Store:
         lock_path = self.path / _LOCK
         try:
             self.path.mkdir(exist_ok=True)
-            (self.path / _OWN).mkdir(exist_ok=True)
+            (self.path / OWN).mkdir(exist_ok=True)
             descriptor = lock.acquire(lock_path)
         except OSError as error:
             raise self._told(error) from None
@@ -126,10 +130,10 @@ class Store:
         try:
             for name, array in self._arrays.items():
                 array[self.plan.block(number)] = values[name]
-                for key in [k for k in self._encoded if not k.endswith(_ROOT)]:
+                for key in [k for k in self._encoded if not k.endswith(ROOT)]:
                     content = self._encoded.pop(key).to_bytes()
                     self._put(key, content)
-                    digests[key] = _digest(content)
+                    digests[key] = digest_of(content)
             counts = status_counts(values[STATUS])
             note = {
                 "plan": self.plan.hash,
@@ -137,7 +141,7 @@ class Store:
                 "first_invalid": reason,
                 "status": counts,
             }
-            self._put(f"{_NOTES}/{number}.json", _signed(note))
+            self._put(f"{NOTES}/{number}.json", signed(note))
             self._add(number, counts, reason)
             if len(self._reasons) == self.plan.chunks:
                 self._finish()
@@ -154,7 +158,7 @@ class Store:
 
     def _check_place(self) -> None:
         """Raise unless the path can become, or is, a store of this plan."""
-        root = _root_of(self.path)
+        root = root_of(self.path)
         if root is None:
             return
         attributes = root["attributes"]
@@ -170,22 +174,22 @@ class Store:
     def _open(self) -> None:
         """Create the store or find out what is missing, with the lock held."""
         self._check_place()  # again: somebody may have written it before we had the lock
-        root = _root_of(self.path)
-        new, labels = _begun(self.plan)
+        root = root_of(self.path)
+        new, labels = first_files(self.plan)
         self._root = root or new
-        files = labels | _documents(self._root) | {f"{_OWN}/{_ROOT}": _GROUP}
+        files = labels | documents(self._root) | {f"{OWN}/{ROOT}": GROUP}
         if root is None:
             self._remove(lambda name, key: _FIRST.fullmatch(key) or _UNFINISHED.fullmatch(name))
             self.missing = list(range(self.plan.chunks))
             for key, content in files.items():
                 self._put(key, content)
-            self._put(_ROOT, _text(self._root))
+            self._put(ROOT, as_text(self._root))
         else:
             damaged = self._survey()
             self._check_kernels()
             self._remove(lambda name, _: _UNFINISHED.fullmatch(name))
             self._repair(damaged, files)
-        self._arrays, self._encoded = _encoders(self.plan, self._root)
+        self._arrays, self._encoded = encoders(self.plan, self._root)
         if not self.missing:
             self._finish()
 
@@ -193,14 +197,14 @@ class Store:
         """Find the chunks that are missing; return what is wrong with those noted as done."""
         damaged: dict[int, str] = {}
         for number in range(self.plan.chunks):
-            path = self.path / _NOTES / f"{number}.json"
-            note = _read_note(path, self.plan.hash)
+            path = self.path / NOTES / f"{number}.json"
+            note = read_note(path, self.plan.hash)
             if note is None:
                 self.missing.append(number)
                 if path.exists():
-                    damaged[number] = f"{_NOTES}/{number}.json is damaged"
+                    damaged[number] = f"{NOTES}/{number}.json is damaged"
                 continue
-            wrong = [k for k, d in note["files"].items() if _is_damaged(self.path / k, d)]
+            wrong = [k for k, d in note["files"].items() if is_damaged(self.path / k, d)]
             if wrong:
                 self.missing.append(number)
                 damaged[number] = f"{wrong[0]} is damaged or missing"
@@ -224,9 +228,9 @@ class Store:
         """Forget damaged chunks and write other damaged files again, and say so."""
         told = list(damaged.values())
         for number in damaged:
-            (self.path / _NOTES / f"{number}.json").unlink()
+            (self.path / NOTES / f"{number}.json").unlink()
         for key, content in files.items():
-            if _is_damaged(self.path / key, _digest(content)):
+            if is_damaged(self.path / key, digest_of(content)):
                 told.append(f"{key} is damaged or missing")
                 self._put(key, content)
         if told:
@@ -258,7 +262,7 @@ class Store:
         reason = next((r for _, r in sorted(self._reasons.items()) if r), "")
         if reason and self._root["attributes"].get("first_invalid") != reason:
             self._root["attributes"]["first_invalid"] = reason
-            self._put(_ROOT, _text(self._root))
+            self._put(ROOT, as_text(self._root))
 
     def _put(self, key: str, content: bytes) -> None:
         """Write a file of the store, whole or not at all."""
@@ -312,7 +316,7 @@ def store_status(path: str | Path) -> dict[str, Any]:
     Chunks count as done by their notes; whether their files are sound is seen on resuming.
     """
     path = Path(path)
-    root = _existing_root(path)
+    root = existing_root(path)
     attributes = root["attributes"]
     plan = json.loads(attributes["plan"])
     metadata = root["consolidated_metadata"]["metadata"][STATUS]
@@ -322,7 +326,7 @@ def store_status(path: str | Path) -> dict[str, Any]:
     counts: Counter[str] = Counter()
     done, reasons = 0, {}
     for number in range(chunks):
-        note = _read_note(path / _NOTES / f"{number}.json", attributes["plan_hash"])
+        note = read_note(path / NOTES / f"{number}.json", attributes["plan_hash"])
         if note is not None:
             done += 1
             counts.update(note["status"])
@@ -364,7 +368,7 @@ def plan_from_store(path: str | Path) -> Plan:
         if "plan" not in attributes:
             raise ValueError(f"'{path}' holds no sweep: it has no plan")
     else:
-        attributes = _existing_root(path)["attributes"]
+        attributes = existing_root(path)["attributes"]
     plan = Plan.from_description(json.loads(attributes["plan"]))
     if plan.hash != attributes["plan_hash"]:
         raise ValueError(
@@ -372,42 +376,6 @@ def plan_from_store(path: str | Path) -> Plan:
             "scenario instead"
         )
     return plan
-
-
-def differences(there: Any, here: Any, name: str = "") -> list[str]:
-    """Return where two descriptions of plans differ, such as ``duration is 60.0, not 30.0``."""
-    if isinstance(there, list) and isinstance(here, list):
-        named, asked = _by_name(there), _by_name(here)
-        if named and asked:
-            if list(named) == list(asked):
-                return differences(named, asked, name)
-            there, here = list(named), list(asked)
-    if isinstance(there, dict) and isinstance(here, dict):
-        found = []
-        for key in [*there, *(k for k in here if k not in there)]:
-            below = f"{name}.{key}" if name else str(key)
-            found += differences(there.get(key), here.get(key), below)
-        return found
-    return [] if there == here else [f"{name} is {_shown(there, here)}, not {_shown(here, there)}"]
-
-
-def _by_name(entries: list[Any]) -> dict[str, Any]:
-    """Return axes or observables by their name, or nothing if they have none."""
-    if not all(isinstance(entry, dict) for entry in entries):
-        return {}
-    return {str(entry.get("name") or entry.get("kind")): entry for entry in entries}
-
-
-def _shown(value: Any, other: Any) -> str:
-    """Return a value in brief, as far as it tells it from another one."""
-    text = json.dumps(value)
-    if len(text) <= 40:
-        return text
-    both = [np.ravel(np.array(v, dtype=object)) for v in (value, other)]
-    if len(both[0]) == len(both[1]):
-        at = next((i for i, (a, b) in enumerate(zip(*both, strict=True)) if a != b), 0)
-        return f"[... {json.dumps(both[0][at])} ...]" if len(both[0]) > 1 else f"{text[:37]}..."
-    return f"[{len(both[0])} values]"
 
 
 def _opened(path: Path) -> xr.Dataset:
@@ -420,155 +388,3 @@ def _opened(path: Path) -> xr.Dataset:
     return dataset.assign_coords(
         {name: (c.dims, np.array(c.values.tolist()), c.attrs) for name, c in texts.items()}
     )
-
-
-def _existing_root(path: Path) -> dict[str, Any]:
-    """Return the metadata of a store, or raise if there is none."""
-    if not path.exists():
-        raise FileNotFoundError(f"there is no store '{path}'")
-    try:
-        root = _root_of(path)
-    except FileExistsError as error:
-        raise ValueError(f"'{path}' is no store of a sweep") from error
-    if root is None:
-        raise ValueError(f"'{path}' is no store of a sweep, or one that was only just begun")
-    return root
-
-
-def _root_of(path: Path) -> dict[str, Any] | None:
-    """Return a store's metadata, or None where a new one may be made.
-
-    Raises
-    ------
-    FileExistsError
-        If something else is there.
-    ValueError
-        If the metadata of a store are damaged.
-    """
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"the folder '{path.parent}' does not exist; create it first")
-    if path.exists() and not path.is_dir():
-        raise FileExistsError(f"'{path}' is a file, not a store of a sweep: name another path")
-    has_results = (path / _NOTES).exists()
-    names = {entry.name for entry in path.iterdir()} if path.exists() else set()
-    if _OWN not in names and names:
-        raise FileExistsError(
-            f"'{path}' is a folder of something else, not a store of a sweep: name another path"
-        )
-    if _ROOT not in names and not has_results:
-        return None
-    try:
-        root: dict[str, Any] = json.loads((path / _ROOT).read_bytes())
-        root["attributes"]["plan_hash"], root["consolidated_metadata"]["metadata"][STATUS]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise ValueError(
-            f"{_ROOT} of the store '{path}' is damaged or missing: name another path, or delete "
-            "the store to begin anew"
-        ) from None
-    return root
-
-
-def _begun(plan: Plan) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return what a new store begins with: its metadata and the files of its coordinates.
-
-    The metadata of the arrays are consolidated here, as Zarr itself warns that this has no
-    specification yet.
-    """
-    import zarr
-    from zarr.storage import MemoryStore
-
-    files: dict[str, Any] = {}
-    group = zarr.create_group(MemoryStore(files), zarr_format=3)
-    about = attributes_of_variables(plan)
-    lengths = lengths_of(plan)
-    coordinates = coordinates_of(plan)
-    for name, (dims, values) in coordinates.items():
-        array = group.create_array(
-            name,
-            shape=values.shape,
-            chunks=values.shape,
-            dtype=str if values.dtype.kind == "U" else values.dtype,
-            compressors=None,
-            dimension_names=dims,
-            attributes=about.get(name, {}),
-            config={"write_empty_chunks": True},
-        )
-        array[:] = values
-    variables = template(plan)
-    for name, (dims, dtype, fill) in variables.items():
-        group.create_array(
-            name,
-            shape=tuple(lengths[d] for d in dims),
-            chunks=plan.chunk_shape + tuple(lengths[d] for d in dims[len(plan.dims) :]),
-            dtype=dtype,
-            fill_value=fill,
-            dimension_names=dims,
-            attributes=about[name],
-        )
-    # xarray takes the variables that this attribute names for coordinates.
-    others = [name for name, (dims, _) in coordinates.items() if dims != (name,)]
-    attributes = attributes_of(plan) | ({"coordinates": " ".join(others)} if others else {})
-    arrays = {
-        name: json.loads(files.pop(f"{name}/{_ROOT}").to_bytes())
-        for name in [*coordinates, *variables]
-    }
-    root = json.loads(files.pop(_ROOT).to_bytes()) | {
-        "attributes": attributes,
-        "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": arrays},
-    }
-    return root, {key: buffer.to_bytes() for key, buffer in files.items()}
-
-
-def _documents(root: Mapping[str, Any]) -> dict[str, bytes]:
-    """Return the metadata files of the arrays."""
-    arrays = root["consolidated_metadata"]["metadata"]
-    return {f"{name}/{_ROOT}": _text(metadata) for name, metadata in arrays.items()}
-
-
-def _encoders(plan: Plan, root: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the variables as arrays in memory, and the files by name that they turn into."""
-    import zarr
-    from zarr.core.buffer import default_buffer_prototype
-    from zarr.storage import MemoryStore
-
-    buffer = default_buffer_prototype().buffer
-    files = {k: buffer.from_bytes(v) for k, v in (_documents(root) | {_ROOT: _GROUP}).items()}
-    # Also chunks without any answer become files: one that is not there is missing.
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        group = zarr.open_group(MemoryStore(files), mode="r+", use_consolidated=False)
-        return {name: group[name] for name in template(plan)}, files
-
-
-def _text(document: Mapping[str, Any]) -> bytes:
-    """Return metadata as Zarr writes them."""
-    return json.dumps(document, indent=2).encode()
-
-
-def _digest(content: bytes) -> str:
-    """Return the digest by which a file is known again."""
-    return hashlib.sha256(content).hexdigest()
-
-
-def _signed(note: Mapping[str, Any]) -> bytes:
-    """Return a note as text with its own digest."""
-    digest = _digest(json.dumps(note, sort_keys=True).encode())
-    return json.dumps({**note, "digest": digest}, sort_keys=True, indent=1).encode()
-
-
-def _read_note(path: Path, plan: str) -> dict[str, Any] | None:
-    """Return the note of a chunk, or None if there is none that is whole and of this plan."""
-    try:
-        note: dict[str, Any] = json.loads(path.read_bytes())
-        digest = note.pop("digest")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return None
-    whole = digest == _digest(json.dumps(note, sort_keys=True).encode())
-    return note if whole and note.get("plan") == plan else None
-
-
-def _is_damaged(path: Path, digest: str) -> bool:
-    """Return whether a file is missing or not the one that was written."""
-    try:
-        return _digest(path.read_bytes()) != digest
-    except OSError:
-        return True

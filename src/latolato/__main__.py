@@ -1,0 +1,8 @@
+"""``python -m latolato`` is the command ``latolato``."""
+
+import sys
+
+from latolato.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

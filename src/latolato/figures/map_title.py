@@ -1,0 +1,81 @@
+"""What the line above a picture of a sweep tells: its system and what does not vary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from latolato.figures import overlays as marks
+from latolato.figures import style
+from latolato.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Parameters that the line above the picture tells.
+_TOLD = (
+    *("length", "mass", "radius", "restitution", "damping", "quadratic_damping"),
+    *("coulomb_damping", "initial_angle", "initial_offset", "drive_amplitude", "frequency_ratio"),
+    *("drive_frequency", "duration", "transient"),
+)
+# Parameters of observables, which the line tells with these only.
+_OF_VARIABLE = {
+    "crossings": ("crossing_angle",),
+    "motion_class": ("strong_angle", "weak_angle"),
+    "self_start": ("least_motion",),
+}
+
+
+def title_of(grid: xr.Dataset, told: Mapping[str, str], variable: str) -> list[str]:
+    """Return what the picture of a variable is of, in lines; `told` is what was selected."""
+    attributes = grid.attrs
+    varied = {str(name) for name, c in grid.coords.items() if c.dims}
+    words = [f"{attributes.get('system', 'sweep')}"]
+    targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
+    named = []
+    for name in (*_TOLD, *_OF_VARIABLE.get(variable, ())):
+        value = attributes.get(name)
+        if not isinstance(value, (int, float)) or name in told or name in varied:
+            continue
+        if varied & set(targets.get(name, ())) or set(told) & set(targets.get(name, ())):
+            continue
+        if value == 0.0 and name not in ("damping", "initial_offset"):
+            continue
+        named.append(in_words(grid, name, float(value)))
+    if attributes.get("contact") == "clamp":
+        words.append("a fixed-step artefact")
+    if attributes.get("continuation"):
+        words.append(f"following {attributes['continuation']}")
+    first = ", ".join([*words, *told.values()])
+    lines, line = [], first
+    for word in named:
+        if len(plain_text(line)) + len(plain_text(word)) > 84:
+            lines.append(line)
+            line = word
+        else:
+            line = f"{line}, {word}"
+    return [*lines, line]
+
+
+def plain_text(text: str) -> str:
+    """Return roughly what mathematics looks like, to measure its length."""
+    return text.replace("$", "").replace("\\", "").replace("{", "").replace("}", "")
+
+
+def in_words(grid: xr.Dataset, name: str, value: float) -> str:
+    """Return a parameter and its value as ``$e$ = 0.9``."""
+    quantity = QUANTITIES.get(name)
+    about = grid[name].attrs if name in grid.coords else {}
+    symbol = about.get("symbol") or (quantity.symbol if quantity else "")
+    unit = about.get("units") or (quantity.unit if quantity else "1")
+    if name in {"strong_angle", "weak_angle", "least_motion"}:
+        name, unit, value = name.replace("_", " "), "deg", math.degrees(value)
+    if name == "transient":
+        unit = "s"
+    shown = f"{value:.4g}"
+    if "e" in shown:
+        digits, _, power = shown.partition("e")
+        shown = rf"${digits}\times10^{{{int(power)}}}$"
+    tail = "" if unit == "1" else "°" if unit == "deg" else f" {style.pretty_unit(unit)}"
+    return f"{f'${symbol}$' if symbol else name} = {shown}{tail}"

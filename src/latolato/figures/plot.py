@@ -1,0 +1,95 @@
+"""The picture of what was computed: a run whole, or one variable of a sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+def plot(
+    run: xr.Dataset,
+    variable: str | None = None,
+    *,
+    log: bool = False,
+    curves: bool = False,
+    select: Mapping[str, Any] | None = None,
+    overlays: Sequence[str] = (),
+    points: str | Path | None = None,
+) -> Figure:
+    """Return a figure of a run, or of one variable of a sweep over one or two parameters.
+
+    A run shows its angles, its energies, where these came from and went, and the pivot. The further
+    arguments belong to sweeps.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What `latolato.simulate`, `latolato.sweep` or `latolato.load` returned.
+    variable : str, optional
+        What to draw; by default the first.
+    log : bool
+        A logarithmic scale of the values. Zeros get a colour of their own.
+    curves : bool
+        Draw a curve for each value of the shorter of two dimensions, at most 12, not a map.
+    select : mapping, optional
+        Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is taken
+        and told. A dimension without numbers takes its text or its index.
+    overlays : sequence of {"tongue", "lift_off"}
+        Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
+        the sweep's linear damping, and where the pivot's acceleration reaches gravity.
+    points : str or Path, optional
+        A CSV of trials with the columns `drive_amplitude`, `drive_frequency` or
+        `frequency_ratio`, and `class` (none, weak or strong).
+
+    Raises
+    ------
+    TypeError
+        If `run` is no dataset.
+    ValueError
+        If the dataset holds neither a run nor a sweep; for unknown names, too many dimensions left
+        and overlays that the axes cannot carry.
+
+    Notes
+    -----
+    A cell of a map reaches halfway to its neighbours. Points without an answer are grey and
+    counted in the legend, by status; they never look like a value.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> figure = ll.plot(ll.load_scenario("zeno").simulate())
+    >>> len(figure.axes)
+    4
+    """
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset):
+        raise TypeError(
+            f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
+        )
+    if is_map(run):
+        from latolato.figures.map import Drawing
+
+        drawing = Drawing(run, variable, log=log, select=select or {})
+        if len(drawing.sides) == 2 and not curves:
+            return drawing.map(overlays, points)
+        if overlays or points:
+            raise ValueError("overlays and points belong to a map of amplitude and frequency")
+        return drawing.curves()
+    if "angle" not in run or "time" not in run.dims:
+        raise ValueError("plot needs a run: a dataset with angle over time, or a sweep")
+    if variable or log or curves or select or overlays or points:
+        raise ValueError("a run is drawn whole: variable, log and the like belong to sweeps")
+    from latolato.figures.run import draw_run
+
+    return draw_run(run)
+
+
+def is_map(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is that of a sweep."""
+    return "plan" in dataset.attrs and "time" not in dataset.dims

@@ -1,0 +1,84 @@
+"""The axes of pictures of sweeps: what labels a dimension, its cells and its scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+# How closely a spacing must keep its ratio or its difference to count as even.
+_EVEN = 1e-6
+
+
+@dataclass(frozen=True)
+class Side:
+    """One axis of a picture: its dimension, the coordinate that labels it, cells and scale."""
+
+    dim: str
+    values: Floats
+    attributes: Mapping[str, Any]
+    name: str
+    is_log: bool
+
+    @property
+    def label(self) -> str:
+        """The axis label."""
+        import xarray as xr
+
+        return style.label(xr.DataArray(self.values, attrs=dict(self.attributes))) or self.name
+
+    @property
+    def edges(self) -> Floats:
+        """Borders of the cells, midway between values; of amounts, never below zero."""
+        values = np.log(self.values) if self.is_log else self.values
+        if len(values) == 1:
+            half = 0.5 if self.is_log else 0.5 * abs(values[0]) or 0.5
+            found = np.array([values[0] - half, values[0] + half])
+        else:
+            middle = 0.5 * (values[1:] + values[:-1])
+            first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
+            found = np.concatenate([[first], middle, [last]])
+        if self.is_log:
+            return np.asarray(np.exp(found))
+        return np.maximum(found, 0.0) if values[0] >= 0.0 else found
+
+
+def values_along(grid: xr.Dataset, dim: str) -> Floats:
+    """Return the numbers along a dimension: its own, those of its first parameter, or 0, 1, ..."""
+    values: Floats = grid[_label_of(grid, dim)].values
+    return values if values.dtype.kind in "iuf" else np.arange(float(len(values)))
+
+
+def _label_of(grid: xr.Dataset, dim: str) -> str:
+    """Return the coordinate that labels a dimension."""
+    if dim in grid.coords:
+        return dim
+    own = [str(name) for name, c in grid.coords.items() if c.dims == (dim,)]
+    usable = [name for name in own if len(np.unique(grid[name].values)) == grid.sizes[dim]]
+    return usable[0] if usable else dim
+
+
+def side_of(grid: xr.Dataset, dim: str) -> Side:
+    """Return an axis of the picture."""
+    name = _label_of(grid, dim)
+    values = np.sort(np.asarray(values_along(grid, dim), dtype=np.float64))
+    is_log = False
+    if len(values) > 2 and values[0] > 0.0:
+        steps, ratios = np.diff(values), values[1:] / values[:-1]
+        is_log = bool(np.ptp(ratios) < _EVEN * ratios[0] and np.ptp(steps) > _EVEN * steps[0])
+    about = grid[name].attrs if name in grid.coords else {}
+    others = [str(n) for n, c in grid.coords.items() if c.dims == (dim,) and n != name]
+    if others:
+        long_name = f"{about.get('long_name', name)} (and {', '.join(others)})"
+        about = {**about, "long_name": long_name}
+    return Side(dim, values, about, name, is_log)

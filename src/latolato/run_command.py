@@ -1,0 +1,122 @@
+"""What `latolato simulate` does once its options are read, and `latolato plot` with a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.options import changes
+from latolato.physics.pendulum import systems
+from latolato.progress import bar
+from latolato.scenario import Scenario, find, overridden, read_tables
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+    """Return the scenario named by the command line with the options put in."""
+    if source is not None and rerun is not None:
+        raise ValueError("give either a scenario or --from, not both")
+    changed = changes(given)
+    path = rerun or (find(source) if source is not None else None)
+    tables, folder = changed_tables(path, changed)
+    return Scenario.from_dict(tables, folder=folder)
+
+
+def changed_tables(
+    path: Path | None, changed: dict[str, dict[str, Any]], tables: Mapping[str, Any] | None = None
+) -> tuple[dict[str, Any], Path | None]:
+    """Return the tables of a scenario with the options put in, and where its files begin."""
+    if path is None and tables is None and "kind" not in changed.get("system", {}):
+        raise ValueError(
+            "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
+            f"--from FILE or --system with one of {', '.join(systems)}"
+        )
+    if tables is None:
+        tables = read_tables(path) if path else {}
+    if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
+        changed["drive"].setdefault("kind", "harmonic")
+    return overridden(dict(tables), changed), path.parent if path else None
+
+
+def check_targets(
+    output: Path | None, plot: Path | None, animate: Path | None, speed: float, fps: float
+) -> None:
+    """Raise before any work if a file that is asked for cannot be written."""
+    from latolato import files
+
+    for path in (output, plot, animate):
+        if path is not None:
+            files.check_folder(path)
+    if output is not None:
+        files.check_target(output)
+    if plot is not None:
+        files.check_suffix(plot, PICTURES, "the name of a picture")
+    if animate is not None:
+        from latolato.figures.animate import check_target
+
+        check_target(animate, speed, fps)
+
+
+def write(
+    run: xr.Dataset,
+    output: Path | None,
+    plot: Path | None,
+    animate: Path | None,
+    speed: float,
+    fps: float,
+) -> list[Path]:
+    """Write the files that are asked for and return their names."""
+    written = []
+    if output is not None:
+        from latolato.files import save
+
+        written.append(save(run, output))
+    if plot is not None:
+        from latolato.figures.plot import plot as draw
+        from latolato.figures.style import save_figure
+
+        written.append(save_figure(draw(run), plot))
+    if animate is not None:
+        from latolato.figures import animate as movie
+
+        with bar("animating") as progress:
+            written.append(movie.animate(run, animate, speed=speed, fps=fps, progress=progress))
+    return written
+
+
+def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the values of dimensions that options name, in SI units."""
+    from latolato.units import to_si
+
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        name = name.replace("-", "_")
+        if not equals or not value:
+            raise ValueError(f"--select must be NAME=VALUE, such as restitution=0.9, got {text!r}")
+        is_text = name not in dataset.coords or dataset[name].dtype.kind not in "iuf"
+        unit = "1" if is_text else str(dataset[name].attrs.get("units", "1"))
+        found[name] = value if is_text and not value.isdigit() else to_si(name, value, unit)
+    return found
+
+
+def as_text(found: Mapping[str, Any]) -> str:
+    """Return a summary as lines for reading."""
+    contacts = ", ".join(f"{count} {kind}" for kind, count in found["contacts"].items())
+    energy = found["largest_energy"]  # None beyond all floats
+    largest = f"{energy:.3g} J" if energy is not None else "more than floats hold"
+    lines = {
+        "run": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
+        "status": found["status"],
+        "largest angle": f"{found['largest_angle']:.6g} rad",
+        "contacts": contacts or "none",
+        "energy residual": f"{found['energy_residual']:.2g} J of {largest}",
+        "wall time": f"{found['wall_time']:.2f} s",
+        "written": ", ".join(found["files"]) or "nothing; name a file with --output",
+    }
+    return "\n".join(f"{name:16} {text}" for name, text in lines.items())

@@ -1,0 +1,44 @@
+"""Where the description of one plan differs from another's, in words."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+
+def differences(there: Any, here: Any, name: str = "") -> list[str]:
+    """Return where two descriptions of plans differ, such as ``duration is 60.0, not 30.0``."""
+    if isinstance(there, list) and isinstance(here, list):
+        named, asked = _by_name(there), _by_name(here)
+        if named and asked:
+            if list(named) == list(asked):
+                return differences(named, asked, name)
+            there, here = list(named), list(asked)
+    if isinstance(there, dict) and isinstance(here, dict):
+        found = []
+        for key in [*there, *(k for k in here if k not in there)]:
+            below = f"{name}.{key}" if name else str(key)
+            found += differences(there.get(key), here.get(key), below)
+        return found
+    return [] if there == here else [f"{name} is {_shown(there, here)}, not {_shown(here, there)}"]
+
+
+def _by_name(entries: list[Any]) -> dict[str, Any]:
+    """Return axes or observables by their name, or nothing if they have none."""
+    if not all(isinstance(entry, dict) for entry in entries):
+        return {}
+    return {str(entry.get("name") or entry.get("kind")): entry for entry in entries}
+
+
+def _shown(value: Any, other: Any) -> str:
+    """Return a value in brief, as far as it tells it from another one."""
+    text = json.dumps(value)
+    if len(text) <= 40:
+        return text
+    both = [np.ravel(np.array(v, dtype=object)) for v in (value, other)]
+    if len(both[0]) == len(both[1]):
+        at = next((i for i, (a, b) in enumerate(zip(*both, strict=True)) if a != b), 0)
+        return f"[... {json.dumps(both[0][at])} ...]" if len(both[0]) > 1 else f"{text[:37]}..."
+    return f"[{len(both[0])} values]"

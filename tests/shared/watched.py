@@ -1,0 +1,24 @@
+"""Observables that tests of sweeps gather together, so that their kernels are compiled once."""
+
+from latolato.observables import Stroboscope
+
+# Without a drive there are no periods to sample.
+WITHOUT_PERIODS = (
+    "mean_energy",
+    "crossings",
+    "rotations",
+    "largest_angle",
+    "largest_angle_after_transient",
+    "motion_class",
+    "self_start",
+    "bottom_contacts",
+    "top_contacts",
+    "impact_speed",
+    "rest_fraction",
+    "works",
+    "final_angle",
+    "final_angular_velocity",
+)
+IN_LANES = (*WITHOUT_PERIODS, Stroboscope(periods=4))
+# Slack is followed by single trajectories only: it keeps the others out of the lanes.
+ALL = (*IN_LANES, "slack_fraction")
