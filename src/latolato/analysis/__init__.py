@@ -18,21 +18,31 @@ from latolato.analysis.closed_forms import (
     undriven_period,
     zeno_time,
 )
+from latolato.analysis.continuation import continue_orbit
+from latolato.analysis.floquet import floquet
+from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.registry import analyses
+from latolato.analysis.symmetry import pair_symmetry
 
 __all__ = [
     "MathieuParameters",
+    "analyses",
     "collision_times",
+    "continue_orbit",
     "damped_small_angle",
     "damping_from_decay_rate",
     "decay_rate",
     "elastic_bounces",
     "fall_time",
+    "floquet",
     "fold_angle",
     "impact_angular_velocity",
+    "lyapunov_spectrum",
     "mathieu_growth_rate",
     "mathieu_parameters",
     "mathieu_threshold_amplitude",
     "mathieu_tongue_edges",
+    "pair_symmetry",
     "undriven_motion",
     "undriven_period",
     "zeno_time",

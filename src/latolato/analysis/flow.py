@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 
 from latolato.numerics import records
 from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
-from latolato.observables import Observable
+from latolato.observables import LargestAngle, Observable
 from latolato.observables.deviations import STATE, Deviations
 from latolato.physics.contacts import REST, Clamp
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System
+from latolato.registry import checked_number, suggest
 from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
+from latolato.sweep.axes import DERIVED, Parameter, parameters_of
 
 Floats = NDArray[np.float64]
+
+# One list for all analyses, so that a kernel is compiled once.
+_WATCHED: tuple[Observable, ...] = (Deviations(), LargestAngle())
 
 
 @dataclass(frozen=True)
@@ -29,8 +34,12 @@ class Passage:
     ----------
     end : ndarray, shape (state,)
         Angle and angular velocity of the right, then of the left ball.
-    slots : ndarray, shape (slot,)
-        What the observables gathered.
+    matrix : ndarray, shape (state, state)
+        By what small deviations of the start are multiplied.
+    spread : float
+        Logarithm of the determinant that the laws of motion give the matrix.
+    largest_angle : float
+        Largest |angle| of the right ball [rad].
     contact_times, contact_kinds, contact_values
         The contact table as in `latolato.numerics.integrate.Trajectory`.
     grazes : int
@@ -40,18 +49,14 @@ class Passage:
     """
 
     end: Floats
-    slots: Floats
+    matrix: Floats
+    spread: float
+    largest_angle: float
     contact_times: Floats
     contact_kinds: NDArray[np.int64]
     contact_values: Floats
     grazes: int
     is_complete: bool
-
-    @property
-    def matrix(self) -> Floats:
-        """The matrix of small deviations, shape (state, state), from `Deviations`."""
-        size = len(self.end)
-        return self.slots[: STATE * STATE].reshape(STATE, STATE)[:size, :size]
 
     @property
     def impacts(self) -> int:
@@ -71,8 +76,6 @@ class Flow:
         As of `latolato.simulate`; without clamped contact.
     speed : float
         The largest angular velocity expected at a start [rad/s]; sets the step.
-    observable : Observable
-        What is gathered; by default the matrix of small deviations.
     compiled : bool
         Whether kernels are compiled or run as plain Python.
     """
@@ -83,7 +86,6 @@ class Flow:
     tolerance: float = 1e-12
     rest_speed: float = DEFAULT_REST_SPEED
     speed: float = 0.0
-    observable: Observable = field(default_factory=Deviations)
     compiled: bool = True
 
     def __post_init__(self) -> None:
@@ -137,11 +139,13 @@ class Flow:
             rest_speed=self.rest_speed,
             contact_limit=limit,
             compiled=self.compiled,
-            watched=(self.observable,),
+            watched=_WATCHED,
         )
         return Passage(
             found.state[records.ANGLE_1 : records.ANGLE_1 + self.size].copy(),
-            found.slots[:, 0],
+            found.slots[: STATE * STATE, 0].reshape(STATE, STATE)[: self.size, : self.size],
+            float(found.slots[STATE * STATE, 0]),
+            float(found.slots[-1, 0]),
             found.contact_times,
             found.contact_kinds,
             found.contact_values,
@@ -168,3 +172,48 @@ def periodic_drive(drive: Any) -> Drive:
     found = checked_drive(drive)
     drive_period(found)
     return found
+
+
+def varied(system: System, drive: Drive, name: str, value: float) -> tuple[System, Drive]:
+    """Return system and drive with one parameter changed, derived ones included.
+
+    Raises
+    ------
+    ValueError
+        For an unknown parameter, with the closest known one, and a value out of range.
+    """
+    parameter = _parameter(system, drive, name)
+    checked_number(name, value, parameter.allowed, parameter.quantity.unit)
+    target = value * (_unit_of(system, drive, name) if name in DERIVED else 1.0)
+    if parameter.owner == "drive":
+        return system, replace(drive, **{parameter.path[0]: target})
+    if len(parameter.path) == 2:
+        part, inner = parameter.path
+        return replace(system, **{part: replace(getattr(system, part), **{inner: target})}), drive
+    return replace(system, **{parameter.path[0]: target}), drive
+
+
+def value_of(system: System, drive: Drive, name: str) -> float:
+    """Return the value of a parameter, derived ones included."""
+    parameter = _parameter(system, drive, name)
+    owner: Any = system if parameter.owner == "system" else drive
+    for part in parameter.path:
+        owner = getattr(owner, part)
+    return float(owner) / (_unit_of(system, drive, name) if name in DERIVED else 1.0)
+
+
+def _parameter(system: System, drive: Drive, name: str) -> Parameter:
+    """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
+    known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
+    if name not in known:
+        raise ValueError(f"unknown parameter '{name}': {suggest(name, list(known))}")
+    return known[name]
+
+
+def _unit_of(system: System, drive: Any, name: str) -> float:
+    """Return what a derived parameter is multiplied by to give the one that it stands for."""
+    if name == "frequency_ratio":
+        return system.natural_frequency
+    if name == "amplitude_ratio":
+        return system.balls[0].length
+    return float(system.gravity / drive.drive_frequency**2)

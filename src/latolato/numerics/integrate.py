@@ -275,9 +275,9 @@ def integrate(
     kick_sizes = np.empty((angles, 0)) if kick_sizes is None else kick_sizes
     tables = np.zeros((6 if angles == 2 else 2, 3, len(stepper.kicks)))
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
-    first = np.array([value for o in watched for value in o.initial(np.zeros(1))])
-    # One column for each ball.
-    acc, space = np.repeat(first, angles) if watched else np.zeros(1), np.zeros(SPACE)
+    space = np.zeros(SPACE)
+    columns = [[v for o in watched for v in o.initial(np.array(x))] for x in start.angles]
+    acc = np.array(columns, dtype=np.float64).T.ravel() if watched else np.zeros(1)
     room = 256
     kinds, times, values = [], [], []
     count = 0

@@ -187,3 +187,51 @@ class SumRuleResidual(_Exponents):
     def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
         """Return the residual."""
         return {"sum_rule_residual": self.residual(slots)}
+
+
+@formula
+def _cross(acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any) -> None:
+    """Stretch the departure from mirror symmetry, in which both balls deviate alike."""
+    angle, velocity = acc[i], acc[i + n]
+    x = (jacobian[0, 0] + jacobian[0, 2]) * angle + (jacobian[0, 1] + jacobian[0, 3]) * velocity
+    v = (jacobian[1, 0] + jacobian[1, 2]) * angle + (jacobian[1, 1] + jacobian[1, 3]) * velocity
+    length = math.sqrt(x * x + v * v)
+    acc[i + 2 * n] += math.log(length) if length > 0.0 else -math.inf
+    acc[i], acc[i + n] = (x / length, v / length) if length > 0.0 else (0.0, 0.0)
+    acc[i + 3 * n] += time
+
+
+@formula
+def _cross_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
+    """Forget the growth."""
+    acc[i + 2 * n] = 0.0
+    acc[i + 3 * n] = 0.0
+
+
+@observables.register("transverse_exponent")
+@dataclass(frozen=True, kw_only=True)
+class TransverseExponent(Observable):
+    """Growth rate of small departures from mirror symmetry, for two equal balls started mirrored.
+
+    The mean angle S of both obeys ``S'' + gamma S' + (g + y0'')/l cos(angle) S = 0`` along the
+    mirrored motion (linear drag); impacts leave it alone. Where the rate is negative the one-ball
+    model describes the pair.
+    """
+
+    variables: ClassVar[Any] = {
+        "transverse_exponent": Quantity(
+            "1/s", r"\lambda_\perp", "growth rate of the departure from mirror symmetry"
+        )
+    }
+    tangent: ClassVar[Any] = staticmethod(_cross)
+    restart: ClassVar[Any] = staticmethod(_cross_again)
+    is_joint: ClassVar[bool] = True
+    angles: ClassVar[int] = 2
+
+    def initial(self, angle: Any) -> list[Any]:
+        """Return a unit vector and empty sums."""
+        return [1.0, 0.0, 0.0, 0.0]
+
+    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
+        """Return the rate."""
+        return {"transverse_exponent": slots[2] / slots[3]}

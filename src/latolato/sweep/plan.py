@@ -254,6 +254,12 @@ def make_plan(
     law = checked_contact(contact, system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+    for observable in watched:
+        if observable.angles not in (0, system.angles):
+            raise ValueError(
+                f"{next(iter(observable.variables))} belongs to systems of {observable.angles} "
+                f"angles, got a system of {system.angles}"
+            )
     blind = [name for o in watched if o.tangent is not None for name in o.variables]
     if blind and isinstance(law, Clamp):
         raise ValueError(

@@ -1,0 +1,295 @@
+"""Floquet multipliers of periodic motions, through impacts."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis.flow import Floats, Flow, drive_period, periodic_drive
+from latolato.analysis.orbits import (
+    CLOSED,
+    GRAZING_SPEED,
+    LONGEST,
+    Orbit,
+    checked_guess,
+    find_orbit,
+    multipliers_of,
+)
+from latolato.analysis.registry import analyses, labelled
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.quantities import NON_NEGATIVE, Quantity, Range
+from latolato.registry import checked_number
+from latolato.start import DEFAULT_REST_SPEED
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTITIES = {
+    "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
+    "monodromy": Quantity("1", "M", "monodromy matrix, SI units"),
+    "determinant": Quantity("1", r"\det M", "determinant of the monodromy matrix"),
+    "expected_determinant": Quantity("1", r"\det M", "determinant from the laws of motion"),
+    "difference_residual": Quantity(
+        "1", r"\Delta M", "largest relative difference from finite differences"
+    ),
+    "multiplier_error": Quantity("1", r"\Delta\mu", "change of the multipliers at half the step"),
+    "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
+    "turns": Quantity("1", "", "whole turns in one period of the orbit"),
+    "slowest_impact": Quantity("rad/s", r"\dot\theta_{min}", "smallest closing speed of an impact"),
+    "defect": Quantity("1", "", "what the orbit misses to be closed"),
+    "response_period": Quantity("1", "p", "period of the orbit in drive periods"),
+    "status": Quantity("1", "", "status"),
+    "ball": Quantity("1", "", "ball"),
+}
+# A modulus this close to one is neither stable nor unstable.
+_NEUTRAL = 1e-8
+# Beyond this the determinant or the differences contradict the matrix.
+_DETERMINANT_LIMIT, _DIFFERENCE_LIMIT = 1e-8, 1e-4
+_NUDGE = 1e-6
+
+
+@analyses.register("floquet")
+def floquet(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    period: int = 1,
+    contact: str | None = "exact",
+    tolerance: float = 1e-12,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return the Floquet multipliers [1] of the periodic motion near a guess.
+
+    Floquet (1883); through impacts with the saltation matrices of Aizerman & Gantmacher (1958).
+
+    Parameters
+    ----------
+    system : System
+        Any system.
+    drive : Harmonic or CrankSlider
+        A drive that repeats itself.
+    initial_angle, initial_angular_velocity : float or pair of float
+        Guess of the state at time zero [rad], [rad/s], (right, left) for a `BallPair`; refined by
+        Newton's method on the map over the orbit's period. Without walls hanging at rest by
+        default.
+    initial_offset : float, optional
+        Instead of the angle: above the low contact angle of a `LatoLato` [rad].
+    period : int
+        Drive periods after which the motion repeats itself, 1 to 16.
+    contact : str, optional
+        ``exact`` or ``none``.
+    tolerance : float
+        Error [rad] that sets the step.
+    rest_speed : float
+        Capture speed of resting contact [rad/s].
+
+    Returns
+    -------
+    xarray.Dataset
+        ``multipliers`` over ``multiplier`` (complex, largest modulus first, 2 or 4) and
+        ``monodromy`` over ``row`` and ``column`` for the state (angle, angular velocity) of the
+        right, then of the left ball; the orbit's ``initial_angle`` and
+        ``initial_angular_velocity``; ``growth_rate``, the logarithm of the largest modulus over
+        time [1/s], minus infinity if it is zero; ``determinant`` beside
+        ``expected_determinant`` exp(-gamma T) e^(2n), ``difference_residual`` and
+        ``multiplier_error``; ``impacts``, ``turns``, ``slowest_impact``, ``response_period`` (the
+        smallest number of drive periods), ``defect`` and ``status``: ``stable``, ``unstable``,
+        ``neutral``, ``rest`` (balls rest on each other: a multiplier is exactly zero),
+        ``grazing`` (an impact without speed: the matrix has no limit), ``contradicted`` (a check
+        failed) or ``not found`` (everything else is NaN then).
+
+    Raises
+    ------
+    ValueError
+        For a drive that does not repeat itself, a start inside a wall, no start where there are
+        walls, clamped contact.
+
+    Notes
+    -----
+    The matrix is the exact derivative of the integrator's own steps. If Newton's method fails, the
+    guess is followed for 40 and 400 periods first, which leads to attractors. Error of the
+    multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
+    found, not always the nearest.
+
+    Examples
+    --------
+    Hanging still in the first tongue is unstable, with a multiplier below -1:
+
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> found = floquet(system, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26))
+    >>> print(f"{found.multipliers.values[0].real:.5f} {found.growth_rate.item():.5f}")
+    -1.13373 0.12505
+    """
+    driven = periodic_drive(drive)
+    count = int(checked_number("period", period, Range(1, LONGEST), "1"))
+    if count != period:
+        raise ValueError(f"period must be a whole number of drive periods, got {period}")
+    flow = Flow(
+        system,
+        driven,
+        contact=contact,
+        tolerance=checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad"),
+        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        speed=2.0 * system.natural_frequency,
+    )
+    guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
+    orbit = find_orbit(flow, guess, count)
+    found = describe_orbit(orbit)
+    if found["status"] == "not found":
+        warnings.warn(
+            f"no motion of period {count} was found from this start (defect "
+            f"{orbit.defect:.2g}); try a start on the attractor, or another period",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    elif found["status"] in ("grazing", "contradicted"):
+        warnings.warn(
+            f"the multipliers are doubtful ({found['status']}): an impact is nearly missed, or the "
+            "determinant or finite differences disagree",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return labelled(
+        "floquet",
+        dimensioned(found, system),
+        coordinates={"ball": ("ball", ["right", "left"])} if system.angles == 2 else None,
+        quantities=QUANTITIES,
+        system=system,
+        drive=driven,
+        settings={
+            "period": count, "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
+            "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
+        },
+    )  # fmt: skip
+
+
+def describe_orbit(orbit: Orbit) -> dict[str, object]:
+    """Return everything that `floquet` says of an orbit, checks included."""
+    size = orbit.flow.size
+    found: dict[str, object] = {
+        "multipliers": np.full(size, complex(math.nan, math.nan)),
+        "monodromy": np.full((size, size), math.nan),
+        "initial_angle": np.full(size // 2, math.nan),
+        "initial_angular_velocity": np.full(size // 2, math.nan),
+        "growth_rate": math.nan,
+        "determinant": math.nan,
+        "expected_determinant": math.nan,
+        "difference_residual": math.nan,
+        "multiplier_error": math.nan,
+        "impacts": math.nan,
+        "turns": math.nan,
+        "slowest_impact": math.nan,
+        "response_period": math.nan,
+        "defect": orbit.defect,
+        "status": "not found",
+    }
+    if not orbit.defect <= CLOSED:
+        return found
+    matrix, multipliers = orbit.passage.matrix, orbit.multipliers
+    largest = abs(multipliers[0])
+    expected = math.exp(orbit.passage.spread)
+    determinant = float(np.linalg.det(matrix))
+    difference = difference_residual(orbit)
+    status = "neutral"
+    if abs(largest - 1.0) > _NEUTRAL:
+        status = "stable" if largest < 1.0 else "unstable"
+    scale = max(float(np.max(np.abs(matrix))) ** 2, expected)
+    if orbit.rests:
+        status = "rest"
+    elif orbit.passage.grazes or orbit.slowest_impact < GRAZING_SPEED * natural(orbit):
+        status = "grazing"
+    elif abs(determinant - expected) > _DETERMINANT_LIMIT * scale or (
+        difference > _DIFFERENCE_LIMIT
+    ):
+        status = "contradicted"
+    finer = replace(orbit.flow, tolerance=max(orbit.flow.tolerance / 64.0, 1e-15))
+    refined = multipliers_of(finer.follow(orbit.start, orbit.duration).matrix)
+    with np.errstate(divide="ignore"):
+        rate = float(np.log(largest)) / orbit.duration
+    return found | {
+        "multipliers": multipliers,
+        "monodromy": matrix,
+        "initial_angle": orbit.start[0::2],
+        "initial_angular_velocity": orbit.start[1::2],
+        "growth_rate": rate,
+        "determinant": determinant,
+        "expected_determinant": expected,
+        "difference_residual": difference,
+        "multiplier_error": float(np.max(np.abs(refined - multipliers))),
+        "impacts": float(orbit.passage.impacts),
+        "turns": float(orbit.turns),
+        "slowest_impact": orbit.slowest_impact,
+        "response_period": float(smallest_period(orbit)),
+        "status": status,
+    }
+
+
+def dimensioned(found: dict[str, object], system: System) -> dict[str, object]:
+    """Return the entries with their dimensions, a single ball's without one."""
+    dims: dict[str, tuple[str, ...]] = {
+        "multipliers": ("multiplier",),
+        "monodromy": ("row", "column"),
+    }
+    variables: dict[str, object] = {}
+    for name, value in found.items():
+        if name in ("initial_angle", "initial_angular_velocity"):
+            values: Floats = np.asarray(value)
+            variables[name] = (("ball",), values) if system.angles == 2 else float(values[0])
+        else:
+            variables[name] = (dims[name], value) if name in dims else value
+    return variables
+
+
+def natural(orbit: Orbit) -> float:
+    """Return the natural frequency of the orbit's system [rad/s]."""
+    return orbit.flow.system.natural_frequency
+
+
+def difference_residual(orbit: Orbit) -> float:
+    """Return how much the matrix differs from central differences, relative to its largest entry.
+
+    Measured in radians and natural frequencies. NaN where a start on a wall cannot be moved.
+    """
+    flow, size = orbit.flow, orbit.flow.size
+    unit = np.array([1.0, natural(orbit)] * (size // 2))
+    low, high = flow.walls
+    place = orbit.start[0] if size == 2 else orbit.start[0] - orbit.start[2]
+    if place - low < 2.0 * _NUDGE or high - place < 2.0 * _NUDGE:
+        return math.nan
+    # The larger the matrix, the smaller the nudge within which the motion is linear.
+    matrix = orbit.passage.matrix * unit / unit[:, None]
+    largest = float(np.max(np.abs(matrix)))
+    nudge = _NUDGE / max(1.0, largest) ** 0.5
+    columns = []
+    for column in np.diag(unit * nudge):
+        ahead, behind = (
+            flow.follow(orbit.start + s * column, orbit.duration).end for s in (1.0, -1.0)
+        )
+        columns.append((ahead - behind) / (2.0 * nudge) / unit)
+    return float(np.max(np.abs(np.array(columns).T - matrix))) / max(largest, 1.0)
+
+
+def smallest_period(orbit: Orbit) -> int:
+    """Return the smallest number of drive periods after which an orbit repeats itself."""
+    period = drive_period(orbit.flow.drive)
+    count = round(orbit.duration / period)
+    unit = np.array([1.0, natural(orbit)] * (orbit.flow.size // 2))
+    for divisor in range(1, count):
+        if count % divisor:
+            continue
+        end = orbit.flow.follow(orbit.start, divisor * period).end
+        gap = (end - orbit.start) / unit
+        gap[0::2] -= math.tau * np.round(gap[0::2] / math.tau)
+        if np.linalg.norm(gap) < 1e-7:
+            return divisor
+    return count

@@ -1,0 +1,155 @@
+"""Lyapunov exponents of one motion, through impacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.numerics.records import STATUS_NAMES
+from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.quantities import Quantity
+from latolato.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_start,
+    walls_of,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTITIES = {
+    **LyapunovSpectrum.variables,
+    **SumRuleResidual.variables,
+    "divergence": Quantity("1/s", r"\langle\nabla f\rangle", "mean divergence of flow and impacts"),
+    "status": Quantity("1", "", "status"),
+    "exponent": Quantity("1", "", "number of the exponent"),
+}
+
+
+@analyses.register("lyapunov_spectrum")
+def lyapunov_spectrum(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    duration: float = 1000.0,
+    transient: float = 100.0,
+    contact: str | None = "exact",
+    tolerance: float = 1e-9,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return all Lyapunov exponents [1/s] of the motion that a start leads to.
+
+    Benettin, Galgani, Giorgilli & Strelcyn, Meccanica 15 (1980) 9; named ``lyapunovspectrum`` in
+    DynamicalSystems.jl.
+
+    Parameters
+    ----------
+    system, drive
+        Any system and drive.
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as of `latolato.simulate`.
+    duration, transient : float
+        Time that is followed, and how much of it is left out at the beginning [s].
+    contact : str, optional
+        ``exact`` or ``none``.
+    tolerance : float
+        Error [rad] that sets the step.
+    rest_speed : float
+        Capture speed of resting contact [rad/s].
+
+    Returns
+    -------
+    xarray.Dataset
+        ``lyapunov_exponents`` over ``exponent``, largest first, 2 or 4; ``sum_rule_residual``,
+        their sum minus ``divergence``, the mean divergence of the flow (-gamma for linear drag)
+        plus ``2 f ln e`` at f impacts per second; ``status``: ``regular`` (the largest is below
+        zero), ``chaotic`` (above zero by more than (5 + ln(w0 t))/t), ``marginal``, ``rest``
+        (exponents of minus infinity: the motion rests, or meets a wall without rebound, and
+        forgets its past) or why there is no answer.
+
+    Raises
+    ------
+    ValueError
+        For a start inside a wall, clamped contact, a transient not below the duration.
+
+    Notes
+    -----
+    The vectors are stretched by the exact derivative of the integrator's steps and made
+    orthonormal after each. Convergence is as 1/time for regular and 1/sqrt(time) for chaotic
+    motion: compare two durations. The same numbers as a map: ``latolato.sweep(...,
+    observables=["lyapunov_exponent"])``.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    >>> shake = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
+    >>> found = lyapunov_spectrum(toy, shake, initial_angle=0.6, duration=300.0)
+    >>> found.status.item(), abs(found.sum_rule_residual.item()) < 1e-12
+    ('chaotic', True)
+    """
+    from latolato.sweep import sweep
+
+    law = checked_contact(contact, system)
+    driven = checked_drive(drive)
+    start = checked_start(
+        system, walls_of(system, law), initial_angle, initial_angular_velocity, initial_offset
+    )
+    single = system.angles == 1
+    side = "" if single else "_right"
+    grid = sweep(
+        system,
+        driven,
+        axes={f"initial_angular_velocity{side}": [start.velocities[0]]},
+        initial_angle=start.angles[0] if single else start.angles,
+        initial_angular_velocity=0.0 if single else start.velocities,
+        duration=duration,
+        transient=transient,
+        contact=law,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+        observables=["lyapunov_spectrum", "sum_rule_residual"],
+    ).isel({f"initial_angular_velocity{side}": 0})
+    exponents = grid.lyapunov_exponents.values
+    residual = float(grid.sum_rule_residual)
+    status = STATUS_NAMES[int(grid.status)]
+    total = float(np.sum(exponents))
+    if np.all(np.isfinite(exponents)):
+        # Neighbours on tori part linearly in time, and the vectors turn: ln(t)/t and 1/t.
+        observed = duration - transient
+        margin = (5.0 + math.log(max(observed * system.natural_frequency, 1.0))) / observed
+        status = "marginal"
+        if abs(exponents[0]) > margin:
+            status = "regular" if exponents[0] < 0.0 else "chaotic"
+    elif not np.any(np.isnan(exponents)):
+        status = "rest"
+    return labelled(
+        "lyapunov_spectrum",
+        {
+            "lyapunov_exponents": ("exponent", exponents),
+            "divergence": total - residual if math.isfinite(total) else total,
+            "sum_rule_residual": residual,
+            "status": status,
+        },
+        coordinates={"exponent": ("exponent", np.arange(1, len(exponents) + 1))},
+        quantities=QUANTITIES,
+        system=system,
+        drive=driven,
+        settings={
+            "duration": duration,
+            "transient": transient,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )

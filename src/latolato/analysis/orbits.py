@@ -1,0 +1,182 @@
+"""Finds periodic motions by shooting: Newton's method on the map over whole drive periods."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from latolato.analysis.flow import Floats, Flow, Passage, drive_period
+from latolato.physics.contacts import REST
+from latolato.physics.pendulum import System
+from latolato.start import checked_start
+
+LONGEST = 16  # drive periods of an orbit
+# An orbit closes to this [rad, and angular velocity over the natural frequency].
+CLOSED = 2e-11
+_MOST_TRIALS = 40
+_HALVINGS = 8
+# The largest change of one iteration, in the same measure.
+_LARGEST_MOVE = 0.2
+# A guess that leads nowhere is followed for so many periods, and tried again.
+_SETTLING = (40, 400)
+# An impact this slow, over the natural frequency, is grazing: its matrix is unlimited.
+GRAZING_SPEED = 1e-5
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A periodic motion.
+
+    Attributes
+    ----------
+    start : ndarray, shape (state,)
+        Angle and angular velocity of the right, then of the left ball, at time zero.
+    passage : Passage
+        The way back to the start, with the matrix of small deviations.
+    duration : float
+        Its time [s].
+    turns : int
+        Whole turns in that time; all balls turn alike.
+    defect : float
+        By how much it misses the start [1].
+    """
+
+    flow: Flow
+    start: Floats
+    passage: Passage
+    duration: float
+    turns: int
+    defect: float
+
+    @property
+    def rests(self) -> bool:
+        """Whether balls rest on each other at some time, so that the past is forgotten."""
+        return REST in self.passage.contact_kinds or not self.passage.matrix.any()
+
+    @property
+    def slowest_impact(self) -> float:
+        """Smallest closing speed of an impact [rad/s], infinite if there is none."""
+        values = self.passage.contact_values[:, self.passage.contact_kinds < REST]
+        closing = values[0] - values[1] if self.flow.size == 4 else values[0]
+        return float(np.min(np.abs(closing), initial=math.inf))
+
+    @property
+    def multipliers(self) -> Floats:
+        """Floquet multipliers, largest modulus first."""
+        return multipliers_of(self.passage.matrix)
+
+
+def multipliers_of(matrix: Floats) -> Floats:
+    """Return the eigenvalues of a matrix, complex, largest modulus first."""
+    found = np.linalg.eigvals(matrix).astype(complex)
+    # Of two that are equally large, the one with the larger real part, then imaginary part, first.
+    order = np.lexsort((-found.imag, -found.real, -np.round(np.abs(found), 12)))
+    return np.asarray(found[order])
+
+
+def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
+    """Return a start as one array; hanging at rest by default where nothing is in the way."""
+    system = flow.system
+    if angle is None and offset is None:
+        if system.has_contacts and math.isfinite(flow.walls[0]):
+            raise ValueError(
+                "initial_angle is needed [rad]: a motion between walls has no natural first guess "
+                "(a start on the attractor, from a run, will do)"
+            )
+        angle = 0.0 if system.angles == 1 else (0.0, 0.0)
+    begun = checked_start(system, flow.walls, angle, velocity, offset)
+    return np.array([x for pair in zip(begun.angles, begun.velocities, strict=True) for x in pair])
+
+
+def find_orbit(flow: Flow, guess: Floats, period: int, *, settles: bool = True) -> Orbit:
+    """Return the orbit of so many drive periods that is near a guess, or is reached from there.
+
+    The defect tells whether there is one: it is above `CLOSED` where none was found.
+    """
+    duration = period * drive_period(flow.drive)
+    orbit = shoot(flow, guess, duration)
+    if orbit.defect <= CLOSED or not settles:
+        return orbit
+    for count in _SETTLING:
+        settled = flow.follow(guess, count * duration)
+        if not settled.is_complete:
+            break
+        later = shoot(flow, unwound(flow, settled.end), duration)
+        if later.defect <= CLOSED:
+            return later
+    return orbit
+
+
+def shoot(flow: Flow, guess: Floats, duration: float) -> Orbit:
+    """Return the result of Newton's method from a guess, closed or not."""
+    scale = scale_of(flow.system)
+    x = confined(flow, np.asarray(guess, dtype=np.float64))
+    passage = flow.follow(x, duration)
+    turns = turns_of(flow, x, passage.end)
+    gap = gap_of(flow, x, passage.end, turns)
+    for _ in range(_MOST_TRIALS):
+        size = float(np.linalg.norm(gap / scale))
+        if not passage.is_complete or not math.isfinite(size):
+            return Orbit(flow, x, passage, duration, turns, math.inf)
+        if size <= 1e-14:
+            break
+        matrix = passage.matrix - np.eye(flow.size)
+        move = np.linalg.lstsq(matrix * scale / scale[:, None], -gap / scale, rcond=1e-12)[0]
+        length = float(np.linalg.norm(move))
+        move *= min(1.0, _LARGEST_MOVE / length) if length > 0.0 else 1.0
+        for halving in range(_HALVINGS):
+            trial = confined(flow, x + scale * move * 0.5**halving)
+            passed = flow.follow(trial, duration)
+            missed = gap_of(flow, trial, passed.end, turns)
+            smaller = float(np.linalg.norm(missed / scale))
+            if passed.is_complete and smaller < size * (1.0 - 1e-4 * 0.5**halving):
+                x, passage, gap = trial, passed, missed
+                break
+        else:
+            break
+    return Orbit(flow, x, passage, duration, turns, float(np.linalg.norm(gap / scale)))
+
+
+def scale_of(system: System) -> Floats:
+    """Return the units in which angles and angular velocities are alike."""
+    return np.array([1.0, system.natural_frequency] * system.angles)
+
+
+def turns_of(flow: Flow, start: Floats, end: Floats) -> int:
+    """Return how often the balls went round; walls do not let a single one."""
+    if flow.size == 2 and math.isfinite(flow.walls[0]):
+        return 0
+    mean = float(np.mean((end - start)[0::2])) / math.tau
+    return round(mean) if math.isfinite(mean) else 0
+
+
+def gap_of(flow: Flow, start: Floats, end: Floats, turns: int) -> Floats:
+    """Return end minus start, whole turns taken away."""
+    gap = end - start
+    gap[0::2] -= math.tau * turns
+    return np.asarray(gap)
+
+
+def unwound(flow: Flow, state: Floats) -> Floats:
+    """Return a state with the angles moved by whole turns towards zero."""
+    found = np.array(state)
+    if not (flow.size == 2 and math.isfinite(flow.walls[0])):
+        found[0::2] -= math.tau * round(float(np.mean(found[0::2])) / math.tau)
+    return found
+
+
+def confined(flow: Flow, state: Floats) -> Floats:
+    """Return a state moved between the walls."""
+    low, high = flow.walls
+    found = np.array(state)
+    if flow.size == 2:
+        found[0] = min(max(found[0], low), high)
+    else:
+        gap = found[0] - found[2]
+        shift = 0.5 * (min(max(gap, low), high) - gap)
+        found[0] += shift
+        found[2] -= shift
+    return found

@@ -1,0 +1,168 @@
+"""Whether two equal balls stay mirror images: where the one-ball model of the toy is valid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
+from latolato.observables import LargestAngleAfterTransient
+from latolato.observables.deviations import TransverseExponent
+from latolato.physics.contacts import Exact
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import BallPair, LatoLato
+from latolato.quantities import Quantity
+from latolato.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTITIES = {
+    **TransverseExponent.variables,
+    **LargestAngleAfterTransient.variables,
+    "status": Quantity("1", "", "status"),
+}
+# A departure that grows or shrinks by less than this factor in the observed time tells nothing.
+_FACTOR = np.exp(5.0)
+
+
+def as_pair(system: LatoLato) -> BallPair:
+    """Return the two balls that a mirror-symmetric pair stands for."""
+    ball = system.balls[0]
+    return BallPair(right=ball, left=ball, restitution=system.restitution, gravity=system.gravity)
+
+
+@analyses.register("pair_symmetry")
+def pair_symmetry(
+    system: LatoLato,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | None = None,
+    initial_angular_velocity: float = 0.0,
+    initial_offset: float | None = None,
+    drive_amplitude: Sequence[float] | None = None,
+    frequency_ratio: Sequence[float] | None = None,
+    duration: float = 300.0,
+    transient: float = 50.0,
+    tolerance: float = 1e-6,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return the growth rate [1/s] of small departures from the mirror-symmetric motion.
+
+    The mean angle S of two equal balls obeys a Hill equation along the motion that they share,
+    ``S'' + gamma S' + (g + y0'')/l cos(angle) S = 0`` (shared physics of paper eq10 and eq11).
+
+    Parameters
+    ----------
+    system : LatoLato
+        The one-ball model that is questioned; the motion is that of the two balls behind it.
+    drive : Drive, optional
+        Any drive.
+    initial_angle, initial_angular_velocity, initial_offset : float
+        The right ball's start, as of `latolato.simulate`; the left one's is its mirror image.
+    drive_amplitude, frequency_ratio : sequence of float, optional
+        For a validity map: drive amplitudes [m] and frequency ratios [1].
+    duration, transient : float
+        Time that is followed, and how much of it is left out at the beginning [s].
+    tolerance : float
+        Error [rad] that sets the step.
+    rest_speed : float
+        Capture speed of resting contact [rad/s].
+
+    Returns
+    -------
+    xarray.Dataset
+        ``transverse_exponent``, ``largest_angle_after_transient`` and ``status`` over the varied
+        parameters: ``valid`` (departures die out), ``broken`` (they grow: the one-ball model
+        describes a motion that the toy leaves), ``undecided`` (less than a factor e^5 in the
+        observed time) or why there is no answer.
+
+    Raises
+    ------
+    TypeError
+        For another system than a `LatoLato`: only its motion has this symmetry.
+
+    Notes
+    -----
+    Without drag no departure from a regular motion can die out, the rate is at least zero then. It
+    is a rate of *small* departures along one motion; a finite push may lead elsewhere.
+
+    Examples
+    --------
+    Strong shaking makes the balls leave their mirror images:
+
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02)
+    >>> shake = ll.Harmonic(drive_amplitude=0.3, drive_frequency=9.0)
+    >>> found = pair_symmetry(toy, shake, initial_offset=0.2, duration=100.0, transient=20.0)
+    >>> found.status.item()
+    'broken'
+    """
+    from latolato.sweep import sweep
+
+    if not isinstance(system, LatoLato):
+        raise TypeError(
+            f"pair_symmetry questions the one-ball model of a LatoLato, got {system!r}: other "
+            "systems have no mirror-symmetric motion"
+        )
+    driven = checked_drive(drive)
+    start = checked_start(
+        system,
+        walls_of(system, Exact()),
+        initial_angle,
+        initial_angular_velocity,
+        initial_offset,
+    )
+    angle, velocity = start.angles[0], start.velocities[0]
+    axes: dict[str, Any] = {}
+    if drive_amplitude is not None:
+        axes["drive_amplitude"] = drive_amplitude
+    if frequency_ratio is not None:
+        axes["frequency_ratio"] = frequency_ratio
+    varied = list(axes)
+    grid = sweep(
+        as_pair(system),
+        driven if drive is not None or not axes else None,
+        axes=axes or {"initial_angular_velocity_right": [velocity]},
+        initial_angle=(angle, -angle),
+        initial_angular_velocity=(velocity, -velocity),
+        duration=duration,
+        transient=transient,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+        observables=["transverse_exponent", "largest_angle_after_transient"],
+    )
+    if not axes:
+        grid = grid.isel(initial_angular_velocity_right=0)
+    rate = grid.transverse_exponent.values
+    growth = rate * (duration - transient)
+    status = np.where(growth > np.log(_FACTOR), "broken", "undecided")
+    status = np.where(growth < -np.log(_FACTOR), "valid", status)
+    names = np.array(STATUS_NAMES)[grid.status.values]
+    status = np.where(grid.status.values >= EVENT_LIMIT, names, status)
+    dims = tuple(varied)
+    return labelled(
+        "pair_symmetry",
+        {
+            "transverse_exponent": (dims, rate),
+            "largest_angle_after_transient": (
+                dims,
+                grid.largest_angle_after_transient.sel(ball="right").values,
+            ),
+            "status": (dims, status),
+        },
+        coordinates={name: (name, grid[name].values) for name in varied},
+        quantities=QUANTITIES,
+        system=system,
+        drive=driven if drive is not None else None,
+        settings={
+            "duration": duration,
+            "transient": transient,
+            "tolerance": tolerance,
+            "initial_angle": angle,
+            "initial_angular_velocity": velocity,
+        },
+    )

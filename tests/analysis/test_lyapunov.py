@@ -1,0 +1,92 @@
+"""Lyapunov exponents, and whether two balls stay mirror images."""
+
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.symmetry import as_pair, pair_symmetry
+
+SHAKE = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
+
+
+def test_the_sum_is_that_of_drag_and_impacts():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.05, restitution=0.97)
+    strong = ll.Harmonic(drive_amplitude=0.3, drive_frequency=6.5)
+    given = {"initial_angle": 0.6, "duration": 200.0, "transient": 50.0}
+    found = lyapunov_spectrum(toy, strong, **given)
+    run = ll.simulate(toy, strong, initial_angle=0.6, duration=200.0, tolerance=1e-9)
+    late = (run.contact_time > 50.0) & run.contact_kind.isin(["bottom", "top"])
+    if found.status.item() != "rest":
+        expected = -0.05 / 0.8 + 2.0 * int(late.sum()) / 150.0 * math.log(0.97)
+        # Two impacts at the ends of the window may fall on either side of it.
+        assert found.divergence.item() == pytest.approx(expected, abs=3e-3)
+    assert abs(found.sum_rule_residual.item()) < 1e-12
+
+
+def test_exponents_at_a_fixed_point_are_those_of_floquet():
+    from latolato.analysis.floquet import floquet
+
+    system = ll.Pendulum(length=1.0, mass=0.8, damping=0.2)
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=8.0)
+    period = math.tau / 8.0
+    found = lyapunov_spectrum(
+        system, drive, initial_angle=0.0, duration=1000 * period, transient=100 * period
+    )
+    expected = np.log(np.abs(floquet(system, drive).multipliers.values)) / period
+    # The vectors turn once within the window of 900 periods: an error of about 1/(900 T).
+    assert found.lyapunov_exponents.values == pytest.approx(expected, abs=2.0 / (900 * period))
+    assert found.status.item() == "regular"
+
+
+def test_a_toy_that_rests_forgets_its_past():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.05, restitution=0.5)
+    found = lyapunov_spectrum(toy, SHAKE, initial_offset=0.3, duration=60.0, transient=30.0)
+    assert found.status.item() == "rest"
+    assert np.all(found.lyapunov_exponents == -math.inf)
+
+
+def test_a_static_conservative_pendulum_has_no_exponent():
+    system = ll.Pendulum(length=1.0, mass=0.8)
+    found = lyapunov_spectrum(system, None, initial_angle=1.0, duration=2000.0, transient=0.0)
+    # Neighbours part linearly in time: ln(t)/t.
+    assert abs(found.lyapunov_exponents.values).max() < 5e-3
+    assert found.status.item() == "marginal"
+
+
+def test_a_departure_from_the_mirror_image_grows_at_its_exponent():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * math.sqrt(9.8))
+    found = pair_symmetry(toy, drive, initial_offset=0.0, duration=100.0, transient=50.0)
+    assert found.status.item() == "broken"
+    # The toy rests, and swings as one pendulum under it: parametric resonance of both together.
+    times = np.linspace(0.0, 100.0, 10_001)
+    low = toy.contact_angle_low
+    run = ll.simulate(as_pair(toy), drive, initial_angle=(low + 1e-9, -low + 1e-9), times=times)
+    mean = np.abs(run.angle.sum("ball").values / 2.0)
+    late = [mean[(times > a) & (times < a + 10.0)].max() for a in (50.0, 90.0)]
+    grown = math.log(late[1] / late[0]) / 40.0
+    assert grown == pytest.approx(found.transverse_exponent.item(), rel=0.03)  # beats of a window
+
+
+def test_a_validity_map_has_both_axes():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.05, restitution=0.9)
+    found = pair_symmetry(
+        toy, None, initial_offset=0.2, drive_amplitude=[0.03, 0.1], frequency_ratio=[1.0, 2.0, 3.0],
+        duration=100.0, transient=20.0,
+    )  # fmt: skip
+    assert found.transverse_exponent.dims == ("drive_amplitude", "frequency_ratio")
+    assert found.status.sel(frequency_ratio=2.0, drive_amplitude=0.03).item() == "broken"
+    assert found.status.sel(frequency_ratio=3.0, drive_amplitude=0.03).item() != "broken"
+
+
+def test_other_systems_have_no_mirror_symmetry():
+    with pytest.raises(TypeError, match="one-ball model of a LatoLato"):
+        pair_symmetry(ll.Pendulum(length=1.0, mass=0.8), SHAKE, initial_angle=0.1)
+    with pytest.raises(ValueError, match="systems of 2 angles"):
+        ll.sweep(
+            ll.Pendulum(length=1.0, mass=0.8), SHAKE, axes={"initial_angle": [0.1]}, duration=5.0,
+            observables=["transverse_exponent"],
+        )  # fmt: skip
