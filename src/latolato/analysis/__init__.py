@@ -18,6 +18,11 @@ from latolato.analysis.closed_forms import (
     undriven_period,
     zeno_time,
 )
+from latolato.analysis.growth_rate import growth_rate
+from latolato.analysis.inverted_limits import inverted_limits
+from latolato.analysis.self_start import self_start
+from latolato.analysis.threshold_amplitude import threshold_amplitude
+from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "MathieuParameters",
@@ -28,11 +33,16 @@ __all__ = [
     "elastic_bounces",
     "fall_time",
     "fold_angle",
+    "growth_rate",
     "impact_angular_velocity",
+    "inverted_limits",
     "mathieu_growth_rate",
     "mathieu_parameters",
     "mathieu_threshold_amplitude",
     "mathieu_tongue_edges",
+    "self_start",
+    "threshold_amplitude",
+    "tongue_edges",
     "undriven_motion",
     "undriven_period",
     "zeno_time",
