@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # The search begins at this share of Kapitza's limit and goes on in these steps.
-_BEGIN, _STEP = 0.2, 1.05
+_BEGIN, _STEP = 0.2, 1.1
 
 
 @analyses.register("inverted_limits")
@@ -60,7 +60,7 @@ def inverted_limits(
     Below `low` the pendulum falls over: a multiplier passes +1. Above `high` it swings about the
     upright position with twice the drive's period: a multiplier passes -1. Both are zeros of
     Hill's determinants with drag, as in `tongue_edges`; under a cosine without drag they are
-    Mathieu's a_0 and b_1 at ``a = -4 (w0/w)^2``. Sought in steps of 5 %. Error: 1e-12 of l.
+    Mathieu's a_0 and b_1 at ``a = -4 (w0/w)^2``. Sought in steps of 10 %. Error: 1e-12 of l.
 
     Examples
     --------
