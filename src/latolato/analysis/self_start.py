@@ -95,8 +95,8 @@ def self_start(
     >>> print(f"{ll.analysis.self_start(toy, 2.0).drive_amplitude:.6f}")
     0.250000
     >>> crank = ll.CrankSlider(drive_amplitude=0.1, drive_frequency=1, connecting_rod_length=1.0)
-    >>> print(f"{ll.analysis.self_start(toy, 2.0, crank).drive_amplitude:.6f}")
-    0.482164
+    >>> print(f"{ll.analysis.self_start(toy, 3.0, crank).drive_amplitude:.6f}")
+    0.127322
     """
     angles = _resting_angles(system)
     ratio = checked_ratio(frequency_ratio)

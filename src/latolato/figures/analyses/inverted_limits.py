@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_SAMPLES = 17
+_SAMPLES = 31
 _ENDS = ("low", "high")
 
 
