@@ -63,6 +63,13 @@ def test_determinant_and_monodromy_agree(name, amplitude, order):
         np.testing.assert_allclose(map_, hill, rtol=1e-11)
 
 
+@pytest.mark.parametrize("order", [4, 5, 10, 21])
+def test_high_orders_keep_their_width(order):
+    found = edges(FREE, drive_amplitude=2.0, order=order)
+    # the widths differ by rounding of the edges only
+    np.testing.assert_allclose(general(FREE, 2.0, order), found, rtol=1e-13)
+
+
 def step_map(drive, tolerance=1e-13):
     """The one-period map of production runs: the equation is linear, so unit starts suffice."""
     period = 2.0 * math.pi / drive.drive_frequency

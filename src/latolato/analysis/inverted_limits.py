@@ -43,7 +43,7 @@ def inverted_limits(
     frequency_ratio : float
         w/w0 [1], at least 0.01.
     largest_amplitude_ratio : float
-        The search ends at this A0/l [1], positive, and at 0.98 of a crank's connecting rod.
+        The search ends at this A0/l [1], positive, and at 0.95 of a crank's connecting rod.
 
     Returns
     -------

@@ -38,7 +38,7 @@ _SOUGHT = ("drive_amplitude", "drive_frequency")
 # A slower drive would need too many harmonics.
 SLOWEST = 0.01
 # A crank closer to its connecting rod than this has too many overtones.
-LARGEST_CRANK = 0.98
+LARGEST_CRANK = 0.95
 # A stiffness this close to a tongue's tip lies on it.
 _ON_TIP = 1e-14
 

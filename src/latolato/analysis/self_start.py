@@ -11,7 +11,6 @@ import numpy as np
 
 from latolato.analysis.hill import find_peak, find_root
 from latolato.analysis.linear import (
-    LARGEST_CRANK,
     acceleration_at,
     checked_ratio,
     checked_template,
@@ -27,6 +26,8 @@ from latolato.simulate import simulate
 if TYPE_CHECKING:
     import xarray as xr
 
+# A crank closer to its connecting rod than this is taken for one that jams.
+LARGEST_CRANK = 0.999
 # Phases at which an acceleration is sampled before its peak is followed.
 _PHASES = 360
 # Bisection ends when this share of the amplitude is left.

@@ -42,7 +42,7 @@ def threshold_amplitude(
     order : int, optional
         Only this tongue; by default whichever is met first.
     largest_amplitude_ratio : float
-        The search ends at this A0/l [1], positive and at most 25, and at 0.98 of a crank's
+        The search ends at this A0/l [1], positive and at most 25, and at 0.95 of a crank's
         connecting rod.
 
     Returns

@@ -126,14 +126,18 @@ def band_edges(coefficients: Complexes, is_odd: bool, harmonics: int, count: int
 
 
 def undamped_growth(a: float, coefficients: Complexes, harmonics: int) -> float:
-    """Return the largest real Floquet exponent of ``x'' + (a + F) x = 0`` per unit of phase."""
+    """Return the largest real Floquet exponent of ``x'' + (a + F) x = 0`` per unit of phase.
+
+    With the exponents ``i nu`` it is ``(nu + k)^2 u_k = a u_k + sum_j F_(k-j) u_j``, made linear by
+    ``v_k = (nu + k) u_k``.
+    """
     kappa = _wave_numbers(False, harmonics)
-    size = len(kappa)
-    matrix = np.zeros((2 * size, 2 * size), dtype=np.complex128)
-    matrix[:size, :size] = matrix[size:, size:] = np.diag(-1j * kappa)
-    matrix[:size, size:] = np.eye(size)
-    matrix[size:, :size] = -_coupling(coefficients, size) - a * np.eye(size)
-    exponents = np.linalg.eigvals(matrix)
-    # All others repeat these, shifted by i: the further, the worse.
-    central = exponents[np.abs(exponents.imag) <= 0.5 + 1e-6]
-    return float(central.real.max())
+    one = np.eye(len(kappa))
+    stiffness: Any = a * one + _coupling(coefficients, len(kappa))
+    if not coefficients.imag.any():
+        stiffness = stiffness.real
+    shift = -np.diag(kappa)
+    nu = np.linalg.eigvals(np.block([[shift, one], [stiffness, shift]]))
+    # All others repeat these, shifted by 1: the further, the worse.
+    central = nu[np.abs(nu.real) <= 0.5 + 1e-6]
+    return float(np.abs(central.imag).max())

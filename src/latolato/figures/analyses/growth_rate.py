@@ -11,13 +11,14 @@ from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.tongues import told
-from latolato.physics.drives import Static
+from latolato.physics.drives import Harmonic, Static
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_SAMPLES = 161
+# Frequencies under a cosine, and under other waveforms.
+_SAMPLES, _FEW_SAMPLES = 161, 81
 
 
 @style.styled
@@ -36,7 +37,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     else:
         template: Any = drive
         place = about["drive_frequency"] / w0
-        ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), _SAMPLES)
+        plain = isinstance(drive, Harmonic) and about["position"] == "hanging"
+        count = _SAMPLES if plain else _FEW_SAMPLES
+        ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), count)
         rates = [
             float(
                 growth_rate(
