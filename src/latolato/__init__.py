@@ -47,6 +47,7 @@ from latolato.simulate import simulate
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
+    from latolato import analysis
     from latolato.analysis.boundary import boundary
     from latolato.citation import cite
     from latolato.figures.animate import animate
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 # Names that are imported on first use, with the module they live in.
 _LATE: dict[str, str] = {
     "Scenario": "latolato.scenario",
+    "analysis": "latolato.analysis",
     "animate": "latolato.figures.animate",
     "boundary": "latolato.analysis.boundary",
     "cite": "latolato.citation",
@@ -100,6 +102,7 @@ __all__ = [
     "TopContacts",
     "VelocityKicks",
     "Works",
+    "analysis",
     "animate",
     "boundary",
     "cite",
@@ -124,7 +127,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'latolato' has no attribute '{name}'")
     import importlib
 
-    value = getattr(importlib.import_module(_LATE[name]), name)
+    module = importlib.import_module(_LATE[name])
+    value = module if _LATE[name] == f"latolato.{name}" else getattr(module, name)
     globals()[name] = value
     return value
 

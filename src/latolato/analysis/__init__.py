@@ -20,9 +20,14 @@ from latolato.analysis.closed_forms import (
 )
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.floquet import floquet
+from latolato.analysis.growth_rate import growth_rate
+from latolato.analysis.inverted_limits import inverted_limits
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.registry import analyses
+from latolato.analysis.self_start import self_start
 from latolato.analysis.symmetry import pair_symmetry
+from latolato.analysis.threshold_amplitude import threshold_amplitude
+from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "MathieuParameters",
@@ -36,13 +41,18 @@ __all__ = [
     "fall_time",
     "floquet",
     "fold_angle",
+    "growth_rate",
     "impact_angular_velocity",
+    "inverted_limits",
     "lyapunov_spectrum",
     "mathieu_growth_rate",
     "mathieu_parameters",
     "mathieu_threshold_amplitude",
     "mathieu_tongue_edges",
     "pair_symmetry",
+    "self_start",
+    "threshold_amplitude",
+    "tongue_edges",
     "undriven_motion",
     "undriven_period",
     "zeno_time",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -16,7 +15,9 @@ from latolato.analysis.hill import (
     Array,
     Number,
     characteristic_value,
+    find_peak,
     find_root,
+    first_rise,
     hill_determinant,
     own_instability,
 )
@@ -213,7 +214,7 @@ def mathieu_tongue_edges(
         return float(own_instability(a, q, order % 2 == 1)) - loss
 
     start = max(sine_edge, 0.0)
-    peak = _peak(excess, start, cosine_edge)
+    peak = find_peak(excess, start, cosine_edge)
     if excess(peak) <= 0.0:
         return math.nan, math.nan
     high = math.inf if sine_edge <= 0.0 else ratio(find_root(excess, start, peak))
@@ -288,18 +289,9 @@ def mathieu_threshold_amplitude(
             if excess(0.5 * (left + right)) > 0.0:
                 return left * system.length / 2.0
             continue
-        samples = [float(q) for q in np.linspace(left, right, 33)]
-        values = [excess(q) for q in samples]
-        best = max(range(33), key=values.__getitem__)
-        if values[best] <= 0.0:
-            peak = _peak(excess, samples[max(best - 1, 0)], samples[min(best + 1, 32)])
-            samples, values = [left, peak], [values[0], excess(peak)]
-        first = next((i for i in range(1, len(values)) if values[i] > 0.0), None)
-        if first is None:
-            continue
-        if values[first - 1] >= 0.0:  # a loss below rounding
-            return left * system.length / 2.0
-        return find_root(excess, samples[first - 1], samples[first]) * system.length / 2.0
+        found = first_rise(excess, left, right)
+        if not math.isnan(found):
+            return found * system.length / 2.0
     return math.nan
 
 
@@ -351,13 +343,3 @@ def _tongue_borders(a: float, largest_q: float) -> list[float]:
             for i in np.flatnonzero(values[:-1] * values[1:] < 0.0):
                 borders.add(find_root(value, float(grid[i]), float(grid[i + 1])))
     return sorted(borders)
-
-
-def _peak(function: Callable[[float], float], left: float, right: float) -> float:
-    """Return where a function with one hump in between is largest."""
-    from scipy.optimize import minimize_scalar
-
-    result = minimize_scalar(
-        lambda x: -function(x), bounds=(left, right), method="bounded", options={"xatol": 1e-14}
-    )
-    return float(result.x)

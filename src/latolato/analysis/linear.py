@@ -1,0 +1,383 @@
+"""The pendulum linearised about hanging or standing, under any periodic drive: what is analysed.
+
+Over the drive's phase p = w t it is ``x'' + c x' + s (r^-2 + y''/l) x = 0`` with the frequency
+ratio r = w/w0, ``c = 2 zeta/r``, y'' the pivot's acceleration at w = 1, and s = 1 (hanging) or -1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.hill import find_peak, find_root, first_rise
+from latolato.analysis.waveform import (
+    Complexes,
+    band_edges,
+    enough_harmonics,
+    fourier_coefficients,
+    hill_value,
+    undamped_growth,
+)
+from latolato.physics.drives import Drive, Harmonic, drives
+from latolato.physics.pendulum import BallPair, LatoLato, Mathieu, System, systems
+from latolato.quantities import POSITIVE
+from latolato.registry import checked_number, describe
+
+POSITIONS = ("hanging", "inverted")
+METHODS = ("determinant", "monodromy")
+# What an analysis varies of a drive.
+_SOUGHT = ("drive_amplitude", "drive_frequency")
+# A slower drive would need too many harmonics.
+SLOWEST = 0.01
+# A crank closer to its connecting rod than this has too many overtones.
+LARGEST_CRANK = 0.95
+# A stiffness this close to a tongue's tip lies on it.
+_ON_TIP = 1e-14
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A linearised pendulum and the waveform of its drive."""
+
+    length: float
+    mass: float
+    gravity: float
+    damping: float
+    side: float
+    template: Drive
+
+    @property
+    def natural_frequency(self) -> float:
+        """w0 [rad/s]."""
+        return math.sqrt(self.gravity / self.length)
+
+    @property
+    def damping_ratio(self) -> float:
+        """C/(2 m l w0) [1]."""
+        return self.damping / (2.0 * self.mass * self.length * self.natural_frequency)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the closed form of Hill's determinant holds: hanging, harmonic."""
+        return self.side > 0.0 and isinstance(self.template, Harmonic)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """What the functions of `latolato.analysis.mathieu` need."""
+        names = ("length", "mass", "damping", "gravity")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def largest_amplitude(self) -> float:
+        """The largest drive amplitude [m] that the drive and this analysis allow."""
+        rod = getattr(self.template, "connecting_rod_length", math.inf)
+        return LARGEST_CRANK * float(rod)
+
+    def waveform(self, amplitude: float) -> Callable[[float], float]:
+        """Return ``s y''/l`` at w = 1 as a function of the phase."""
+        acceleration = acceleration_at(self.template, amplitude)
+        factor = self.side / self.length
+        return lambda phase: factor * acceleration(phase)
+
+    def coefficients(self, amplitude: float) -> Complexes:
+        """Return the Fourier coefficients of `waveform`."""
+        return _coefficients(self, amplitude)
+
+    def harmonics(self, amplitude: float, is_odd: bool, count: int) -> int:
+        """Return how many harmonics give the lowest `count` edges of bands."""
+        return _harmonics(self, amplitude, is_odd, count)
+
+    def bands(self, amplitude: float, is_odd: bool, count: int) -> NDArray[np.float64]:
+        """Return the lowest edges of bands of the equation without drag, shape (count,)."""
+        harmonics = self.harmonics(amplitude, is_odd, count)
+        return band_edges(self.coefficients(amplitude), is_odd, harmonics, count)
+
+    def excess(self, slowness: float, amplitude: float, is_odd: bool, harmonics: int) -> float:
+        """Return minus Hill's determinant at 1/r: positive where the motion grows."""
+        a, c = self.side * slowness**2, 2.0 * self.damping_ratio * slowness
+        return -hill_value(a, c, self.coefficients(amplitude), is_odd, harmonics)
+
+    def monodromy(self, slowness: float, amplitude: float) -> NDArray[np.float64]:
+        """Return the map of (x, dx/dp) over one drive period at 1/r, by quadrature.
+
+        An eighth-order Runge-Kutta method (SciPy's DOP853) with a relative error of 1e-13 a step.
+        """
+        from scipy.integrate import solve_ivp
+
+        force = self.waveform(amplitude)
+        a, c = self.side * slowness**2, 2.0 * self.damping_ratio * slowness
+
+        def motion(phase: float, y: Any) -> tuple[float, float, float, float]:
+            weight = a + force(phase)
+            return y[1], -weight * y[0] - c * y[1], y[3], -weight * y[2] - c * y[3]
+
+        options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
+        run = solve_ivp(motion, (0.0, math.tau), (1.0, 0.0, 0.0, 1.0), **options)
+        return np.asarray(run.y[:, -1].reshape(2, 2).T)
+
+    def monodromy_excess(self, slowness: float, amplitude: float, is_odd: bool) -> float:
+        """Return ``s trace - 1 - det`` of the monodromy: positive where the motion grows."""
+        trace = float(np.trace(self.monodromy(slowness, amplitude)))
+        loss = math.exp(-2.0 * math.tau * self.damping_ratio * slowness)
+        return (-trace if is_odd else trace) - 1.0 - loss
+
+    def growth(self, drive_frequency: float, amplitude: float, method: str) -> float:
+        """Return the largest real part of the Floquet exponents [1/s]."""
+        w, w0, zeta = drive_frequency, self.natural_frequency, self.damping_ratio
+        slowness = w0 / w
+        if method == "monodromy":
+            trace = float(np.trace(self.monodromy(slowness, amplitude)))
+            half = 0.5 * abs(trace) * math.exp(math.tau * zeta * slowness)
+            rate = math.acosh(max(half, 1.0)) / math.tau
+        else:
+            a = (self.side - zeta**2) * slowness**2
+            harmonics = self.harmonics(amplitude, False, 2 + math.ceil(2.0 * math.sqrt(abs(a))))
+            rate = undamped_growth(a, self.coefficients(amplitude), harmonics)
+        return w * rate - zeta * w0
+
+
+@lru_cache(maxsize=256)
+def _coefficients(problem: Linear, amplitude: float) -> Complexes:
+    """Return the Fourier coefficients of a problem's waveform."""
+    return fourier_coefficients(problem.waveform(amplitude))
+
+
+@lru_cache(maxsize=256)
+def _harmonics(problem: Linear, amplitude: float, is_odd: bool, count: int) -> int:
+    """Return the number of harmonics that a problem needs."""
+    return enough_harmonics(problem.coefficients(amplitude), is_odd, count)
+
+
+def acceleration_at(template: Drive, amplitude: float) -> Callable[[float], float]:
+    """Return y'' [m] of a drive with this amplitude and w = 1, as a function of the phase [rad].
+
+    The phase at time zero is left out: nothing here depends on it.
+    """
+    changed = {"drive_amplitude": amplitude, "drive_frequency": 1.0, "drive_phase": 0.0}
+    known = {field.name for field in fields(template)}
+    drive: Any = replace(template, **{k: v for k, v in changed.items() if k in known})
+    ((_, numbers),) = drive.stretches(math.tau)
+    stretch = SimpleNamespace(**dict(zip(drive.stretch_fields, numbers, strict=True)))
+    formula = type(drive).acceleration
+    return lambda phase: formula(phase, stretch)
+
+
+def told_waveform(template: Drive) -> dict[str, Any]:
+    """Return what attributes tell of a drive whose amplitude and frequency are not its own."""
+    about = {k: v for k, v in describe(template).items() if k not in _SOUGHT}
+    return {"drive": drives.name_of(template), **about}
+
+
+def checked_template(drive: Drive | None) -> Drive:
+    """Return the drive whose waveform is meant; a `Harmonic` one for None.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Unless it is a periodic drive with an amplitude and a frequency.
+    """
+    if drive is None:
+        return Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    if not isinstance(drive, Drive):
+        raise TypeError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+    names = {field.name for field in fields(drive)}
+    if not set(_SOUGHT) <= names or len(drive.stretches(math.inf)) != 1:
+        raise ValueError(
+            f"drive must be periodic with one amplitude and one frequency, got "
+            f"{drives.name_of(drive)}; use Harmonic or CrankSlider"
+        )
+    return drive
+
+
+def checked_choice(name: str, value: str, choices: tuple[str, ...]) -> str:
+    """Return one of the choices."""
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+    return value
+
+
+def checked_ratio(frequency_ratio: float) -> float:
+    """Return a frequency ratio that is not too slow."""
+    ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
+    if ratio < SLOWEST:
+        raise ValueError(f"frequency_ratio must be at least {SLOWEST:g}, got {ratio:g}")
+    return ratio
+
+
+def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
+    """Return the linearised system.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Where there is no linear stability: a wall or friction at the position.
+    """
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    checked_choice("position", position, POSITIONS)
+    if position == "inverted" and isinstance(system, Mathieu):
+        raise ValueError(
+            "a Mathieu system is linearised about hanging and has no inverted position; use "
+            "ll.Pendulum"
+        )
+    for ball in system.balls:
+        if ball.coulomb_damping > 0.0:
+            raise ValueError(
+                f"coulomb_damping must be 0, got {ball.coulomb_damping:g}: dry friction holds the "
+                "ball near the position, whose stability is then no linear question; simulate "
+                "with a push instead"
+            )
+    ball = system.balls[0]
+    if isinstance(system, (LatoLato, BallPair)):
+        _check_no_wall(system, position)
+    return Linear(
+        length=ball.length,
+        mass=ball.mass,
+        gravity=system.gravity,
+        damping=ball.damping,
+        side=1.0 if position == "hanging" else -1.0,
+        template=checked_template(drive),
+    )
+
+
+def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
+    """Refuse balls that are kept from the position, or lose energy at every passage of it."""
+    ball = system.balls[0]
+    where = "hang straight down" if position == "hanging" else "stand upright"
+    way_out = (
+        f"use ll.Pendulum(length={ball.length:g}, mass={ball.mass:g}, damping={ball.damping:g}, "
+        f"gravity={system.gravity:g}) for a ball without walls, as for tongues drawn over maps"
+    )
+    if any(each.radius > 0.0 for each in system.balls):
+        raise ValueError(
+            f"balls of radius {max(each.radius for each in system.balls):g} m cannot {where}, for "
+            f"they touch before; {way_out}"
+        )
+    if system.restitution < 1.0:
+        raise ValueError(
+            f"restitution must be 1, got {system.restitution:g}: balls that meet at each passage "
+            f"lose energy there, which no linear equation tells; {way_out}"
+        )
+    rates = {each.damping / each.mass for each in system.balls}
+    if len(rates) > 1:
+        raise ValueError(
+            "the balls must have one drag rate damping/mass, or their meetings mix two different "
+            f"motions; {way_out}"
+        )
+
+
+def tongue(problem: Linear, amplitude: float, order: int, method: str) -> tuple[float, float]:
+    """Return the frequency ratios between which tongue `order` is unstable; NaN where closed.
+
+    Drag is first removed by ``x = exp(-c p/2) z``; within the undamped tongue of z the growth has
+    one hump, and the edges are where it equals the drag.
+    """
+    is_odd, zeta = order % 2 == 1, problem.damping_ratio
+    bands = problem.bands(amplitude, is_odd, order + 1)
+    harmonics = problem.harmonics(amplitude, is_odd, order + 1)
+    below = float(bands[order - 1]) if order else -math.inf
+    above = float(bands[order])
+    # z has a = stiffness/r^2
+    stiffness = problem.side - zeta**2
+    ends = sorted((below / stiffness, above / stiffness))
+    if ends[1] <= 0.0:
+        return math.nan, math.nan
+    low, high = math.sqrt(max(ends[0], 0.0)), math.sqrt(ends[1])
+    has_high = ends[0] > 0.0
+
+    def excess(slowness: float) -> float:
+        if method == "monodromy":
+            return problem.monodromy_excess(slowness, amplitude, is_odd)
+        return problem.excess(slowness, amplitude, is_odd, harmonics)
+
+    def ratio(slowness: float) -> float:
+        return 1.0 / slowness if slowness > 0.0 else math.inf
+
+    if order == 0:  # falls over for every slower drive
+        return 0.0, ratio(_edge_above(excess, low)) if zeta or method == "monodromy" else ratio(low)
+    if zeta == 0.0 and method == "determinant":
+        return ratio(high), ratio(low)
+    peak = find_peak(excess, low, high)
+    if excess(peak) <= 0.0:
+        return math.nan, math.nan
+    # Rounding may put an undamped edge on either side of its band's end.
+    low_end, high_end = (_outside(excess, end, peak) for end in (low, high))
+    fast = ratio(find_root(excess, low_end, peak)) if has_high else math.inf
+    return ratio(find_root(excess, peak, high_end)), fast
+
+
+def _outside(excess: Callable[[float], float], end: float, peak: float) -> float:
+    """Return a point at or a little beyond an end at which there is no growth."""
+    step = 1e-3 * (end - peak)
+    place = end
+    while excess(place) > 0.0 and place > 0.0:
+        place = max(place + step, 0.0)
+        step *= 2.0
+    return place
+
+
+def _edge_above(excess: Callable[[float], float], guess: float) -> float:
+    """Return the zero near a guess of a function that is negative below and positive above it."""
+    low = high = guess
+    while excess(low) >= 0.0:
+        low *= 0.99
+    while excess(high) <= 0.0:
+        high *= 1.01
+    return find_root(excess, low, high)
+
+
+def threshold(problem: Linear, ratio: float, largest: float, order: int | None) -> float:
+    """Return the smallest amplitude [m] at which tongue `order` (None: any) grows; NaN if none.
+
+    Tongues without drag are followed by their edges on a grid of 0.01 l, then searched for growth
+    that beats the drag.
+    """
+    slowness, zeta = 1.0 / ratio, problem.damping_ratio
+    a = (problem.side - zeta**2) * slowness**2
+    orders = [order] if order else list(range(1, 4 + math.ceil(2.0 * math.sqrt(max(a, 0.0)))))
+
+    def gaps(amplitude: float) -> dict[int, float]:
+        """Return how far a lies outside of each tongue; negative inside."""
+        found: dict[int, float] = {}
+        for is_odd in {n % 2 == 1 for n in orders}:
+            own = [n for n in orders if (n % 2 == 1) == is_odd]
+            bands = problem.bands(amplitude, is_odd, max(own) + 1)
+            found |= {n: float(max(bands[n - 1] - a, a - bands[n])) for n in own}
+        return found
+
+    grid = np.linspace(0.0, largest, 1 + math.ceil(100.0 * largest / problem.length))
+    now = gaps(0.0)
+    tips = [n for n, gap in now.items() if abs(gap) < _ON_TIP * max(1.0, a)]
+    for left, right in pairwise([0.0, 0.1 * float(grid[1]), *map(float, grid[1:])]):
+        before, now = now, gaps(right)
+        if left == 0.0:  # what is left on a tip is rounding: does its tongue open around it?
+            before |= {n: 0.0 if now[n] < 0.0 else 1.0 for n in tips}
+        candidates = []
+        for n in orders:
+            if before[n] > 0.0 and now[n] > 0.0:
+                continue
+
+            def gap(amplitude: float, n: int = n) -> float:
+                return gaps(amplitude)[n]
+
+            def excess(
+                amplitude: float, is_odd: bool = n % 2 == 1, count: int = n + 1, most: float = right
+            ) -> float:
+                harmonics = problem.harmonics(most, is_odd, count)
+                return problem.excess(slowness, amplitude, is_odd, harmonics)
+
+            low = left if before[n] <= 0.0 else find_root(gap, left, right)
+            high = right if now[n] <= 0.0 else find_root(gap, left, right)
+            candidates.append(low if zeta == 0.0 else first_rise(excess, low, high))
+        found = [value for value in candidates if not math.isnan(value)]
+        if found:
+            return min(found)
+    return math.nan

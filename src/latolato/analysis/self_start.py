@@ -1,0 +1,231 @@
+"""The smallest drive that starts two balls from rest against each other."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.analysis.hill import find_peak, find_root
+from latolato.analysis.linear import (
+    acceleration_at,
+    checked_ratio,
+    checked_template,
+    told_waveform,
+)
+from latolato.analysis.registry import analyses, labelled
+from latolato.physics.drives import CrankSlider, Drive, Harmonic
+from latolato.physics.pair import joint_coupling
+from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+from latolato.quantities import Quantity
+from latolato.simulate import simulate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# A crank closer to its connecting rod than this is taken for one that jams.
+LARGEST_CRANK = 0.999
+# Phases at which an acceleration is sampled before its peak is followed.
+_PHASES = 360
+# Bisection ends when this share of the amplitude is left.
+_BISECTION = 1e-11
+# The simulated threshold is looked for within this factor of the computed one.
+_SPREAD = 1.2
+
+
+@analyses.register("self_start")
+def self_start(
+    system: System,
+    frequency_ratio: float,
+    drive: Drive | None = None,
+    *,
+    check: bool = False,
+) -> xr.Dataset:
+    """Return the smallest drive amplitude A0 [m] that lifts balls at rest on each other.
+
+    From the contact force of paper eq10 on the wall: it would have to pull.
+
+    Parameters
+    ----------
+    system : LatoLato or BallPair
+        At rest in bottom contact; a `BallPair` where the two balls balance.
+    frequency_ratio : float
+        w/w0 [1], at least 0.01; of the right ball for a `BallPair`.
+    drive : Harmonic or CrankSlider, optional
+        Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
+    check : bool
+        Also bisect with simulated runs of one drive period.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``drive_amplitude`` [m], ``drive_acceleration_ratio`` A0 w^2/g [1] there, and ``status``:
+        "found" or "out of reach" (NaN: the crank would jam first). With `check` also
+        ``simulated_amplitude`` [m], the smallest at which a run leaves rest.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a system without walls, and for balls without a radius: they rest where nothing can
+        lift them.
+
+    Notes
+    -----
+    The free torque ``-m l (g + y'') sin(angle)`` must turn and beat the Coulomb friction C0 l:
+    ``max(-y'') = g + C0/(m sin(angle))``, that is ``A0 w^2 = g`` for a cosine without friction and
+    ``A0 w^2 (1 + A0/L) = g`` for a crank with its guide above. With its guide below, the largest
+    ``-y''`` is ``A0 w^2 (1 - A0/L)`` up to about ``A0 = L/4`` and lies to either side of the
+    turning point beyond; it is followed to the last digits.
+
+    Of a `BallPair` the contact force is proportional to ``I1 tau2 - I2 tau1`` (tau: free torques).
+    At the joint equilibrium ``m1 l1 sin(angle_1) = -m2 l2 sin(angle_2)`` it is proportional to
+    g + y'', so the condition is the same for unequal balls; with friction the ball of the smaller
+    C0 l leaves first; while friction holds both, runs look at the ends of their steps only, so that
+    `check` finds up to 1e-3 more there. Two balls that swing together part earlier or later.
+
+    It says that rest ends, not that a large motion follows: for that the paper's toy needs some
+    4 % (e = 1) to 90 % (e = 0.5) more.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    >>> print(f"{ll.analysis.self_start(toy, 2.0).drive_amplitude:.6f}")
+    0.250000
+    >>> crank = ll.CrankSlider(drive_amplitude=0.1, drive_frequency=1, connecting_rod_length=1.0)
+    >>> print(f"{ll.analysis.self_start(toy, 3.0, crank).drive_amplitude:.6f}")
+    0.127322
+    """
+    angles = _resting_angles(system)
+    ratio = checked_ratio(frequency_ratio)
+    template = checked_template(drive)
+    w = ratio * system.natural_frequency
+    needed = (system.gravity + _friction(system, angles)) / w**2
+    amplitude = _amplitude(template, needed)
+    status = "found"
+    if math.isnan(amplitude):
+        status = "out of reach"
+        warnings.warn(
+            f"no amplitude below {LARGEST_CRANK:g} connecting_rod_length lifts the balls at "
+            f"frequency_ratio {ratio:g}; raise it or lengthen the rod",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    variables: dict[str, Any] = {
+        "drive_amplitude": amplitude,
+        "drive_acceleration_ratio": amplitude * w**2 / system.gravity,
+        "status": status,
+    }
+    if check:
+        variables["simulated_amplitude"] = _simulated(system, template, w, angles, amplitude)
+    return labelled(
+        "self_start",
+        variables,
+        quantities={
+            "simulated_amplitude": Quantity("m", "A_0", "driving amplitude that lifts in a run"),
+            "status": Quantity("1", "", "what was found"),
+        },
+        system=system,
+        settings={"frequency_ratio": ratio, **told_waveform(template)},
+    )
+
+
+def _resting_angles(system: System) -> tuple[float, ...]:
+    """Return the angles of the balls at rest against each other [rad]."""
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    if isinstance(system, LatoLato):
+        angles: tuple[float, ...] = (system.contact_angle_low,)
+    elif isinstance(system, BallPair):
+        (m1, l1), (m2, l2) = ((ball.mass, ball.length) for ball in system.balls)
+        inertia = m1 * l1**2 + m2 * l2**2
+        separation = system.contact_separation
+        _, offset = joint_coupling(m1 * l1, m2 * l2, inertia, separation)
+        angles = (separation - offset, -offset)
+    else:
+        raise ValueError(
+            f"a {systems.name_of(system)} has no wall to start from; use a LatoLato or BallPair, "
+            "or threshold_amplitude for growth from hanging"
+        )
+    if angles[0] == 0.0:
+        raise ValueError(
+            "balls without a radius rest straight below the pivot, where nothing lifts them; give "
+            "a radius or use threshold_amplitude"
+        )
+    return angles
+
+
+def _friction(system: System, angles: tuple[float, ...]) -> float:
+    """Return the upward acceleration that the Coulomb friction adds to gravity [m/s^2]."""
+    ball = system.balls[0]
+    moment = ball.mass * ball.length * math.sin(angles[0])  # the left one's is the same
+    return min(each.coulomb_damping * each.length for each in system.balls) / moment
+
+
+def _amplitude(template: Drive, needed: float) -> float:
+    """Return the smallest amplitude [m] whose largest -y''/w^2 is `needed` [m]; NaN if none."""
+    if isinstance(template, Harmonic):
+        return needed
+    rod = template.connecting_rod_length if isinstance(template, CrankSlider) else math.inf
+    if isinstance(template, CrankSlider) and template.side > 0.0:  # A (1 + A/L) = needed
+        found = 2.0 * needed / (1.0 + math.sqrt(1.0 + 4.0 * needed / rod))
+        return found if found < LARGEST_CRANK * rod else math.nan
+    # No waveform of this amplitude can be much stronger than the cosine.
+    left, last = 0.0, min(LARGEST_CRANK * rod, 10.0 * needed)
+    for right in np.linspace(0.0, last, 50)[1:]:
+        if _peak(template, float(right)) >= needed:
+            return find_root(lambda a: _peak(template, a) - needed, left, float(right))
+        left = float(right)
+    return math.nan
+
+
+def _peak(template: Drive, amplitude: float) -> float:
+    """Return the largest -y'' [m] at w = 1."""
+    if amplitude == 0.0:
+        return 0.0
+    acceleration = acceleration_at(template, amplitude)
+    return -acceleration(_phase_of_peak(template, amplitude))
+
+
+def _phase_of_peak(template: Drive, amplitude: float) -> float:
+    """Return the phase [rad] of the largest -y''."""
+    acceleration = acceleration_at(template, amplitude)
+    phases = [math.tau * i / _PHASES for i in range(_PHASES)]
+    best = min(phases, key=acceleration)
+    step = math.tau / _PHASES
+    near = find_peak(lambda phase: -acceleration(phase), best - step, best + step)
+    return min((best, near), key=acceleration)
+
+
+def _simulated(
+    system: System, template: Drive, w: float, angles: tuple[float, ...], computed: float
+) -> float:
+    """Return the smallest amplitude [m] at which a run of one period leaves rest; NaN if none."""
+    if math.isnan(computed):
+        return math.nan
+
+    def lifts(amplitude: float) -> bool:
+        drive: Any = replace(  # type: ignore[call-arg]
+            template,
+            drive_amplitude=amplitude,
+            drive_frequency=w,
+            # begins half a period before the turn, where the pivot presses the balls together
+            drive_phase=_phase_of_peak(template, amplitude) + math.pi,
+        )
+        start = angles if len(angles) > 1 else angles[0]
+        run = simulate(system, drive, initial_angle=start, duration=math.tau / w, times=[0.0])
+        # A hop too small for the angle's digits is counted as grazing.
+        leaves = bool((run.contact_kind == "release").any())
+        return leaves or run.attrs["grazing_contacts"] > 0
+
+    rod = float(getattr(template, "connecting_rod_length", math.inf))
+    low, high = computed / _SPREAD, min(computed * _SPREAD, 0.5 * (computed + rod))
+    if lifts(low) or not lifts(high):
+        return math.nan
+    while high - low > _BISECTION * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if lifts(middle) else (middle, high)
+    return 0.5 * (low + high)

@@ -1,0 +1,103 @@
+"""The smallest drive that makes hanging straight down unstable."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING
+
+from latolato.analysis.linear import checked_ratio, linearised, threshold, told_waveform
+from latolato.analysis.mathieu import mathieu_threshold_amplitude
+from latolato.analysis.registry import analyses, labelled
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.quantities import POSITIVE, Quantity
+from latolato.registry import checked_count, checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@analyses.register("threshold_amplitude")
+def threshold_amplitude(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    frequency_ratio: float = 2.0,
+    order: int | None = None,
+    largest_amplitude_ratio: float = 1.0,
+) -> xr.Dataset:
+    """Return the smallest drive amplitude A0 [m] above which hanging straight down is unstable.
+
+    At w = 2 w0 it is ``l gamma/(2 w0)`` to first order (Landau & Lifshitz, Mechanics, sec. 27).
+
+    Parameters
+    ----------
+    system : Pendulum, Mathieu, LatoLato or BallPair
+        Balls with a radius have no hanging position; for them see `self_start`.
+    drive : Harmonic or CrankSlider, optional
+        Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
+    frequency_ratio : float
+        w/w0 [1], at least 0.01.
+    order : int, optional
+        Only this tongue; by default whichever is met first.
+    largest_amplitude_ratio : float
+        The search ends at this A0/l [1], positive and at most 25, and at 0.95 of a crank's
+        connecting rod.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``drive_amplitude`` [m] and ``status``: "found" or "none" (NaN).
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `tongue_edges`.
+
+    Notes
+    -----
+    Under a cosine, and for any order: `mathieu_threshold_amplitude`. Else the edges of the undamped
+    tongues are followed on a grid of 0.01 in A0/l, and the growth inside them is compared with the
+    drag. Missed is a tongue that is entered and left within one grid cell. Error: 1e-12 of l.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
+    >>> found = ll.analysis.threshold_amplitude(toy, frequency_ratio=10.09 / toy.natural_frequency)
+    >>> print(f"{1e3 * found.drive_amplitude:.2f} mm")
+    11.39 mm
+    """
+    problem = linearised(system, drive)
+    ratio = checked_ratio(frequency_ratio)
+    reach = checked_number("largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1")
+    if order is not None:
+        order = checked_count("order", order)
+    if problem.is_plain and order is None:
+        amplitude = mathieu_threshold_amplitude(
+            frequency_ratio=ratio, largest_amplitude_ratio=reach, **problem.parameters
+        )
+    else:
+        largest = min(reach * problem.length, problem.largest_amplitude)
+        amplitude = threshold(problem, ratio, largest, order)
+    status = "none" if math.isnan(amplitude) else "found"
+    if status == "none":
+        warnings.warn(
+            f"no drive up to {reach:g} length makes hanging unstable at frequency_ratio "
+            f"{ratio:g}; raise largest_amplitude_ratio or choose a ratio nearer to 2/n",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return labelled(
+        "threshold_amplitude",
+        {"drive_amplitude": amplitude, "status": status},
+        quantities={"status": Quantity("1", "", "what was found")},
+        system=system,
+        settings={
+            **told_waveform(problem.template),
+            "frequency_ratio": ratio,
+            "order": order,
+            "largest_amplitude_ratio": reach,
+        },
+    )

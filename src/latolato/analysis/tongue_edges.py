@@ -1,0 +1,133 @@
+"""The edges of the instability tongues of hanging or standing, for any periodic drive."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING
+
+from latolato.analysis.linear import METHODS, checked_choice, linearised, told_waveform, tongue
+from latolato.analysis.mathieu import mathieu_tongue_edges
+from latolato.analysis.registry import analyses, labelled
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.quantities import NON_NEGATIVE, Quantity
+from latolato.registry import checked_count, checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_LARGEST_ORDER = 100
+QUANTITIES_OF_EDGES = {
+    "low": Quantity("1", r"\omega_{low}/\omega_0", "lower edge of the tongue"),
+    "high": Quantity("1", r"\omega_{high}/\omega_0", "upper edge of the tongue"),
+    "status": Quantity("1", "", "what was found"),
+}
+
+
+@analyses.register("tongue_edges")
+def tongue_edges(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    drive_amplitude: float,
+    order: int = 1,
+    position: str = "hanging",
+    method: str = "determinant",
+) -> xr.Dataset:
+    """Return the frequency ratios w/w0 [1] between which hanging straight down is unstable.
+
+    Hill (1886): an edge is where the motion is periodic (even orders) or antiperiodic (odd).
+
+    Parameters
+    ----------
+    system : Pendulum, Mathieu, LatoLato or BallPair
+        Balls with a radius have no hanging position, for they touch before.
+    drive : Harmonic or CrankSlider, optional
+        Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
+    drive_amplitude : float
+        A0 [m], at least 0.
+    order : int
+        The tongue n that starts from the ratio 2/n; 0, of the inverted position, is the region
+        below Kapitza's limit, where the drive is too slow to hold the pendulum upright.
+    position : {"hanging", "inverted"}
+        Where the pendulum is.
+    method : {"determinant", "monodromy"}
+        Hill's determinant, or the map over one period by quadrature, as a check.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``low`` and ``high`` [1] and ``status``: "found", "no upper edge" (high is infinite: no
+        fast drive is stable), or "closed" (both NaN: the drag keeps the tongue closed at this
+        amplitude, or the tongue holds no pendulum in this position).
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, balls with a radius or a restitution below 1, and Coulomb friction, which
+        holds every ball near the position.
+
+    Notes
+    -----
+    Hanging under a cosine: `mathieu_tongue_edges`, error below 1e-14. Else the determinant of the
+    (anti)periodic Fourier system with drag, whose harmonics are doubled until nothing changes by
+    more than 1e-12; the monodromy agrees to 1e-12 where the tongue is wider than 1e-3, and loses
+    as the width shrinks, for it sees its square. Quadratic drag has no linear part and does not
+    matter here.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> edges = ll.analysis.tongue_edges(toy, drive_amplitude=0.05)
+    >>> print(f"{edges.low:.8f} {edges.high:.8f}")
+    1.90994630 2.10750817
+    """
+    problem = linearised(system, drive, position)
+    amplitude = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
+    checked_choice("method", method, METHODS)
+    order = 0 if order == 0 and position == "inverted" else checked_count("order", order)
+    if order > _LARGEST_ORDER:
+        raise ValueError(f"order must be at most {_LARGEST_ORDER}, got {order}")
+    if position == "hanging" and problem.damping_ratio >= 1.0:
+        raise ValueError(
+            f"damping must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
+            f"({problem.damping_ratio:.3g} times that); use growth_rate for overdamped cases"
+        )
+    if problem.is_plain and method == "determinant":
+        low, high = mathieu_tongue_edges(
+            drive_amplitude=amplitude, order=order, **problem.parameters
+        )
+    elif amplitude == 0.0:
+        low, high = _edges_at_rest(order, problem.side, problem.damping)
+    else:
+        low, high = tongue(problem, amplitude, order, method)
+    status = "closed" if math.isnan(low) else "no upper edge" if math.isinf(high) else "found"
+    if status == "closed":
+        warnings.warn(
+            f"the tongue of order {order} is closed at drive_amplitude {amplitude:g} m; raise it "
+            "or lower the damping",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return labelled(
+        "tongue_edges",
+        {"low": low, "high": high, "status": status},
+        quantities=QUANTITIES_OF_EDGES,
+        system=system,
+        settings={
+            **told_waveform(problem.template),
+            "drive_amplitude": amplitude,
+            "order": order,
+            "position": position,
+            "method": method,
+        },
+    )
+
+
+def _edges_at_rest(order: int, side: float, damping: float) -> tuple[float, float]:
+    """Return the edges without drive: the tip of a tongue."""
+    if side < 0.0:
+        return (0.0, math.inf) if order == 0 else (math.nan, math.nan)
+    return (2.0 / order, 2.0 / order) if damping == 0.0 else (math.nan, math.nan)

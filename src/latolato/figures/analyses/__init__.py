@@ -1,0 +1,1 @@
+"""The pictures of analyses, one module each with ``draw(dataset)``."""

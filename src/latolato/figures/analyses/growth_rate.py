@@ -1,0 +1,61 @@
+"""The growth rate over the driving frequency, at the amplitude that was asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.analysis import growth_rate
+from latolato.figures import style
+from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.tongues import told
+from latolato.physics.drives import Harmonic, Static
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# Frequencies under a cosine, and under other waveforms.
+_SAMPLES, _FEW_SAMPLES = 161, 81
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the picture of `latolato.analysis.growth_rate`."""
+    about = dataset.attrs
+    system, drive = system_of(dataset), drive_of(dataset)
+    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.0)
+    axes = panels[0, 0]
+    rate, w0 = float(dataset.growth_rate), system.natural_frequency
+    axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
+    if isinstance(drive, Static) or about["drive_frequency"] == 0.0:
+        place = 0.0
+        axes.axhline(rate, color=style.BLUE)
+        axes.set_xlim(0.0, 3.2)
+    else:
+        template: Any = drive
+        place = about["drive_frequency"] / w0
+        plain = isinstance(drive, Harmonic) and about["position"] == "hanging"
+        count = _SAMPLES if plain else _FEW_SAMPLES
+        ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), count)
+        rates = [
+            float(
+                growth_rate(
+                    system,
+                    replace(template, drive_frequency=float(ratio) * w0),
+                    position=about["position"],
+                ).growth_rate
+            )
+            for ratio in ratios
+        ]
+        axes.plot(ratios, rates, color=style.BLUE)
+        axes.fill_between(ratios, 0.0, np.maximum(rates, 0.0), color=style.PALE_BLUE, lw=0.0)
+    axes.plot(place, rate, "o", ms=4.0, color=style.INK, clip_on=False)
+    style.note(axes, f"{rate:.5g} 1/s", (place, rate), (6.0, 0.0))
+    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    axes.set_ylabel(style.label(dataset.growth_rate))
+    names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
+    axes.set_title(f"{about['position']}; {told(about, *names)}")
+    return figure

@@ -1,0 +1,63 @@
+"""Where the upright position is stable, over amplitude and frequency."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis import inverted_limits
+from latolato.figures import style
+from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.tongues import plain_ticks, told
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_SAMPLES = 31
+_ENDS = ("low", "high")
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the picture of `latolato.analysis.inverted_limits`."""
+    about = dataset.attrs
+    system, drive = system_of(dataset), drive_of(dataset)
+    length, place = system.balls[0].length, about["frequency_ratio"]
+    ratios = np.geomspace(min(1.5, 0.6 * place), max(20.0, 1.6 * place), _SAMPLES)
+    limits = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        for ratio in ratios:
+            found = inverted_limits(system, drive, frequency_ratio=float(ratio))
+            limits.append((float(found.low), float(found.high)))
+    low, high = np.array(limits).T / length
+    rod = about.get("connecting_rod_length", math.inf)
+    top = 1.05 * float(np.nanmax([*low, *high, *(float(dataset[n]) / length for n in _ENDS)]))
+    shown = np.where(np.isnan(high) & ~np.isnan(low), min(top, rod / length), high)
+    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
+    axes = panels[0, 0]
+    axes.fill_between(ratios, low, shown, color=style.PALE_BLUE, lw=0.0)
+    axes.plot(ratios, low, color=style.BLUE)
+    axes.plot(ratios, high, color=style.RED)
+    axes.plot(ratios, math.sqrt(2.0) / ratios, color=style.GREY, ls=(0, (4, 3)), lw=style.THIN)
+    style.note(
+        axes, "Kapitza", (float(ratios[-1]), math.sqrt(2.0) / ratios[-1]), (-4, -7), ha="right"
+    )
+    for name in _ENDS:
+        value = float(dataset[name])
+        if math.isfinite(value):
+            axes.plot(place, value / length, "o", ms=4.0, color=style.INK)
+            style.note(axes, f"{value:.5g} m", (place, value / length), (6.0, 6.0))
+    axes.set_xscale("log")
+    axes.set_xlim(float(ratios[0]), float(ratios[-1]))
+    axes.set_ylim(0.0, top)
+    plain_ticks(axes.xaxis)
+    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    axes.set_ylabel("driving amplitude over length $A_0/l$")
+    names = ("length", "mass", "damping", "connecting_rod_length")
+    axes.set_title(f"upright is stable inside; {told(about, *names)}")
+    return figure

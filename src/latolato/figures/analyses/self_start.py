@@ -1,0 +1,57 @@
+"""The amplitude that starts the toy from rest, over the driving frequency."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis import self_start
+from latolato.figures import style
+from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.tongues import plain_ticks, told
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_SAMPLES = 41
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the picture of `latolato.analysis.self_start`."""
+    about = dataset.attrs
+    system, drive = system_of(dataset), drive_of(dataset)
+    place = about["frequency_ratio"]
+    ratios = np.geomspace(0.5 * place, 2.0 * place, _SAMPLES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = [float(self_start(system, float(r), drive).drive_amplitude) for r in ratios]
+    cosine = system.gravity / (ratios * system.natural_frequency) ** 2
+    amplitudes = np.array(found)
+    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.0)
+    axes = panels[0, 0]
+    ceiling = 2.0 * float(np.nanmax([*amplitudes, *cosine]))
+    axes.fill_between(ratios, amplitudes, ceiling, color=style.PALE_RED, lw=0.0)
+    axes.plot(ratios, amplitudes, color=style.RED)
+    if not np.allclose(amplitudes, cosine, equal_nan=True):
+        axes.plot(ratios, cosine, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)))
+        style.note(axes, r"$A_0\omega^2 = g$", (float(ratios[0]), cosine[0]), (6.0, 5.0))
+    amplitude = float(dataset.drive_amplitude)
+    if math.isfinite(amplitude):
+        axes.plot(place, amplitude, "o", ms=4.0, color=style.INK)
+        style.note(axes, f"{amplitude:.5g} m", (place, amplitude), (6.0, 6.0))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(float(ratios[0]), float(ratios[-1]))
+    axes.set_ylim(0.8 * float(np.nanmin([*amplitudes, *cosine])), ceiling / 1.5)
+    plain_ticks(axes.xaxis)
+    plain_ticks(axes.yaxis)
+    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    axes.set_ylabel(style.label(dataset.drive_amplitude))
+    names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
+    axes.set_title(f"leaves rest inside; {told(about, *names)}")
+    return figure

@@ -1,0 +1,106 @@
+"""Tongues over amplitude and frequency, which several pictures share."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.analysis import tongue_edges
+from latolato.figures import style
+from latolato.physics.drives import Drive, Harmonic
+from latolato.physics.pendulum import System
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+_ORDERS = (1, 2, 3)
+_COLOURS = {1: style.BLUE, 2: style.RED, 3: style.GREEN}
+_HALVINGS = 12  # of the amplitude between a closed and an open tongue
+_SAMPLES, _FEW_SAMPLES = 81, 25  # amplitudes under a cosine, and under other waveforms
+
+
+def draw_tongues(
+    axes: Axes, system: System, drive: Drive, *, largest: float, position: str = "hanging"
+) -> None:
+    """Fill the tongues of orders 1 to 3 up to an amplitude [m], over w/w0 and A0/l."""
+    length = system.balls[0].length
+    plain = isinstance(drive, Harmonic) and position == "hanging"
+    amplitudes = np.linspace(0.0, largest, _SAMPLES if plain else _FEW_SAMPLES)[1:]
+    right = 3.2 if position == "hanging" else 12.0
+    for order in _ORDERS if position == "hanging" else (0, 1):
+        rows = [(a, *_edges(system, drive, a, order, position)) for a in amplitudes]
+        first = next((i for i, row in enumerate(rows) if np.isfinite(row[1])), None)
+        if first is None:
+            continue
+        closed = float(amplitudes[first - 1]) if first else 0.0
+        tip = _tip(system, drive, order, position, closed, rows[first])
+        y, low, high = np.array([*tip, *rows[first:]]).T
+        y = y / length
+        colour = _COLOURS.get(order, style.GREY)
+        high = np.minimum(high, 2.0 * right)
+        axes.fill_betweenx(y, low, high, color=colour, alpha=0.18, lw=0.0)
+        for edge in (low, high):
+            axes.plot(edge, y, color=colour, lw=style.LINE)
+        place = (float(np.clip(0.5 * (low[-1] + high[-1]), 0.0, 0.92 * right)), float(y[-1]))
+        style.note(axes, f"n = {order}", place, (0.0, -8.0), ha="center", colour=colour)
+    axes.set_xlim(0.5 if position == "hanging" else 0.0, right)
+    axes.set_ylim(0.0, largest / length)
+    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    axes.set_ylabel("driving amplitude over length $A_0/l$")
+
+
+def _tip(
+    system: System, drive: Drive, order: int, position: str, closed: float, row: tuple[float, ...]
+) -> list[tuple[float, ...]]:
+    """Return rows of amplitude, low and high between a closed amplitude and an open one."""
+    if order == 0:
+        return [(0.0, 0.0, math.inf)]
+    found: list[tuple[float, ...]] = []
+    opened = row[0]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (closed + opened)
+        edges = _edges(system, drive, middle, order, position)
+        if math.isnan(edges[0]):
+            closed = middle
+        else:
+            opened = middle
+            found.insert(0, (middle, *edges))
+    return found
+
+
+def _edges(
+    system: System, drive: Drive, amplitude: float, order: int, position: str
+) -> tuple[float, float]:
+    """Return the edges, NaN where closed, without a word."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = tongue_edges(
+            system, drive, drive_amplitude=float(amplitude), order=order, position=position
+        )
+    return float(found.low), float(found.high)
+
+
+def told(about: Any, *names: str) -> str:
+    """Return parameters other than zero in words, such as ``C = 0.05 kg m/s``."""
+    from latolato.quantities import QUANTITIES
+
+    parts = []
+    for name in names:
+        if about.get(name):
+            quantity = QUANTITIES[name]
+            unit = "" if quantity.unit == "1" else f" {style.pretty_unit(quantity.unit)}"
+            parts.append(f"${quantity.symbol}$ = {about[name]:.4g}{unit}")
+    return ", ".join(parts)
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Write the ticks of a logarithmic axis as plain numbers at 1, 2 and 5."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
