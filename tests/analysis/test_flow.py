@@ -157,3 +157,23 @@ def test_motion_with_rest_has_exponents_of_minus_infinity():
 def test_every_kind_of_deviation_is_registered_but_the_matrix():
     assert {"lyapunov_exponent", "lyapunov_spectrum", "sum_rule_residual"} <= set(observables)
     assert "deviations" not in observables
+
+
+def test_lanes_stretch_deviations_like_single_trajectories():
+    toy = ll.LatoLato(**TOY, damping=0.02, restitution=0.6)
+    asked = {
+        "axes": {"drive_amplitude": [0.05, 0.2, 0.4], "frequency_ratio": [0.5, 1.8, 3.0, 4.5]},
+        "duration": 6.0, "transient": 1.0, "initial_offset": 0.2, "tolerance": 1e-8,
+        "observables": ["lyapunov_spectrum", "sum_rule_residual", "bottom_contacts"],
+    }  # fmt: skip
+    lanes = ll.sweep(toy, executor="threads", **asked)
+    plain = ll.sweep(toy, executor="reference", **asked)
+    assert float(lanes.bottom_contacts.max()) > 3
+    resting = np.isinf(plain.lyapunov_exponents.values)
+    assert np.array_equal(np.isinf(lanes.lyapunov_exponents.values), resting)
+    assert 0 < resting.sum() < resting.size
+    # The tolerance, magnified by the impacts of a few seconds.
+    assert lanes.lyapunov_exponents.values[~resting] == pytest.approx(
+        plain.lyapunov_exponents.values[~resting], abs=1e-5
+    )
+    assert np.max(np.abs(lanes.sum_rule_residual)) < 1e-12

@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 
 from latolato.numerics import lane_rows as r
 from latolato.numerics.flight import Part
+from latolato.numerics.tangent import write_matrix
+from latolato.numerics.watch import Watch
 from latolato.observables import Segment
+from latolato.physics.pendulum import SLOPES
 
 
 class LaneFlight(NamedTuple):
@@ -21,21 +24,25 @@ class LaneFlight(NamedTuple):
     put_back: Callable[..., None]
     count_all: Callable[..., None]
     watch_all: Callable[..., None]
+    follow_all: Callable[..., None]
 
 
 def make_lane_flight(
     restoring: Callable[..., float],
     potential: Callable[..., float],
-    watch_step: Callable[..., None],
+    watch: Watch,
     compile_part: Part | None = None,
     *,
     damped: bool,
     walled: bool,
     works: bool,
+    tangents: bool,
 ) -> LaneFlight:
     """Return the functions of all lanes; the arguments are those of `lanes.make_lanes`."""
     part: Part = compile_part or (lambda function: function)
     copied = 7 if works else 5
+    watch_step, watch_tangent, slope = watch.step, watch.tangent, SLOPES[restoring]
+    first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
 
     @part
     def advance_all(w: Any, table: Any, kicks: Any) -> None:
@@ -44,6 +51,10 @@ def make_lane_flight(
         for row in range(copied):
             for j in range(L):
                 w[(row + r.COPY) * L + j] = w[row * L + j]
+        if tangents:
+            for j in range(L):
+                w[first * L + j] = w[(second + 1) * L + j] = 1.0
+                w[(first + 1) * L + j] = w[second * L + j] = 0.0
         stages = table.shape[0] - 1
         for i in range(stages):
             b = kicks[i]
@@ -55,6 +66,15 @@ def make_lane_flight(
                 change = b * (w[r.G * L + j] + driven) * s
                 if works:
                     w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
+                if tangents:
+                    bend = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                    kept = left[j] if damped else 1.0
+                    v1 = w[(first + 1) * L + j] + bend * w[first * L + j]
+                    v2 = w[(second + 1) * L + j] + bend * w[second * L + j]
+                    w[first * L + j] += v1 * reach[j]
+                    w[second * L + j] += v2 * reach[j]
+                    w[(first + 1) * L + j] = v1 * kept
+                    w[(second + 1) * L + j] = v2 * kept
                 v += change
                 x = w[r.X * L + j] + v * reach[j]
                 w[r.X * L + j] = x
@@ -76,6 +96,10 @@ def make_lane_flight(
             if works:
                 w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
             w[r.V * L + j] = v + change
+            if tangents:
+                bend = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                w[(first + 1) * L + j] += bend * w[first * L + j]
+                w[(second + 1) * L + j] += bend * w[second * L + j]
 
     @part
     def judge_all(w: Any) -> float:
@@ -152,4 +176,19 @@ def make_lane_flight(
             )  # fmt: skip
             watch_step(acc, j, L, segment)
 
-    return LaneFlight(advance_all, judge_all, put_back, count_all, watch_all)
+    @part
+    def follow_all(w: Any, acc: Any, jacobian: Any) -> None:
+        """Show the observables the matrix of every step that was taken."""
+        L = r.LANES
+        for j in range(L):
+            if w[r.TAKEN * L + j] == 0.0:
+                continue
+            h = w[r.H * L + j]
+            matrix = (
+                w[first * L + j], w[second * L + j] * h,
+                w[(first + 1) * L + j] * w[r.PER_H * L + j], w[(second + 1) * L + j],
+            )  # fmt: skip
+            write_matrix(jacobian, 0, matrix)
+            watch_tangent(acc, j, L, 2, h, -w[r.RATE * L + j] * h, jacobian)
+
+    return LaneFlight(advance_all, judge_all, put_back, count_all, watch_all, follow_all)

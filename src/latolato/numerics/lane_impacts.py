@@ -7,20 +7,22 @@ share is taken, and what is missing to the wall is a short glide.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
 from latolato.numerics import lane_rows as r
 from latolato.numerics.bounce import hop, meet_wall
-from latolato.numerics.flight import Law, Part
-from latolato.numerics.many import Points, Progress, Weights
+from latolato.numerics.flight import Law, Method, Part, Point, prepare
+from latolato.numerics.many import Points, Progress, Scratch, Weights
 from latolato.numerics.records import (
     ANGLE_1,
     CAPTURED,
     CONTACT,
     DAMPED,
     IMPACT,
+    MATRIX,
     MODE,
     REST_HIGH,
     REST_LOW,
@@ -29,8 +31,10 @@ from latolato.numerics.records import (
     VELOCITY_1,
     WORK,
 )
+from latolato.numerics.tangent import clear_matrix, write_matrix
+from latolato.numerics.watch import Watch
 from latolato.observables import Segment
-from latolato.physics.contacts import BOTTOM, REST, TOP
+from latolato.physics.contacts import BOTTOM, REST, TOP, wall_saltation
 from latolato.scalar import cosine, formula
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
@@ -80,13 +84,14 @@ def make_lane_impacts(
     rotation: Callable[..., tuple[float, float, float]],
     force: Callable[..., Any],
     store: Callable[..., None],
-    watch_step: Callable[..., None],
-    on_contact: Callable[..., None],
+    tangent: Callable[..., Any],
+    watch: Watch,
     compile_part: Part | None = None,
     *,
     damped: bool,
     works: bool,
     watches: bool,
+    tangents: bool,
 ) -> LaneImpacts:
     """Return the functions of impacts in lanes.
 
@@ -96,13 +101,45 @@ def make_lane_impacts(
         Of `flight.Flight`.
     store : callable
         Writes a lane's motion back to its point.
-    watch_step, on_contact : callable
-        Of `watch.Watch`.
+    tangent : callable
+        Of `tangent.make_tangent`.
+    watch : Watch
+        What observables are shown.
 
     Other parameters are those of `lanes.make_lanes`.
     """
     part: Part = compile_part or (lambda function: function)
     inlined: Part = partial(compile_part, inline=True) if compile_part else part
+    watch_step, on_contact, watch_tangent = watch.step, watch.contact, watch.tangent
+
+    @part
+    def follow_flight(
+        acc: Any, j: int, t: float, x: float, v: float, hs: float, law: Law, weights: Weights,
+        scratch: Scratch,
+    ) -> None:  # fmt: skip
+        """Show the observables the matrix of a part of a step."""
+        jacobian = scratch.space[MATRIX]
+        method = Method(scratch.tables[1], weights.kicks, weights.drifts, weights.nodes)
+        prepare(method, hs, law.body.rate)
+        a, driven, lift = force(t, x, 1.0, law)
+        point = Point(t, x, v, a, driven, lift)
+        write_matrix(jacobian, 0, tangent(point, 1.0, method.table, law))
+        watch_tangent(acc, j, r.LANES, 2, hs, -law.body.rate * hs, jacobian)
+
+    @part
+    def follow_impact(
+        acc: Any, j: int, before: float, after: float, rests: bool, free: float, rate: float,
+        restitution: float, scratch: Scratch,
+    ) -> None:  # fmt: skip
+        """Show the observables the matrix of an impact; rest forgets all."""
+        jacobian = scratch.space[MATRIX]
+        clear_matrix(jacobian, 2)
+        spread = -math.inf
+        if not rests and before != 0.0:
+            pulls = free - rate * before, free - rate * after
+            write_matrix(jacobian, 0, wall_saltation(before, after, pulls[0], pulls[1]))
+            spread = 2.0 * math.log(restitution) if restitution > 0.0 else -math.inf
+        watch_tangent(acc, j, r.LANES, 2, 0.0, spread, jacobian)
 
     @inlined
     def is_impact(j: int, w: Any) -> bool:
@@ -270,7 +307,7 @@ def make_lane_impacts(
     @inlined
     def rebound(
         e: int, j: int, k: int, stop: float, w: Any, z: Any, acc: Any, points: Points,
-        progress: Progress,
+        weights: Weights, scratch: Scratch, progress: Progress,
     ) -> None:  # fmt: skip
         """Let the ball of lane j rebound from the impact of column e; write the state of point k.
 
@@ -307,11 +344,17 @@ def make_lane_impacts(
             )  # fmt: skip
             watch_step(acc, j, L, segment)
         law = Law(settings.gravity, body, points.stretches[points.firsts[k]])
+        if tangents:
+            x0, v0 = z[_IX0 * E + e], z[_IV0 * E + e] * per_h
+            follow_flight(acc, j, t0, x0, v0, t - t0, law, weights, scratch)
         while True:
             force_now, _, _ = force(t, wall, 1.0, law)
             after, impact, caught, rests = meet_wall(
                 before, -force_now * far, settings.restitution, settings.rest_speed, 0.0
             )
+            if tangents:
+                e_now = settings.restitution
+                follow_impact(acc, j, before, after, rests, force_now, body.rate, e_now, scratch)
             captures = rests and impact == 0.0
             kind = REST if captures else (BOTTOM if far < 0.0 else TOP)
             on_contact(acc, j, L, t, kind, before, after, abs(before))
@@ -339,6 +382,10 @@ def make_lane_impacts(
                     0.5 * after * after + level, 0.5 * back * back + level, p0, p1, 0.0,
                 )  # fmt: skip
                 watch_step(acc, j, L, segment)
+            if tangents:
+                jacobian = scratch.space[MATRIX]
+                write_matrix(jacobian, 0, (1.0, short, 0.0, 1.0))
+                watch_tangent(acc, j, L, 2, short, 0.0, jacobian)
             t, before = t + short, far * back
         state[k, T_BASE], state[k, ANGLE_1], state[k, VELOCITY_1] = t, wall, after
         counters[k, STEPS] = 0

@@ -19,7 +19,9 @@ T, N, HALT = 17, 18, 19  # start of the step pattern [s], steps since, steps unt
 H, PER_H, RATE = 20, 21, 22  # step [s], its inverse, rate of the drag
 TAKEN = 23  # 1 where the full step is taken, 0 where the lane is put back
 X1, V1, A1 = 24, 25, 26  # end of a step that is not taken, in radians and seconds
-ROWS = 27
+# The matrix of a step, in radians and steps: what starts as a unit of angle, and of velocity.
+ANGLE_OF_ANGLE, VELOCITY_OF_ANGLE, ANGLE_OF_VELOCITY, VELOCITY_OF_VELOCITY = 27, 28, 29, 30
+ROWS = 31
 
 # Rows of the step's table: for each kick cosine and sine of the drive's turn since the start of the
 # step, for each drift its reach and what it leaves of the velocity.

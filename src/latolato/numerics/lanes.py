@@ -37,12 +37,14 @@ from latolato.numerics.records import (
     CONTACT,
     DAMPED,
     FLIGHT,
+    MATRIX,
     MODE,
     STEPS,
     T_BASE,
     VELOCITY_1,
     WORK,
 )
+from latolato.numerics.tangent import make_tangent
 from latolato.numerics.watch import Hooks, make_watch
 from latolato.physics.damping import decay_time
 from latolato.scalar import cosine, sine
@@ -81,10 +83,11 @@ def make_lanes(
     inlined: Part = partial(compile_part, inline=True) if compile_part else part
     laws = (acceleration, restoring, potential)
     carry_to, is_over, arrive, time_of = make_steering(make, laws, compile_part, hooks)
-    watch, watches = make_watch(hooks, compile_part), bool(hooks[0])
-    advance_all, judge_all, put_back, count_all, watch_all = make_lane_flight(
-        restoring, potential, watch.step, compile_part, damped=damped, walled=walled, works=works
-    )
+    watch, watches, tangents = make_watch(hooks, compile_part), bool(hooks[0]), bool(hooks[4])
+    advance_all, judge_all, put_back, count_all, watch_all, follow_all = make_lane_flight(
+        restoring, potential, watch, compile_part,
+        damped=damped, walled=walled, works=works, tangents=tangents,
+    )  # fmt: skip
 
     @inlined
     def turn_phase(j: int, k: int, w: Any, points: Points) -> None:
@@ -145,12 +148,13 @@ def make_lanes(
         rotation,
         make_flight(acceleration, restoring, compile_part).force,
         store,
-        watch.step,
-        watch.contact,
+        make_tangent(acceleration, restoring, compile_part),
+        watch,
         compile_part,
         damped=damped,
         works=works,
         watches=watches,
+        tangents=tangents,
     )
 
     @part
@@ -269,7 +273,7 @@ def make_lanes(
             w[r.TAKEN * r.LANES + j] = 1.0  # seen to, for this turn
             if z[DONE * E + e] > 0.0:
                 stop = points.stops[k, index[j]]
-                rebound(e, j, k, stop, w, z, acc, points, progress)
+                rebound(e, j, k, stop, w, z, acc, points, weights, scratch, progress)
                 flies = progress.counters[k, MODE] == FLIGHT
                 if flies and progress.counters[k, CONTACT] < points.contact_limit:
                     load(j, k, stop, w, points, progress)
@@ -309,6 +313,8 @@ def make_lanes(
                 put_back(w)
             if watches:
                 watch_all(w, acc)
+            if tangents:
+                follow_all(w, acc, scratch.space[MATRIX])
             count_all(w)
             if not some:
                 continue

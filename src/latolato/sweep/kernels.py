@@ -101,15 +101,15 @@ def run_fastest(
 def has_lanes(plan: Plan) -> bool:
     """Return whether the plan's points can run in SIMD lanes.
 
-    One ball with linear drag under a drive whose phase rotates, without noise; slack and small
-    deviations are followed by single trajectories only.
+    One ball with linear drag under a drive whose phase rotates, without noise; slack is followed
+    by single trajectories only.
     """
     return (
         is_arithmetic(plan)
         and is_smooth(plan)
         and plan.drive.rotation is not None
         and not isinstance(plan.contact, Clamp)
-        and not any("slack" in o.needs or o.tangent is not None for o in plan.observables)
+        and not any("slack" in o.needs for o in plan.observables)
     )
 
 
