@@ -1,5 +1,6 @@
 """Exact solutions and tools that read more out of a motion than its samples."""
 
+from latolato.analysis.activation_time import activation_time
 from latolato.analysis.closed_forms import (
     MathieuParameters,
     collision_times,
@@ -31,6 +32,7 @@ from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "MathieuParameters",
+    "activation_time",
     "analyses",
     "collision_times",
     "continue_orbit",
