@@ -28,6 +28,7 @@ from latolato.analysis.registry import analyses
 from latolato.analysis.self_start import self_start
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold_amplitude import threshold_amplitude
+from latolato.analysis.time_crystal import time_crystal
 from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
@@ -54,6 +55,7 @@ __all__ = [
     "pair_symmetry",
     "self_start",
     "threshold_amplitude",
+    "time_crystal",
     "tongue_edges",
     "undriven_motion",
     "undriven_period",
