@@ -136,6 +136,7 @@ QUANTITIES: dict[str, Quantity] = {
     # analyses
     "first_passage": Quantity("s", "t_1", "time of the first passage through the threshold"),
     "threshold_angle": Quantity("rad", r"\theta_{thr}", "threshold angle"),
+    "dwell_time": Quantity("s", "t_d", "time for which a driving frequency is held"),
     # noise
     "noise_strength": Quantity("rad/s^(3/2)", r"\sigma", "strength of velocity noise"),
     "noise_interval": Quantity("s", "t_n", "time between velocity kicks"),

@@ -22,8 +22,10 @@ from latolato.analysis.closed_forms import (
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.floquet import floquet
 from latolato.analysis.growth_rate import growth_rate
+from latolato.analysis.hysteresis import hysteresis
 from latolato.analysis.inverted_limits import inverted_limits
 from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses
 from latolato.analysis.self_start import self_start
 from latolato.analysis.symmetry import pair_symmetry
@@ -33,6 +35,7 @@ from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "MathieuParameters",
+    "Protocol",
     "activation_time",
     "analyses",
     "collision_times",
@@ -45,6 +48,7 @@ __all__ = [
     "floquet",
     "fold_angle",
     "growth_rate",
+    "hysteresis",
     "impact_angular_velocity",
     "inverted_limits",
     "lyapunov_spectrum",
