@@ -28,6 +28,7 @@ from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses
 from latolato.analysis.self_start import self_start
+from latolato.analysis.shortest_protocol import shortest_protocol
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold_amplitude import threshold_amplitude
 from latolato.analysis.time_crystal import time_crystal
@@ -58,6 +59,7 @@ __all__ = [
     "mathieu_tongue_edges",
     "pair_symmetry",
     "self_start",
+    "shortest_protocol",
     "threshold_amplitude",
     "time_crystal",
     "tongue_edges",

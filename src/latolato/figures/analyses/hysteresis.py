@@ -55,6 +55,8 @@ def _draw_loop(row: xr.Dataset, axis: Axes) -> None:
         )
         jump = float(row.jump_ratio.sel(direction=way))
         if math.isfinite(jump):
-            axis.axvline(jump, color=_COLOURS[way], lw=style.THIN, ls=(0, (3, 3)), zorder=0)
+            text = f"largest jump {way}"
+            dashes = (0, (3, 3))
+            axis.axvline(jump, color=_COLOURS[way], lw=style.THIN, ls=dashes, zorder=0, label=text)
     axis.set_xlim(ratio[0], ratio[-1])
     axis.set_ylim(0.0, None)
