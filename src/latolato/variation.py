@@ -282,6 +282,7 @@ def _changed(changes: Mapping[str, Mapping[str, Any]]) -> list[str]:
         for name, value in changes.get(part, {}).items():
             nested = isinstance(value, Mapping)
             found += [f"{name}_{inner}" for inner in value] if nested else [name]
+    found += [f"noise_{name}" for name in changes.get("noise", {})]
     return found + [name + side for name in found for side in _SIDES if name in QUANTITIES]
 
 

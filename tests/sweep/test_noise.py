@@ -10,6 +10,7 @@ import latolato as ll
 from latolato.physics.noise import BOLTZMANN
 from latolato.start import kicks_of
 from latolato.sweep.plan import make_plan
+from latolato.variation import known_quantities, merged_axes
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.16)
@@ -159,3 +160,10 @@ def test_thermal_kicks_give_each_square_half_of_the_heat():
     for energy in (kinetic, potential):
         # the square of a normal number scatters by 2^(1/2) of its mean; four standard errors
         assert energy.mean() == pytest.approx(0.5 * heat, rel=4.0 * math.sqrt(2.0 / count))
+
+
+def test_scenarios_and_options_know_the_noise_axes():
+    for name in ("strength", "seed", "stream", "interval"):
+        assert f"noise_{name}" in known_quantities("pendulum", None)
+    with pytest.raises(ValueError, match="noise_stream is given as a value and varied along axis"):
+        merged_axes({}, {"noise_stream": (0.0, 1.0)}, {"noise": {"stream": 3}})
