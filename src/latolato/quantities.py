@@ -133,10 +133,15 @@ QUANTITIES: dict[str, Quantity] = {
     "crossings": Quantity("1", "N", "passages through the crossing angle"),
     "crossing_angle": Quantity("rad", r"\theta_x", "crossing angle"),
     "growth_rate": Quantity("1/s", r"\mu", "exponential growth rate"),
+    # analyses
+    "first_passage": Quantity("s", "t_1", "time of the first passage through the threshold"),
+    "threshold_angle": Quantity("rad", r"\theta_{thr}", "threshold angle"),
+    "dwell_time": Quantity("s", "t_d", "time for which a driving frequency is held"),
     # noise
     "noise_strength": Quantity("rad/s^(3/2)", r"\sigma", "strength of velocity noise"),
     "noise_interval": Quantity("s", "t_n", "time between velocity kicks"),
     "noise_seed": Quantity("1", "s_n", "seed of the velocity kicks"),
+    "noise_stream": Quantity("1", "k_n", "random stream of the velocity kicks"),
 }
 
 

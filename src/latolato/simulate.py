@@ -453,6 +453,7 @@ def _attributes(
             noise_strength=noise.strength,
             noise_interval=noise.spacing(system),
             noise_seed=noise.seed,
+            noise_stream=noise.stream,
         )
     attributes["scenario"] = json.dumps(scenario)
     return attributes

@@ -121,7 +121,7 @@ def checked_start(
 def kicks_of(
     noise: VelocityKicks | None, system: System, end: float
 ) -> tuple[Floats | None, Floats | None]:
-    """Return instants and sizes of the velocity kicks."""
+    """Return instants and sizes of the velocity kicks; equal for equal seed and stream."""
     if noise is None:
         return None, None
     if not isinstance(noise, VelocityKicks):
@@ -134,5 +134,8 @@ def kicks_of(
         )
     count = int(end / spacing)
     instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)
-    normal = np.random.default_rng(noise.seed).standard_normal((count, system.angles)).T
+    generator = np.random.Generator(
+        np.random.Philox(key=np.array([noise.seed, noise.stream], dtype=np.uint64))
+    )
+    normal = generator.standard_normal((count, system.angles)).T
     return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from latolato.physics.drives import drives
+from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.quantities import ANY, QUANTITIES, Quantity
 from latolato.registry import checked_number, describe, number_fields, suggest
@@ -58,7 +59,7 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
             found[name + side] = QUANTITIES[name]
     if system != "ballpair":
         found["initial_offset"] = QUANTITIES["initial_offset"]
-    return found
+    return found | {f"noise_{f.name}": f.metadata["quantity"] for f in number_fields(VelocityKicks)}
 
 
 def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[str, Any]:
@@ -281,6 +282,7 @@ def _changed(changes: Mapping[str, Mapping[str, Any]]) -> list[str]:
         for name, value in changes.get(part, {}).items():
             nested = isinstance(value, Mapping)
             found += [f"{name}_{inner}" for inner in value] if nested else [name]
+    found += [f"noise_{name}" for name in changes.get("noise", {})]
     return found + [name + side for name in found for side in _SIDES if name in QUANTITIES]
 
 

@@ -59,6 +59,8 @@ def test_thermal_noise_needs_a_system():
         ({"strength": 1, "seed": 1.5}, "seed must be a non-negative integer, got 1.5"),
         ({"strength": 1, "seed": -1}, "seed must be a non-negative integer, got -1"),
         ({"strength": 1, "seed": 2**63}, "seed must lie in [0, 2^63), got 9223372036854775808"),
+        ({"strength": 1, "stream": True}, "stream must be a non-negative integer, got True"),
+        ({"strength": 1, "stream": 2**53}, "stream must lie in [0, 2^53), got 9007199254740992"),
     ],
 )
 def test_wrong_parameters_are_refused(options, message):

@@ -1,6 +1,6 @@
 """Observables that tests of sweeps gather together, so that their kernels are compiled once."""
 
-from latolato.observables import Stroboscope
+from latolato.observables import FirstPassage, Stroboscope
 
 # Without a drive there are no periods to sample.
 WITHOUT_PERIODS = (
@@ -11,6 +11,7 @@ WITHOUT_PERIODS = (
     "largest_angle_after_transient",
     "motion_class",
     "self_start",
+    FirstPassage(threshold_angle=1.2),
     "bottom_contacts",
     "top_contacts",
     "impact_speed",

@@ -5,9 +5,17 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
 
 import latolato as ll
-from latolato.observables import Crossings, MotionClass, SelfStart, Stroboscope, observables
+from latolato.observables import (
+    Crossings,
+    MotionClass,
+    SelfStart,
+    Stroboscope,
+    observables,
+)
 from latolato.observables.hermite import quintic, turning_angle
 from watched import ALL
 
@@ -111,6 +119,19 @@ def sign_changes(values):
     return np.count_nonzero(np.diff(np.signbit(values)))
 
 
+def first_passage(t, x, v, level):
+    """The first instant at which |x| is at the level, on cubics between samples."""
+    if abs(x[0]) >= level:
+        return 0.0
+    beyond = np.flatnonzero(np.abs(x) >= level)
+    if not beyond.size:
+        return math.nan
+    part = slice(beyond[0] - 1, beyond[0] + 1)
+    side = np.sign(x[beyond[0]])
+    cubic = CubicHermiteSpline(t[part], side * x[part], side * v[part])
+    return brentq(lambda u: cubic(u) - level, t[part][0], t[part][1], xtol=1e-14)
+
+
 def by_hand(name, begin):
     """Every variable from the dense run, arrays over the ball; only what a run tells."""
     run, weights = dense_run(name, begin)
@@ -140,6 +161,7 @@ def by_hand(name, begin):
         for a, b in zip(found["largest_angle"], found["largest_angle_after_transient"], strict=True)
     ]
     found["self_start"] = np.max(np.abs(x - x[:, :1]), axis=1) > 0.01
+    found["first_passage"] = [first_passage(t, *a, 1.2) for a in zip(x, v, strict=True)]
     for side in ("bottom", "top"):
         found[f"{side}_contacts"] = [np.count_nonzero((kind == side) & (when >= begin))] * balls
     hits = np.isin(kind, ("bottom", "top")) & (when >= begin)

@@ -65,6 +65,7 @@ CHANGES = {
     "contact_limit": {"contact_limit": 10},
     "noise": {"noise": ll.VelocityKicks(strength=0.1, seed=1)},
     "seed": {"noise": ll.VelocityKicks(strength=0.1, seed=2)},
+    "stream": {"noise": ll.VelocityKicks(strength=0.1, seed=1, stream=1)},
     "continuation": {"continuation": "drive_frequency"},
     "direction": {"continuation": "drive_frequency", "direction": "down"},
     "both": {"continuation": "drive_frequency", "direction": "both"},

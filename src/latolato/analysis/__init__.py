@@ -1,5 +1,6 @@
 """Exact solutions and tools that read more out of a motion than its samples."""
 
+from latolato.analysis.activation_time import activation_time
 from latolato.analysis.closed_forms import (
     MathieuParameters,
     collision_times,
@@ -21,16 +22,22 @@ from latolato.analysis.closed_forms import (
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.floquet import floquet
 from latolato.analysis.growth_rate import growth_rate
+from latolato.analysis.hysteresis import hysteresis
 from latolato.analysis.inverted_limits import inverted_limits
 from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses
 from latolato.analysis.self_start import self_start
+from latolato.analysis.shortest_protocol import shortest_protocol
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold_amplitude import threshold_amplitude
+from latolato.analysis.time_crystal import time_crystal
 from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "MathieuParameters",
+    "Protocol",
+    "activation_time",
     "analyses",
     "collision_times",
     "continue_orbit",
@@ -42,6 +49,7 @@ __all__ = [
     "floquet",
     "fold_angle",
     "growth_rate",
+    "hysteresis",
     "impact_angular_velocity",
     "inverted_limits",
     "lyapunov_spectrum",
@@ -51,7 +59,9 @@ __all__ = [
     "mathieu_tongue_edges",
     "pair_symmetry",
     "self_start",
+    "shortest_protocol",
     "threshold_amplitude",
+    "time_crystal",
     "tongue_edges",
     "undriven_motion",
     "undriven_period",

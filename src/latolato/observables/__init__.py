@@ -26,12 +26,14 @@ from latolato.observables.final import (
     Stroboscope,
     Works,
 )
+from latolato.observables.passage import FirstPassage
 
 __all__ = [
     "BottomContacts",
     "Crossings",
     "FinalAngle",
     "FinalAngularVelocity",
+    "FirstPassage",
     "ImpactSpeed",
     "LargestAngle",
     "LargestAngleAfterTransient",

@@ -11,6 +11,9 @@ from latolato.registry import checked_number, number_fields
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
 LARGEST_SEED = 2**63 - 1  # the largest integer attribute of a NetCDF file
+LARGEST_STREAM = 2**53 - 1  # values along the axes of a sweep are floats
+# The whole numbers that say which random sequence is drawn, with the powers of 2 they lie below.
+KEY = {"seed": 63, "stream": 53}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,40 +21,54 @@ class VelocityKicks:
     """Kicks of standard deviation ``strength sqrt(interval)``: white noise in the acceleration.
 
     The kicks come at fixed instants whatever the step, so that a seed gives the same noise at
-    every tolerance.
+    every tolerance. They are drawn by a counter-based generator (Philox 4x64; Salmon et al., 2011,
+    *Parallel random numbers: as easy as 1, 2, 3*) with the key (seed, stream): every stream of
+    every seed is an independent sequence that needs no other one to be drawn first, and a longer
+    run begins with the kicks of a shorter one.
 
     Parameters
     ----------
     strength : float
         Noise strength sigma [rad/s^(3/2)]; the velocity variance grows by sigma^2 per second.
     seed : int
-        Seed of NumPy's PCG64 generator, in [0, 2^63).
+        First half of the generator's key, in [0, 2^63).
+    stream : int
+        Second half, in [0, 2^53): which of a seed's independent sequences. A sweep gives its
+        point k the stream ``stream + k``.
     interval : float, optional
         Time between kicks [s]; by default 1/50 of the natural period of the right ball.
     """
 
     strength: float = quantity_field("noise_strength", NON_NEGATIVE)
     seed: int = quantity_field("noise_seed", Range(0, LARGEST_SEED), default=0, suggested=(0, 100))
+    stream: int = quantity_field(
+        "noise_stream", Range(0, LARGEST_STREAM), default=0, suggested=(0, 100)
+    )
     interval: float | None = quantity_field(
         "noise_interval", POSITIVE, default=None, suggested=(1e-3, 0.1)
     )
 
     def __post_init__(self) -> None:
-        seed: object = self.seed  # callers may hand over anything
-        if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-            raise ValueError(f"seed must be a non-negative integer, got {seed!r}")
-        if seed > LARGEST_SEED:
-            raise ValueError(f"seed must lie in [0, 2^63), got {seed}; files hold no larger one")
+        for name, power in KEY.items():
+            number: object = getattr(self, name)  # callers may hand over anything
+            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
+                raise ValueError(f"{name} must be a non-negative integer, got {number!r}")
+            if number >= 2**power:
+                raise ValueError(
+                    f"{name} must lie in [0, 2^{power}), got {number}; files hold no larger one"
+                )
         for field in number_fields(self):
             value = getattr(self, field.name)
-            if field.name == "seed" or (value is None and field.default is None):
+            if field.name in KEY or (value is None and field.default is None):
                 continue
             unit = field.metadata["quantity"].unit
-            number = checked_number(field.name, value, field.metadata["range"], unit)
-            object.__setattr__(self, field.name, number)
+            checked = checked_number(field.name, value, field.metadata["range"], unit)
+            object.__setattr__(self, field.name, checked)
 
     @classmethod
-    def thermal(cls, system: System, *, temperature: float, seed: int = 0) -> VelocityKicks:
+    def thermal(
+        cls, system: System, *, temperature: float, seed: int = 0, stream: int = 0
+    ) -> VelocityKicks:
         """Return the noise that balances the right ball's linear damping at `temperature` [K].
 
         Fluctuation-dissipation: ``sigma^2 = 2 gamma k_B T/(m l^2)``, ``gamma = C/(m l)``.
@@ -62,7 +79,8 @@ class VelocityKicks:
         ball = system.balls[0]
         rate = ball.damping / (ball.mass * ball.length)
         inertia = ball.mass * ball.length**2
-        return cls(strength=math.sqrt(2.0 * rate * BOLTZMANN * temperature / inertia), seed=seed)
+        strength = math.sqrt(2.0 * rate * BOLTZMANN * temperature / inertia)
+        return cls(strength=strength, seed=seed, stream=stream)
 
     def spacing(self, system: System) -> float:
         """Return the time between kicks [s]."""

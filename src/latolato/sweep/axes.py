@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, get_type_hints
 
 import numpy as np
 
 from latolato.physics.drives import Drive
+from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.quantities import ANY, NON_NEGATIVE, QUANTITIES, Quantity, Range
 from latolato.registry import checked_number, number_fields, suggest
@@ -27,8 +28,9 @@ class Parameter:
 
     quantity: Quantity
     allowed: Range
-    owner: str  # system, drive or run
+    owner: str  # system, drive, noise or run
     path: tuple[str, ...]  # where its value stands below the owner
+    whole: bool = False  # only whole numbers
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,10 @@ class Axis:
         return len(self.values[0])
 
 
-def parameters_of(system: System, drive: Drive) -> dict[str, Parameter]:
-    """Return everything that a sweep of this system and drive can vary, by name."""
+def parameters_of(
+    system: System, drive: Drive, noise: VelocityKicks | None = None
+) -> dict[str, Parameter]:
+    """Return everything that a sweep of this system, drive and noise can vary, by name."""
     found: dict[str, Parameter] = {}
     hints = get_type_hints(type(system))
     for field in fields(system):
@@ -71,6 +75,13 @@ def parameters_of(system: System, drive: Drive) -> dict[str, Parameter]:
     if isinstance(system, LatoLato):
         offset = QUANTITIES["initial_offset"]
         found["initial_offset"] = Parameter(offset, NON_NEGATIVE, "run", ("initial_offset",))
+    if noise is not None:
+        for field in number_fields(noise):
+            parameter = _of_field(field, "noise", (field.name,))
+            if field.name in KEY:
+                # Floats hold every whole number up to here, also of seeds.
+                parameter = replace(parameter, allowed=Range(0, LARGEST_STREAM), whole=True)
+            found[f"noise_{field.name}"] = parameter
     return found
 
 
@@ -136,7 +147,11 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
         raise ValueError(f"axis {name} has no values: a sweep needs at least one point")
     if isinstance(values[0], list):
         raise ValueError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
-    return tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
+    numbers = tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
+    for number in numbers:
+        if parameter.whole and not number.is_integer():
+            raise ValueError(f"{name} must be a whole number, got {number:g}")
+    return numbers
 
 
 def _check_conflicts(axes: list[Axis]) -> None:

@@ -16,16 +16,25 @@ from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, Static, drives
-from latolato.physics.noise import VelocityKicks
+from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
-from latolato.registry import checked_count, checked_number, describe, rebuild, suggest
+from latolato.registry import (
+    checked_count,
+    checked_number,
+    describe,
+    number_fields,
+    rebuild,
+    suggest,
+)
 from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
 from latolato.sweep.axes import Axis, Parameter, checked_axes, parameters_of
 
 DIRECTIONS = ("up", "down", "both")
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 STORE_FORMAT = 1
+# Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
+_KICKS_OF_A_CHUNK = 4_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +82,14 @@ class Plan:
     def varied(self) -> set[str]:
         """Names of the parameters that vary, derived ones by their own name."""
         return {name for axis in self.axes for name in axis.parameters}
+
+    @property
+    def own_streams(self) -> bool:
+        """Whether each point has its own random stream, counted from that of the noise.
+
+        Where an axis says seed or stream, points that differ in other parameters see equal kicks.
+        """
+        return self.noise is not None and not self.varied & {f"noise_{name}" for name in KEY}
 
     @property
     def size(self) -> int:
@@ -229,8 +246,12 @@ def make_plan(
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
     if not isinstance(system, System):
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
-    drive = _drive_for(system, drive, axes)
-    known = parameters_of(system, drive)
+    if noise is not None and not isinstance(noise, VelocityKicks):
+        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+    asked = _names_in(axes)
+    noise = _noise_for(noise, asked)
+    drive = _drive_for(system, drive, asked, noise)
+    known = parameters_of(system, drive, noise)
     found = checked_axes(axes, known)
     varied = {name for axis in found for name in axis.parameters}
     length = checked_number("duration", duration, POSITIVE, "s")
@@ -252,8 +273,6 @@ def make_plan(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
         )
     law = checked_contact(contact, system)
-    if noise is not None and not isinstance(noise, VelocityKicks):
-        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
     for observable in watched:
         if observable.angles not in (0, system.angles):
             raise ValueError(
@@ -292,23 +311,53 @@ def make_plan(
         direction=direction,
         chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
     )
+    if noise is not None and plan.own_streams and noise.stream + plan.size > LARGEST_STREAM:
+        raise ValueError(
+            f"{plan.size} points need as many streams from {noise.stream} on, but streams lie in "
+            "[0, 2^53): begin with a smaller one"
+        )
     if chunk_size is None:
         # Small enough for several workers and for progress, large enough to fill SIMD lanes.
-        plan = replace(plan, chunk_size=min(max(plan.size // 4, 256), 4096))
+        size = min(max(plan.size // 4, 256), 4096)
+        if noise is not None:
+            kicks = max(1.0, length / noise.spacing(system) * system.angles)
+            size = int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
+        plan = replace(plan, chunk_size=size)
     return plan
 
 
-def _drive_for(system: System, drive: Drive | None, axes: Any) -> Drive:
-    """Return the drive, a harmonic one if there is none but the axes vary one."""
-    if drive is not None or not isinstance(axes, Mapping):
-        return checked_drive(drive)
+def _names_in(axes: Any) -> set[str]:
+    """Return the names of the parameters that axes vary, before they are checked."""
     varied: set[str] = set()
-    for name, values in axes.items():
-        varied |= set(values) if isinstance(values, Mapping) else {name}
+    if isinstance(axes, Mapping):
+        for name, values in axes.items():
+            varied |= set(values) if isinstance(values, Mapping) else {name}
+    return varied
+
+
+def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
+    """Return the noise, some of it if there is none but the axes vary its strength."""
+    kicks = VelocityKicks(strength=0.0)
+    asked = sorted(varied & {f"noise_{f.name}" for f in number_fields(kicks)})
+    if noise is not None or not asked:
+        return noise
+    if "noise_strength" in asked:
+        return kicks
+    raise ValueError(
+        f"axis {asked[0]} needs noise: give VelocityKicks(strength=...) or an axis noise_strength"
+    )
+
+
+def _drive_for(
+    system: System, drive: Drive | None, varied: set[str], noise: VelocityKicks | None
+) -> Drive:
+    """Return the drive, a harmonic one if there is none but the axes vary one."""
+    if drive is not None:
+        return checked_drive(drive)
     amplitudes = {"drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"}
     frequencies = {"drive_frequency", "frequency_ratio"}
     harmonic = Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
-    known = parameters_of(system, harmonic)
+    known = parameters_of(system, harmonic, noise)
     for name in varied:
         if name not in known:
             raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")

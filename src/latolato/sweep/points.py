@@ -31,6 +31,7 @@ from latolato.numerics.records import BODY, SETTINGS
 from latolato.numerics.steppers import Stepper
 from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.drives import Drive, Harmonic, Static
+from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import Ball, LatoLato, System, restoring_linear
 from latolato.simulate import MOST_STEPS
 from latolato.start import ON_WALL, checked_start, kicks_of, walls_of
@@ -101,17 +102,20 @@ def stepper_of(plan: Plan) -> Stepper:
 
 def columns_of(plan: Plan, index: NDArray[np.int64]) -> Columns:
     """Return every parameter of the points with these numbers, arrays of shape (point,)."""
-    known = parameters_of(plan.system, plan.drive)
+    known = parameters_of(plan.system, plan.drive, plan.noise)
     owners = {"system": plan.system, "drive": plan.drive}
     columns: Columns = {}
     for name, parameter in known.items():
-        if parameter.owner == "run" or name in DERIVED:
+        if parameter.owner not in owners or name in DERIVED:
             continue
         value: Any = owners[parameter.owner]
         for part in parameter.path:
             value = getattr(value, part)
         columns[name] = np.full(len(index), value)
     columns |= {name: np.full(len(index), value) for name, value in plan.start}
+    if plan.own_streams:
+        assert plan.noise is not None
+        columns["noise_stream"] = (plan.noise.stream + index).astype(np.float64)
     place = dict(zip(plan.dims, np.unravel_index(index, plan.shape), strict=True))
     for axis in plan.axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
@@ -144,6 +148,18 @@ def make_batch(
         columns["drive_phase"] = previous.phase
     build = _from_columns if is_arithmetic(plan) else _from_objects
     return build(plan, columns, stepper, previous)
+
+
+def _noise(plan: Plan, columns: Columns, k: int) -> VelocityKicks | None:
+    """Return the noise of one point."""
+    if plan.noise is None:
+        return None
+    values: dict[str, Any] = {}
+    for field in ("strength", "interval", *KEY):
+        if f"noise_{field}" in columns:
+            value = columns[f"noise_{field}"][k]
+            values[field] = int(value) if field in KEY else float(value)
+    return replace(plan.noise, **values)
 
 
 def transient_of(plan: Plan, columns: Columns) -> Floats:
@@ -188,7 +204,7 @@ def _from_columns(
     """Return points whose laws are arithmetic, whole columns at once."""
     c = SimpleNamespace(**columns)
     count = len(c.length)
-    known = parameters_of(plan.system, plan.drive)
+    known = parameters_of(plan.system, plan.drive, plan.noise)
     valid = np.ones(count, dtype=bool)
     for name in columns.keys() & known.keys():
         valid &= np.isfinite(columns[name]) & known[name].allowed.holds(columns[name])
@@ -280,14 +296,14 @@ def _objects(
     plan: Plan, columns: Columns, k: int, stepper: Stepper, previous: Previous | None
 ) -> tuple[System, Drive, Any, tuple[float, float], float]:
     """Return system, drive, start, walls and step of one point, built like those of a run."""
-    known = parameters_of(plan.system, plan.drive)
+    known = parameters_of(plan.system, plan.drive, plan.noise)
     changed: dict[str, dict[str, Any]] = {"system": {}, "drive": {}}
     for name in plan.varied | (
         {"drive_phase"} if previous and previous.phase is not None else set()
     ):
         target = DERIVED.get(name, name)
         parameter = known[target]
-        if parameter.owner == "run":
+        if parameter.owner not in changed:
             continue
         value = float(columns[target][k])
         if len(parameter.path) == 2:
@@ -393,7 +409,7 @@ def _from_objects(
         starts.append(known[2])
         jumps.append(known[3])
         firsts[k + 1] += len(known[2])
-        instants, sizes = kicks_of(plan.noise, system, plan.duration)
+        instants, sizes = kicks_of(_noise(plan, columns, k), system, plan.duration)
         if instants is not None and sizes is not None:
             kick_times.append(instants)
             kick_sizes.append(sizes)

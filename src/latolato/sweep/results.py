@@ -57,7 +57,7 @@ def template(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any, float | int]]:
 
 def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
     """Return the attributes of every variable and coordinate."""
-    known = parameters_of(plan.system, plan.drive)
+    known = parameters_of(plan.system, plan.drive, plan.noise)
     quantities = {p: known[p].quantity for axis in plan.axes for p in axis.parameters}
     per_ball = plan.system.angles == 2 or isinstance(plan.system, LatoLato)
     found: dict[str, dict[str, Any]] = {}
@@ -124,6 +124,12 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     for name in ("duration", "transient", "transient_periods", "tolerance", "rest_speed"):
         flat[name] = described[name]
     flat["contact"] = described["contact"]["kind"]
+    if plan.noise is not None:
+        for name, value in described["noise"].items():
+            if value is not None:
+                flat[f"noise_{name}"] = value
+        if plan.own_streams:
+            flat["noise_streams"] = "noise_stream + number of the point in C order"
     if plan.continuation:
         flat |= {"continuation": plan.continuation, "continuation_direction": plan.direction}
     for observable in described["observables"]:

@@ -1,0 +1,260 @@
+"""How long noise takes to start the motion."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import checked_system, start_options
+from latolato.numerics.records import EVENT_LIMIT
+from latolato.observables import FirstPassage
+from latolato.physics.drives import Drive
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import System
+from latolato.quantities import POSITIVE, Quantity, Range
+from latolato.registry import checked_count, checked_number
+from latolato.start import DEFAULT_REST_SPEED
+from latolato.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ACTIVATED, NONE = "activated", "none activated"
+DELAYED, AT_ONCE = "not exponential", "all at once"
+# Exponential waiting times leave so long a beginning without a passage this rarely.
+_UNLIKELY = 1e-3
+_CONFIDENCE = 0.95
+
+_QUANTITIES = {
+    "trajectory": Quantity("1", "k", "number of the trajectory, which is its random stream"),
+    "mean_activation_time": Quantity("s", r"\tau", "mean activation time"),
+    "mean_activation_time_error": Quantity(
+        "s", r"\Delta\tau", "standard error of the mean activation time"
+    ),
+    "mean_activation_time_low": Quantity("s", r"\tau_-", "lower end of its 95 % interval"),
+    "mean_activation_time_high": Quantity("s", r"\tau_+", "upper end of its 95 % interval"),
+    "activated_fraction": Quantity("1", "p", "fraction activated within the duration"),
+    "activated_fraction_error": Quantity("1", r"\Delta p", "its standard error"),
+    "status": Quantity("1", "", "whether a mean can be told"),
+}
+
+
+class Lifetime(NamedTuple):
+    """A mean waiting time [s], its standard error and its 95 % interval, and the events seen."""
+
+    mean: float
+    error: float
+    low: float
+    high: float
+    events: int
+
+
+def censored_mean(waited: float, events: int) -> Lifetime:
+    """Return the mean waiting time of exponential events from a time waited in all [s].
+
+    Maximum likelihood under censoring (Epstein & Sobel, 1953).
+
+    Parameters
+    ----------
+    waited : float
+        Time waited in all trajectories together, those without an event included [s].
+    events : int
+        Events seen.
+
+    Returns
+    -------
+    Lifetime
+        The mean is NaN and the upper end infinite where no event was seen.
+
+    Notes
+    -----
+    ``mean = waited/events``, ``error = mean/sqrt(events)``; the interval is that of a Poisson
+    count, ``2 waited/chi2``. With no event the lower end is ``waited/ln 20``, the one-sided bound.
+
+    Examples
+    --------
+    >>> found = censored_mean(120.0, 4)
+    >>> print(f"{found.mean:.0f} +- {found.error:.0f} s, {found.low:.1f} to {found.high:.0f} s")
+    30 +- 15 s, 11.7 to 110 s
+    """
+    from scipy.stats import chi2
+
+    if events == 0:
+        return Lifetime(math.nan, math.nan, -waited / math.log(1.0 - _CONFIDENCE), math.inf, 0)
+    tail = 0.5 * (1.0 - _CONFIDENCE)
+    low = 2.0 * waited / float(chi2.ppf(1.0 - tail, 2 * events + 2))
+    high = 2.0 * waited / float(chi2.ppf(tail, 2 * events))
+    mean = waited / events
+    return Lifetime(mean, mean / math.sqrt(events), low, high, events)
+
+
+@analyses.register("activation_time")
+def activation_time(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    noise_strength: float,
+    threshold_angle: float = math.pi / 4.0,
+    duration: float = 300.0,
+    trajectories: int = 200,
+    noise_seed: int = 0,
+    noise_interval: float | None = None,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    tolerance: float = 1e-6,
+    contact: str | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return how long velocity noise takes to bring the angle to a threshold [s].
+
+    First-passage times of an ensemble; the mean as for thermally activated escape (Kramers, 1940).
+
+    Parameters
+    ----------
+    system : System
+        What moves.
+    drive : Drive, optional
+        How the pivot moves; None is a pivot at rest.
+    noise_strength : float
+        Strength of the velocity kicks [rad/s^(3/2)], positive.
+    threshold_angle : float
+        The absolute angle whose first passage counts [rad], beyond that of the start.
+    duration : float
+        Time after which a trajectory is given up [s].
+    trajectories : int
+        How many trajectories, each with its own random stream.
+    noise_seed : int
+        Seed of the streams.
+    noise_interval : float, optional
+        Time between kicks [s]; by default 1/50 of the natural period.
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as for `latolato.simulate`; by default the system hangs at rest, in contact if
+        it can be.
+    tolerance, contact, rest_speed
+        As for `latolato.sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``first_passage`` over ``trajectory`` (NaN where the threshold was not reached; trajectory k
+        is the run with ``VelocityKicks(..., stream=k)``), ``mean_activation_time`` with error and
+        95 % interval, ``activated_fraction`` with error, and ``status``: "activated"; "not
+        exponential" (no passage for so long at the beginning as exponential waiting times show
+        once in a thousand ensembles); "none activated" (the mean is NaN, only the lower end is
+        known); "all at once" (every passage within 1 % of the same time: drift, not noise, and no
+        mean waiting time).
+
+    Raises
+    ------
+    ValueError
+        For a parameter outside its range, or a start beyond the threshold.
+
+    Notes
+    -----
+    With k passages at t_i among n trajectories, ``mean = (sum t_i + (n - k) duration)/k``, its
+    error ``mean/sqrt(k)``: exact for exponential waiting times. The motion takes a while from the
+    bottom to the threshold, however early the noise kicks it over: with this dead time, or where
+    a drift carries the motion, waiting times are not exponential. Without trajectories given up
+    the mean still is the mean then; with them it depends on `duration`. What it can miss: other
+    ways not to be exponential. The fraction's error is Wilson's at one standard deviation. For two
+    balls the earlier one counts.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> found = activation_time(
+    ...     pendulum, noise_strength=0.5, threshold_angle=0.6, duration=60.0, trajectories=50
+    ... )
+    >>> found.sizes["trajectory"], bool(found.activated_fraction > 0.5)
+    (50, True)
+    """
+    system = checked_system(system)
+    kicks = VelocityKicks(
+        strength=checked_number(
+            "noise_strength", noise_strength, Range(0.0, open_low=True), "rad/s^(3/2)"
+        ),
+        seed=noise_seed,
+        interval=noise_interval,
+    )
+    threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
+    end = checked_number("duration", duration, POSITIVE, "s")
+    count = checked_count("trajectories", trajectories)
+    start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
+    grid = sweep(
+        system,
+        drive,
+        axes={"noise_stream": range(count)},
+        duration=end,
+        observables=[FirstPassage(threshold_angle=threshold)],
+        noise=kicks,
+        tolerance=tolerance,
+        contact=contact,
+        rest_speed=rest_speed,
+        **start,
+    )
+    times = grid.first_passage.values
+    if system.angles == 2:
+        times = np.fmin(times[:, 0], times[:, 1])
+    if np.any(times == 0.0):
+        raise ValueError(
+            f"the start must lie below threshold_angle {threshold:g} rad; give a larger threshold"
+        )
+    known = grid.status.values < EVENT_LIMIT
+    found = _statistics(times[known], end)
+    if found["status"] == NONE:
+        warnings.warn(
+            f"no trajectory of {count} reached {threshold:g} rad within {end:g} s: the mean is "
+            "unknown; wait longer or raise noise_strength",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return labelled(
+        "activation_time",
+        {"first_passage": ("trajectory", times)} | found,
+        coordinates={"trajectory": ("trajectory", np.arange(count))},
+        quantities=_QUANTITIES,
+        system=system,
+        drive=drive,
+        settings={
+            "noise_strength": kicks.strength,
+            "noise_seed": kicks.seed,
+            "noise_interval": kicks.spacing(system),
+            "threshold_angle": threshold,
+            "duration": end,
+            "trajectories": count,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+            **{k: v for k, v in start.items() if v is not None},
+        },
+    )
+
+
+def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
+    """Return mean, fraction and status of passages, NaN where there is none before the end."""
+    passed = times[np.isfinite(times)]
+    k, n = len(passed), len(times)
+    mean = censored_mean(float(passed.sum()) + (n - k) * end, k)
+    share = k / n if n else math.nan
+    # Wilson (1927) at one standard deviation: right also where all or none are activated.
+    spread = math.sqrt(share * (1.0 - share) / n + 0.25 / n**2) / (1.0 + 1.0 / n) if n else math.nan
+    status = ACTIVATED if k else NONE
+    if k and math.exp(-n * float(passed.min()) / mean.mean) < _UNLIKELY:
+        status = DELAYED
+    if k > 1 and k == n and np.ptp(passed) <= 0.01 * passed.mean():
+        status, mean = AT_ONCE, Lifetime(math.nan, math.nan, math.nan, math.nan, k)
+    return {
+        "mean_activation_time": mean.mean,
+        "mean_activation_time_error": mean.error,
+        "mean_activation_time_low": mean.low,
+        "mean_activation_time_high": mean.high,
+        "activated_fraction": share,
+        "activated_fraction_error": spread,
+        "status": status,
+    }

@@ -1,0 +1,421 @@
+"""The shortest detour over a faster drive that reaches the large swing, against a hand push."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.protocol import Protocol
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import checked_system, start_options
+from latolato.physics.drives import Chirp, Drive, FrequencySchedule, Harmonic, drives
+from latolato.physics.pendulum import Mathieu, System
+from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
+from latolato.registry import checked_count, checked_number
+from latolato.simulate import simulate
+from latolato.start import DEFAULT_REST_SPEED
+from latolato.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+FOUND, BY_ITSELF = "found", "reached from rest"
+NO_BRANCH, NOT_REACHED = "no upper branch", "not reached"
+# The upper branch lies at least so far above the lower one [rad].
+_LEAST_GAP = 0.1
+# The last share of the time after the protocol in which the lasting angle is read.
+_READ = 0.25
+# More candidates than this are not run in full when chaos makes the search's answers differ.
+_MOST_CHECKS = 10
+# First stages that are tried when nothing is said, over the target's frequency; dwells [s].
+_DEFAULT_FIRST = (1.05, 1.6, 12)
+_DEFAULT_DWELLS = (0.25, 4.0, 16)
+# Largest push that is tried when nothing is said [natural frequencies], and how many.
+_DEFAULT_PUSHES = (1.0, 21)
+_LASTING = "largest_angle_after_transient"
+
+_QUANTITIES = {
+    "first_frequency_ratio": Quantity("1", r"\omega_1/\omega_0", "first-stage frequency ratio"),
+    "push": Quantity("rad/s", r"\dot\theta_p", "angular velocity that a push gives each ball"),
+    "success_share": Quantity("1", "p", "share of drive phases that reach the upper branch"),
+    "push_share": Quantity("1", "p_p", "share of drive phases at which a push reaches it"),
+    "best_first_ratio": Quantity("1", r"\omega_1^*/\omega_0", "first stage of the shortest"),
+    "best_dwell_time": Quantity("s", "t_d^*", "dwell of the shortest protocol"),
+    "lead_time": Quantity("s", "t_l", "time until the target frequency is reached"),
+    "checked_share": Quantity("1", "p^*", "its share of success in complete runs"),
+    "smallest_push": Quantity("rad/s", r"\dot\theta_p^*", "smallest push that reaches it"),
+    "smallest_push_energy": Quantity("J", "E_p", "kinetic energy of that push, all balls"),
+    "angle_from_rest": Quantity("rad", r"\theta_-", "lasting angle from rest at the target"),
+    "upper_angle": Quantity("rad", r"\theta_+", "lasting angle on the upper branch"),
+    "status": Quantity("1", "", "whether a protocol was found"),
+}
+
+
+class _Search(NamedTuple):
+    """What stays the same in a search."""
+
+    system: System
+    amplitude: float
+    target: float  # rad/s
+    ramp: float
+    phases: Floats
+    settling: float
+    start: dict[str, Any]
+    options: dict[str, Any]
+
+
+@analyses.register("shortest_protocol")
+def shortest_protocol(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    frequency_ratio: float | None = None,
+    first_frequency_ratios: Sequence[float] | None = None,
+    dwell_times: Sequence[float] | None = None,
+    pushes: Sequence[float] | None = None,
+    ramp: float = 0.0,
+    phases: int = 8,
+    required_share: float = 0.5,
+    settling: float = 40.0,
+    threshold_angle: float | None = None,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    tolerance: float = 1e-8,
+    contact: str | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return the shortest two-stage drive that reaches the upper branch [s], and the least push.
+
+    Paper Fig. 12 steps the frequency ratio from 3.136 to 2.389; here the first stage is searched.
+
+    Parameters
+    ----------
+    system : System
+        What moves; of two balls the right one is looked at.
+    drive : Harmonic or FrequencySchedule
+        Its amplitude is used, and its (last) frequency is the target where none is given.
+    frequency_ratio : float, optional
+        Target driving over natural frequency [1].
+    first_frequency_ratios : sequence of float, optional
+        First stages that are tried [1]; by default 12 from 1.05 to 1.6 times the target.
+    dwell_times : sequence of float, optional
+        How long the first stage is held [s], increasing; by default 16 from 0.25 to 4 s.
+    pushes : sequence of float, optional
+        Angular velocities that a hand gives each ball outwards, at the target frequency [rad/s],
+        increasing; by default 21 up to one natural frequency.
+    ramp : float
+        Time in which the frequency moves between the stages [s].
+    phases : int
+        Drive phases at the start, evenly spread: nobody starts a motor by its phase.
+    required_share : float
+        Share of these phases that must succeed [1].
+    settling : float
+        Time after the protocol [s]; the lasting angle is the largest one in its last quarter.
+    threshold_angle : float, optional
+        Lasting angle that counts as the upper branch [rad]; by default halfway between the angle
+        from rest and the median of those that lie above it.
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as for `latolato.simulate`; by default the system hangs at rest.
+    tolerance, contact, rest_speed
+        As for `latolato.simulate`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``best_first_ratio``, ``best_dwell_time``, ``lead_time`` and ``checked_share`` of the
+        shortest protocol, ``smallest_push`` and ``smallest_push_energy``, ``angle_from_rest``,
+        ``upper_angle`` and ``threshold_angle``; ``success_share`` over
+        ``first_frequency_ratio`` and ``dwell_time``, ``push_share`` over ``push``. The status is
+        "found", "reached from rest" (no protocol is needed: a lead time of 0), "no upper branch"
+        (no push leads to a second motion, and nothing was searched) or "not reached"; what does
+        not exist is NaN.
+
+    Raises
+    ------
+    ValueError
+        For a parameter outside its range, a linear system, or a drive without frequencies.
+
+    Notes
+    -----
+    All dwells of a first stage begin as one run, whose states go on with the target frequency.
+    Candidates are taken by lead time, then by share, and run in full as a `Protocol`, ten at most;
+    the first that keeps the required share there is the answer. The first hops after lift-off are
+    chaotic, so success is a striped set in frequency, dwell and phase, and so are the pushes that
+    succeed: a finer grid can find shorter ones, and a longer dwell or a harder push may fail.
+    ``settling`` must outlast transients. A push acts on balls at rest at time zero. The upper
+    branch is the median of what pushes lead to; a branch that no push of the list reaches is not
+    seen.
+
+    Examples
+    --------
+    >>> import latolato as ll, numpy as np
+    >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
+    >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * toy.natural_frequency)
+    >>> found = shortest_protocol(
+    ...     toy, drive, first_frequency_ratios=[3.6], dwell_times=[1.0, 2.0, 4.0], phases=4
+    ... )
+    >>> found.status.item(), f"{np.rad2deg(found.upper_angle.item()):.0f} degrees"
+    ('found', '42 degrees')
+    """
+    system = checked_system(system)
+    if isinstance(system, Mathieu):
+        raise ValueError(
+            "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
+        )
+    amplitude, target = _drive_of(system, drive, frequency_ratio)
+    first = _listed("frequency_ratio", first_frequency_ratios, _spread(target / _rate(system)))
+    dwells = _listed("dwell_time", dwell_times, np.linspace(*_DEFAULT_DWELLS))
+    largest, count = _DEFAULT_PUSHES
+    given = np.linspace(0.0, largest * _rate(system), count)[1:] if pushes is None else pushes
+    shoves = _listed("initial_angular_velocity", given, given, "pushes")
+    search = _Search(
+        system,
+        amplitude,
+        target,
+        checked_number("ramp", ramp, NON_NEGATIVE, "s"),
+        np.linspace(0.0, math.tau, checked_count("phases", phases), endpoint=False),
+        checked_number("settling", settling, POSITIVE, "s"),
+        start_options(system, initial_angle, initial_angular_velocity, initial_offset),
+        {"tolerance": tolerance, "contact": contact, "rest_speed": rest_speed},
+    )
+    required = checked_number(
+        "required_share", required_share, Range(0.0, UNIT_INTERVAL.high, open_low=True), "1"
+    )
+    pushed = _pushed(search, [0.0, *shoves])
+    rest = float(np.median(pushed[0]))
+    above = pushed[pushed > rest + _LEAST_GAP]
+    upper = float(np.median(above)) if above.size else math.nan
+    threshold = 0.5 * (rest + upper)
+    if threshold_angle is not None:
+        threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
+    shares = np.mean(pushed > threshold, axis=1)
+    success = np.full((len(first), len(dwells)), math.nan)
+    found: dict[str, Any] = dict.fromkeys(
+        ("best_first_ratio", "best_dwell_time", "lead_time", "checked_share"), math.nan
+    )
+    if shares[0] >= required:
+        found |= {"status": BY_ITSELF, "lead_time": 0.0, "checked_share": float(shares[0])}
+    elif not math.isfinite(threshold):
+        found["status"] = NO_BRANCH
+    else:
+        success = np.array([_stepped(search, ratio, dwells, threshold) for ratio in first])
+        found |= _shortest(search, first, dwells, success, threshold, required)
+    if found["status"] in (NO_BRANCH, NOT_REACHED):
+        reason = {
+            NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a second motion",
+            NOT_REACHED: f"no protocol succeeds for {required:.0%} of the drive phases",
+        }
+        warnings.warn(
+            f"{reason[found['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
+        )
+    enough = [shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required]
+    smallest = enough[0] if enough else math.nan
+    inertia = sum(ball.mass * ball.length**2 for ball in system.balls)
+    if system.angles == 1 and system.has_contacts:
+        inertia *= 2.0  # the mirror image is pushed too
+    return labelled(
+        "shortest_protocol",
+        {
+            **found,
+            "success_share": (("first_frequency_ratio", "dwell_time"), success),
+            "push_share": ("push", shares),
+            "smallest_push": smallest,
+            "smallest_push_energy": 0.5 * inertia * smallest**2,
+            "angle_from_rest": rest,
+            "upper_angle": upper,
+            "threshold_angle": threshold,
+        },
+        coordinates={
+            "first_frequency_ratio": ("first_frequency_ratio", np.array(first)),
+            "dwell_time": ("dwell_time", np.array(dwells)),
+            "push": ("push", np.array([0.0, *shoves])),
+        },
+        quantities=_QUANTITIES,
+        system=system,
+        drive=drive,
+        settings={
+            "frequency_ratio": target / _rate(system),
+            "ramp": search.ramp,
+            "phases": len(search.phases),
+            "required_share": required,
+            "settling": search.settling,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+            **{k: v for k, v in search.start.items() if v is not None},
+        },
+    )
+
+
+def _rate(system: System) -> float:
+    """Return the natural frequency [rad/s], of the right ball."""
+    return float(system.natural_frequency)
+
+
+def _spread(ratio: float) -> Floats:
+    """Return the first stages that are tried for a target."""
+    low, high, count = _DEFAULT_FIRST
+    return np.linspace(low * ratio, high * ratio, count)
+
+
+def _drive_of(
+    system: System, drive: Drive | None, frequency_ratio: float | None
+) -> tuple[float, float]:
+    """Return amplitude [m] and target frequency [rad/s]."""
+    if isinstance(drive, Harmonic):
+        amplitude, target = drive.drive_amplitude, drive.drive_frequency
+    elif isinstance(drive, FrequencySchedule):
+        amplitude, target = drive.drive_amplitude, drive.drive_frequencies[-1]
+    else:
+        name = "no" if drive is None else f"a {drives.name_of(drive)}"
+        raise ValueError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
+    if frequency_ratio is not None:
+        target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
+    return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
+
+
+def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]:
+    """Return the checked values of a parameter, which must increase."""
+    given = np.atleast_1d(default if values is None else values).tolist()
+    unit = QUANTITIES[name].unit
+    found = [checked_number(said or name, value, POSITIVE, unit) for value in given]
+    if not found or any(b <= a for a, b in pairwise(found)):
+        raise ValueError(
+            f"the values of {said or name} must be one or more and increase; sort them"
+        )
+    return found
+
+
+def _velocity(search: _Search, push: float) -> dict[str, float]:
+    """Return the initial velocities that a push outwards gives, by their name along an axis."""
+    velocity: Any = search.start["initial_angular_velocity"]
+    if search.system.angles == 1:
+        return {"initial_angular_velocity": float(velocity) + push}
+    right, left = np.broadcast_to(np.asarray(velocity, dtype=np.float64), 2)
+    return {
+        "initial_angular_velocity_right": float(right) + push,
+        "initial_angular_velocity_left": float(left) - push,
+    }
+
+
+def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: Any) -> Floats:
+    """Return the lasting angle of each case, NaN where there is no answer."""
+    names = list(cases)
+    # Balls that still rest are in equal states: each is run once.
+    table, back = np.unique(np.column_stack(list(cases.values())), axis=0, return_inverse=True)
+    wait = search.settling + (search.ramp if isinstance(drive, Chirp) else 0.0)
+    grid = sweep(
+        search.system,
+        drive,
+        axes={"case": {name: table[:, i] for i, name in enumerate(names)}},
+        duration=wait,
+        transient=wait - _READ * search.settling,
+        observables=[_LASTING],
+        **search.options,
+        **start,
+    )
+    angles = grid[_LASTING]
+    if "ball" in angles.dims:
+        angles = angles.isel(ball=0)
+    return np.asarray(angles.values[back.ravel()], dtype=np.float64)
+
+
+def _pushed(search: _Search, pushes: list[float]) -> Floats:
+    """Return lasting angles at the target frequency after pushes, of shape (push, phase)."""
+    cases = [
+        {**_velocity(search, push), "drive_phase": phase}
+        for push in pushes
+        for phase in search.phases
+    ]
+    start = {k: v for k, v in search.start.items() if k != "initial_angular_velocity"}
+    columns = {name: np.array([case[name] for case in cases]) for name in cases[0]}
+    drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
+    return _settle(search, drive, columns, **start).reshape(len(pushes), len(search.phases))
+
+
+def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: float) -> Floats:
+    """Return the share of phases at which a first stage succeeds, for each dwell."""
+    frequency = ratio * _rate(search.system)
+    angles, velocities = [], []
+    for phase in search.phases:
+        drive = Harmonic(
+            drive_amplitude=search.amplitude, drive_frequency=frequency, drive_phase=float(phase)
+        )
+        run = simulate(search.system, drive, times=dwells, **search.options, **search.start)
+        angles.append(np.atleast_2d(run.angle.values))
+        velocities.append(np.atleast_2d(run.angular_velocity.values))
+    sides = ("",) if search.system.angles == 1 else ("_right", "_left")
+    columns: dict[str, Floats] = {}
+    for i, side in enumerate(sides):
+        columns[f"initial_angle{side}"] = np.concatenate([a[i] for a in angles])
+        columns[f"initial_angular_velocity{side}"] = np.concatenate([v[i] for v in velocities])
+    turned = search.phases[:, None] + frequency * np.array(dwells)
+    columns["drive_phase"] = turned.ravel()
+    second: Drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
+    if search.ramp > 0.0:
+        second = Chirp(
+            drive_amplitude=search.amplitude,
+            drive_frequency=frequency,
+            drive_frequency_final=search.target,
+            sweep_time=search.ramp,
+        )
+    lasting = _settle(search, second, columns).reshape(len(search.phases), len(dwells))
+    return np.asarray(np.mean(lasting > threshold, axis=0), dtype=np.float64)
+
+
+def _shortest(
+    search: _Search,
+    first: list[float],
+    dwells: list[float],
+    success: Floats,
+    threshold: float,
+    required: float,
+) -> dict[str, Any]:
+    """Return the shortest protocol that keeps its share in complete runs."""
+    candidates = [
+        (dwells[j], -success[i, j], first[i])
+        for i, j in zip(*np.nonzero(success >= required), strict=True)
+    ]
+    for dwell, _, ratio in sorted(candidates)[:_MOST_CHECKS]:
+        steps = Protocol(
+            drive_frequencies=[ratio * _rate(search.system), search.target],
+            dwells=[dwell],
+            ramp=search.ramp,
+        )
+        share = _share(search, steps, threshold)
+        if share >= required:
+            return {
+                "status": FOUND,
+                "best_first_ratio": ratio,
+                "best_dwell_time": dwell,
+                "lead_time": steps.lead_time,
+                "checked_share": share,
+            }
+    return {"status": NOT_REACHED}
+
+
+def _share(search: _Search, steps: Protocol, threshold: float) -> float:
+    """Return the share of drive phases at which a protocol succeeds in complete runs."""
+    end = steps.lead_time + search.settling
+    wanted = []
+    for phase in search.phases:
+        grid = sweep(
+            search.system,
+            steps.drive(search.amplitude, float(phase)),
+            axes={"drive_amplitude": [search.amplitude]},
+            duration=end,
+            transient=end - _READ * search.settling,
+            observables=[_LASTING],
+            **search.options,
+            **search.start,
+        )
+        wanted.append(float(grid[_LASTING].values.ravel()[0]) > threshold)
+    return float(np.mean(wanted))

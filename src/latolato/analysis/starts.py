@@ -1,0 +1,55 @@
+"""Where a system hangs at rest, and starts of ensembles written as sweeps want them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+
+
+def checked_system(system: Any) -> System:
+    """Return a system, or raise with what is known."""
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    return system
+
+
+def hanging_angles(system: System) -> tuple[float, ...]:
+    """Return the angles of a system that hangs at rest, balls in contact [rad].
+
+    A `LatoLato` lies on its low wall; the two balls of a `BallPair` balance their torques
+    ``m_1 g l_1 sin(angle_1) + m_2 g l_2 sin(angle_2) = 0`` at the contact separation.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> ball = ll.Ball(length=1.0, mass=0.8, radius=0.1)
+    >>> [f"{angle:.4f}" for angle in hanging_angles(ll.BallPair(right=ball, left=ball))]
+    ['0.1002', '-0.1002']
+    """
+    if isinstance(system, LatoLato):
+        return (system.contact_angle_low,)
+    if isinstance(system, BallPair):
+        gap = system.contact_separation
+        right, left = (ball.mass * ball.length for ball in system.balls)
+        angle = math.atan2(left * math.sin(gap), right + left * math.cos(gap))
+        return (angle, angle - gap)
+    return (0.0,)
+
+
+def start_options(
+    system: System,
+    initial_angle: float | Sequence[float] | None,
+    initial_angular_velocity: float | Sequence[float],
+    initial_offset: float | None,
+) -> dict[str, Any]:
+    """Return the start for `latolato.sweep`, by default where the system hangs at rest."""
+    found: dict[str, Any] = {"initial_angular_velocity": initial_angular_velocity}
+    if initial_angle is None and initial_offset is None:
+        if isinstance(system, LatoLato):
+            return found | {"initial_offset": 0.0}
+        angles = hanging_angles(system)
+        return found | {"initial_angle": angles if len(angles) == 2 else angles[0]}
+    return found | {"initial_angle": initial_angle, "initial_offset": initial_offset}

@@ -1,0 +1,456 @@
+"""What of a discrete time crystal one toy can show: answers at half the driving frequency."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import checked_system, start_options
+from latolato.numerics.records import EVENT_LIMIT
+from latolato.observables import Stroboscope
+from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import LatoLato, System
+from latolato.quantities import NON_NEGATIVE, QUANTITIES, Quantity
+from latolato.registry import checked_count, checked_number
+from latolato.start import DEFAULT_REST_SPEED
+from latolato.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+CAUTION = (
+    "One toy is no time crystal: period doubling of a single driven system is an ordinary "
+    "subharmonic response. Rigidity (locking to half the drive against changes of every unit, kept "
+    "by the coupling of many) and a lifetime that grows with the number of units are properties of "
+    "a many-body phase, which no quantity here can show."
+)
+
+# Below this the motion or its part at half the frequency is none [rad].
+LEAST_AMPLITUDE = 1e-3
+# The peak is looked for between these frequencies [drive frequencies].
+WINDOW = (0.25, 0.75)
+# Share of the oscillating power that a sharp peak holds at least.
+SHARP = 0.5
+# and how often the width of a steady tone it has at most.
+BROAD = 2.0
+# Full width at half maximum of the squared spectrum of a steady tone under a Hann window [bins].
+_HANN_WIDTH = 1.44
+_PADDING = 8
+# The main lobe of a Hann window reaches so many bins to each side.
+_LOBE = 2
+
+STATUSES = ("no motion", "no subharmonic", "locked", "drifting", "broad", "no answer")
+
+_QUANTITIES = {
+    "order_parameter": Quantity(
+        "rad", "Z", r"mean of (-1)^n angle(nT) over periods and trajectories"
+    ),
+    "order_parameter_size": Quantity("rad", "|Z|", "mean of its size over trajectories"),
+    "order_parameter_best": Quantity(
+        "rad", r"Z_{max}", "order parameter at the best stroboscopic phase"
+    ),
+    "peak_frequency": Quantity("1", r"\omega_p/\omega", "subharmonic peak over drive frequency"),
+    "peak_amplitude": Quantity("rad", "A_p", "amplitude of the subharmonic peak"),
+    "peak_width": Quantity("1", r"\Delta\omega_p/\omega", "full width at half maximum of the peak"),
+    "peak_share": Quantity("1", "p", "share of the oscillating power in the peak"),
+    "phase_slips": Quantity("1", "N_s", "changes between the two phases of the answer"),
+    "lifetime": Quantity("s", r"\tau_s", "mean time between phase slips"),
+    "lifetime_low": Quantity("s", r"\tau_{s-}", "lower end of its 95 % interval"),
+    "lifetime_high": Quantity("s", r"\tau_{s+}", "upper end of its 95 % interval"),
+    "sign_autocorrelation": Quantity("1", "C", "autocorrelation of the phase of the answer"),
+    "order_parameter_decay": Quantity(
+        "rad", r"\langle s_0 Z_n\rangle", "order parameter since the first period looked at"
+    ),
+    "lag": Quantity("1", "m", "lag in drive periods"),
+    "period": Quantity("1", "n", "number of the drive period, from time zero"),
+    "drive_period": Quantity("s", "T", "drive period"),
+    "status": Quantity("1", "", "kind of answer at half the driving frequency"),
+}
+
+
+class Peak(NamedTuple):
+    """The strongest line near half the driving frequency; frequencies over that of the drive."""
+
+    frequency: float
+    amplitude: float
+    width: float
+    share: float
+
+
+def subharmonic_peak(angles: Floats, velocities: Floats, drive_frequency: float) -> Peak:
+    """Return the spectral peak near half the driving frequency, in drive frequencies and rad.
+
+    Parameters
+    ----------
+    angles, velocities : ndarray, shape (trajectory, period)
+        Stroboscopic angles [rad] and angular velocities [rad/s], once per drive period.
+    drive_frequency : float
+        w [rad/s].
+
+    Returns
+    -------
+    Peak
+        ``frequency`` and ``width`` in drive frequencies; NaN where there is no oscillation.
+
+    Notes
+    -----
+    The spectrum of ``angle - i velocity/(w/2)``, means removed, under a Hann window, eight times
+    padded, its square averaged over trajectories. One sample per period cannot tell w/2 + d from
+    w/2 - d in a real signal; the velocity can. The place is that of the parabola through the
+    highest three points, the width that at half of it, 1.44/periods for a steady tone. ``share``
+    counts two bins to each side of the peak against everything but the mean and its two bins.
+    """
+    signal = angles - 1j * velocities / (0.5 * drive_frequency)
+    signal = signal - signal.mean(axis=1, keepdims=True)
+    count = signal.shape[1]
+    window = np.hanning(count + 1)[:-1]
+    size = _PADDING * count
+    spectrum = np.fft.fft(signal * window, size, axis=1) / window.sum()
+    power = np.mean(np.abs(spectrum) ** 2, axis=0)
+    frequency = np.arange(size) / size
+    inside = np.flatnonzero((frequency >= WINDOW[0]) & (frequency <= WINDOW[1]))
+    top = int(inside[np.argmax(power[inside])])
+    left, middle, right = power[top - 1], power[top], power[top + 1]
+    if not middle > 0.0:
+        return Peak(math.nan, 0.0, math.nan, math.nan)
+    bend = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+    highest = middle - 0.25 * (left - right) * shift
+    width = sum(_to_half(power, top, way, 0.5 * highest) for way in (-1, 1)) / size
+    reach = _LOBE * _PADDING
+    offset = np.minimum(np.arange(size), size - np.arange(size))
+    near = np.abs(np.arange(size) - top) <= reach
+    share = power[near].sum() / power[(offset > reach) | near].sum()
+    return Peak((top + shift) / size, math.sqrt(highest), width, float(share))
+
+
+def _to_half(power: Floats, top: int, way: int, level: float) -> float:
+    """Return how many points from the top the power first falls to a level, on lines between."""
+    place, size = top, len(power)
+    for _ in range(size // 2):
+        ahead = power[(place + way) % size]
+        if ahead <= level:
+            here = power[place % size]
+            return abs(place - top) + float((here - level) / (here - ahead))
+        place += way
+    return size / 2.0
+
+
+def sign_states(demodulated: Floats) -> NDArray[np.int8]:
+    """Return which of the two phases a motion is in, +1 or -1, of the input's shape.
+
+    A trigger with hysteresis: the state changes where the signal reaches half its r.m.s. value on
+    the other side, so that small wiggles about zero are no phase slips.
+    """
+    level = 0.5 * math.sqrt(float(np.mean(demodulated**2)))
+    states = np.where(demodulated >= level, 1, np.where(demodulated <= -level, -1, 0))
+    states = states.astype(np.int8)
+    found = np.empty_like(states)
+    # What comes before the first clear state counts as that one.
+    clear = states != 0
+    first = np.take_along_axis(states, np.argmax(clear, axis=1)[:, None], axis=1)[:, 0]
+    last = np.where(first == 0, 1, first).astype(np.int8)
+    for n in range(states.shape[1]):
+        last = np.where(states[:, n] != 0, states[:, n], last)
+        found[:, n] = last
+    return found
+
+
+@analyses.register("time_crystal")
+def time_crystal(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    frequency_ratios: Sequence[float] | None = None,
+    drive_amplitudes: Sequence[float] | None = None,
+    noise_strength: float = 0.0,
+    trajectories: int = 1,
+    noise_seed: int = 0,
+    periods: int = 256,
+    transient_periods: int = 200,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    tolerance: float = 1e-6,
+    contact: str | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return the order parameter [rad] and the line at half the driving frequency of one toy.
+
+    Stroboscopic measures of discrete time crystals (Else, Bauer & Nayak, 2016; Yao et al., 2017).
+
+    Parameters
+    ----------
+    system : System
+        What moves; of two balls the right one is looked at.
+    drive : Harmonic or CrankSlider
+        The drive, whose frequency and amplitude stand where no others are given.
+    frequency_ratios : sequence of float, optional
+        Driving over natural frequencies [1].
+    drive_amplitudes : sequence of float, optional
+        Amplitudes [m].
+    noise_strength : float
+        Strength of velocity kicks [rad/s^(3/2)].
+    trajectories : int
+        Trajectories with their own random streams; more than one needs noise.
+    noise_seed : int
+        Seed of the streams.
+    periods, transient_periods : int
+        Drive periods that are looked at (at least 16), after so many others.
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as for `latolato.simulate`; by default 0.1 rad beside where the system hangs.
+    tolerance, contact, rest_speed
+        As for `latolato.sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``drive_amplitude`` and ``frequency_ratio``: ``order_parameter``,
+        ``order_parameter_size``, ``order_parameter_best``, ``peak_frequency``,
+        ``peak_amplitude``, ``peak_width``, ``peak_share``, ``phase_slips``, ``lifetime`` with its
+        95 % interval, ``drive_period`` and ``status``; also over ``lag``
+        ``sign_autocorrelation`` and over ``period`` ``order_parameter_decay``. The status is
+        "no motion", "no subharmonic" (an answer of period 1), "locked" (a sharp line
+        at half the driving frequency), "drifting" (a sharp line beside it), "broad" (chaos or
+        noise) or "no answer"; without a subharmonic the peak, slips and lifetimes are NaN.
+
+    Raises
+    ------
+    ValueError
+        For a parameter outside its range, a drive without a period, several trajectories without
+        noise.
+
+    Notes
+    -----
+    ``Z = <(-1)^n angle(nT)>`` with n counted from time zero, where the drive has its phase
+    `drive_phase`: its sign tells which of the two motions, one period apart, was chosen, and
+    changes with the start. The angle is taken modulo 2 pi in [-pi, pi). ``order_parameter`` keeps
+    the sign when it averages over trajectories, so that it decays with phase slips;
+    ``order_parameter_size`` does not. Where the answer happens to pass its middle at the instants
+    nT, Z is small though the answer is not: ``order_parameter_best``, slips, lifetime,
+    autocorrelation and decay look along the best direction of the plane of angle and
+    ``velocity/(w/2)``, means removed, which stands for the best stroboscopic phase. Signs are read
+    with hysteresis (`sign_states`); ``order_parameter_decay`` takes each trajectory times its
+    first sign. Independent slips make ``C(m) = exp(-2 m T/lifetime)``.
+    ``lifetime`` is the time looked at over the slips; without any it is NaN and only
+    ``lifetime_low`` is known. The peak is that of `subharmonic_peak`; a width of 1.44/periods
+    (attribute ``resolution``) is none, and "locked" and "drifting" have at most twice that and at
+    least half of the oscillating power in it.
+
+    What one toy cannot show stands in the attribute ``caution``: rigidity and lifetime of a
+    many-body phase. With noise, points share their streams. What this can miss: slips that come and
+    go within a period; a line outside 1/4 to 3/4 of the driving frequency; other answers than the
+    one that the start leads to. The pair's usual answer at e = 0.9 has period 1: no subharmonic.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
+    >>> found = time_crystal(pendulum, drive, periods=64, transient_periods=400)
+    >>> found.status.item(), f"{found.peak_frequency.item():.3f}"
+    ('locked', '0.500')
+    """
+    system = checked_system(system)
+    if not isinstance(drive, (Harmonic, CrankSlider)):
+        name = "no" if drive is None else f"a {drives.name_of(drive)}"
+        raise ValueError(f"{name} drive has no single period to count in: give a Harmonic one")
+    ratios = _listed("frequency_ratio", frequency_ratios)
+    if ratios is None:
+        ratios = [drive.drive_frequency / system.natural_frequency]
+    if min(ratios) <= 0.0:
+        raise ValueError(f"frequency_ratios must be positive, got {min(ratios):g}; leave it out")
+    amplitudes = _listed("drive_amplitude", drive_amplitudes) or [drive.drive_amplitude]
+    strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
+    count = checked_count("trajectories", trajectories)
+    if count > 1 and strength == 0.0:
+        raise ValueError(
+            f"{count} trajectories without noise are all the same: give noise_strength or one"
+        )
+    seen = checked_count("periods", periods)
+    if seen < 16:
+        raise ValueError(f"periods must be at least 16 to tell a line, got {seen}")
+    before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
+    start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
+    noise = VelocityKicks(strength=strength, seed=noise_seed) if strength > 0.0 else None
+    axes: dict[str, Any] = {"drive_amplitude": amplitudes}
+    if noise is not None:
+        axes["noise_stream"] = range(count)
+    found: list[list[dict[str, Any]]] = []
+    for ratio in ratios:
+        frequency = ratio * system.natural_frequency
+        grid = sweep(
+            system,
+            _at(drive, frequency),
+            axes=axes,
+            duration=(before + seen) * math.tau / frequency,
+            observables=[Stroboscope(periods=seen)],
+            noise=noise,
+            tolerance=tolerance,
+            contact=contact,
+            rest_speed=rest_speed,
+            **start,
+        )
+        if "ball" in grid.dims:
+            grid = grid.isel(ball=0)
+        shape = (len(amplitudes), count, seen)
+        angles = grid.stroboscopic_angle.values.reshape(shape)
+        velocities = grid.stroboscopic_angular_velocity.values.reshape(shape)
+        valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
+        found.append(
+            [
+                _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, before + 1)
+                for i in range(len(amplitudes))
+            ]
+        )
+    dims: dict[str, tuple[str, ...]] = {
+        "sign_autocorrelation": ("lag",),
+        "order_parameter_decay": ("period",),
+    }
+    points = ("drive_amplitude", "frequency_ratio")
+    variables = {
+        name: (
+            points + dims.get(name, ()),
+            np.array([[row[i][name] for row in found] for i in range(len(amplitudes))]),
+        )
+        for name in found[0][0]
+    }
+    rates = np.array(ratios) * system.natural_frequency
+    return labelled(
+        "time_crystal",
+        variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
+        coordinates={
+            "drive_amplitude": ("drive_amplitude", np.array(amplitudes)),
+            "frequency_ratio": ("frequency_ratio", np.array(ratios)),
+            "lag": ("lag", np.arange(_lags(seen))),
+            "period": ("period", np.arange(before + 1, before + seen + 1)),
+        },
+        quantities=_QUANTITIES,
+        system=system,
+        drive=drive,
+        settings={
+            "caution": CAUTION,
+            "resolution": _HANN_WIDTH / seen,
+            "noise_strength": strength,
+            "noise_seed": noise_seed if noise else None,
+            "trajectories": count,
+            "periods": seen,
+            "transient_periods": before,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+            **{k: v for k, v in start.items() if v is not None},
+        },
+    )
+
+
+def _listed(name: str, values: Any) -> list[float] | None:
+    """Return the numbers of a list of parameters, checked."""
+    if values is None:
+        return None
+    unit = QUANTITIES[name].unit
+    given = np.atleast_1d(values).tolist()
+    if not given:
+        raise ValueError(f"{name}: the list of values is empty; give one or leave it out")
+    return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
+
+
+def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, Any]:
+    """Return the start, by default a tenth of a radian beside where the system hangs."""
+    if angle is not None or offset is not None:
+        return start_options(system, angle, velocity, offset)
+    if isinstance(system, LatoLato):
+        return start_options(system, None, velocity, 0.1)
+    hanging = start_options(system, None, velocity, None)["initial_angle"]
+    if isinstance(hanging, tuple):
+        return start_options(system, (hanging[0] + 0.1, hanging[1] - 0.1), velocity, None)
+    return start_options(system, 0.1, velocity, None)
+
+
+def _at(drive: Harmonic | CrankSlider, frequency: float) -> Drive:
+    """Return the drive at another frequency."""
+    from dataclasses import replace
+
+    return replace(drive, drive_frequency=frequency)
+
+
+def _lags(periods: int) -> int:
+    """Return how many lags of the autocorrelation are kept: none with few pairs."""
+    return periods // 2
+
+
+def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) -> dict[str, Any]:
+    """Return everything that is told of one point, from arrays of shape (trajectory, period)."""
+    seen = angles.shape[1]
+    signs = np.where((first + np.arange(seen)) % 2 == 0, 1.0, -1.0)
+    nothing = math.nan
+    found: dict[str, Any] = dict.fromkeys(
+        ("order_parameter", "order_parameter_size", "order_parameter_best", "peak_frequency",
+         "peak_amplitude", "peak_width", "peak_share", "phase_slips", "lifetime", "lifetime_low",
+         "lifetime_high"),
+        nothing,
+    )  # fmt: skip
+    found["sign_autocorrelation"] = np.full(_lags(seen), nothing)
+    found["order_parameter_decay"] = np.full(seen, nothing)
+    found["status"] = STATUSES[5]
+    if not len(angles) or not np.all(np.isfinite(angles)):
+        return found
+    angles = np.remainder(angles + math.pi, math.tau) - math.pi
+    each = (signs * angles).mean(axis=1)
+    found["order_parameter"] = float(each.mean())
+    found["order_parameter_size"] = float(np.abs(each).mean())
+    peak = subharmonic_peak(angles, velocities, frequency)
+    motion = np.sqrt(np.mean((velocities / frequency) ** 2 + (angles - angles.mean()) ** 2))
+    found["peak_amplitude"] = peak.amplitude
+    if peak.amplitude < LEAST_AMPLITUDE:
+        found["status"] = STATUSES[0] if motion < LEAST_AMPLITUDE else STATUSES[1]
+        return found
+    found |= {
+        "peak_frequency": peak.frequency,
+        "peak_width": peak.width,
+        "peak_share": peak.share,
+        **_survival(_demodulated(signs, angles, velocities, frequency), math.tau / frequency),
+    }
+    if peak.share < SHARP or peak.width > BROAD * _HANN_WIDTH / seen:
+        found["status"] = STATUSES[4]
+    else:
+        is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / seen
+        found["status"] = STATUSES[2] if is_half else STATUSES[3]
+    return found
+
+
+def _demodulated(signs: Floats, angles: Floats, velocities: Floats, frequency: float) -> Floats:
+    """Return (-1)^n times the answer along its best direction, shape (trajectory, period)."""
+    plane = (angles - angles.mean()) - 1j * (velocities - velocities.mean()) / (0.5 * frequency)
+    plane = signs * plane
+    # Squares do not see the sign: both phases of the answer have one direction.
+    turned: Floats = np.real(plane * np.exp(-0.5j * np.angle(np.mean(plane**2))))
+    return turned if turned[:, 0].mean() >= 0.0 else -turned
+
+
+def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
+    """Return order, slips, lifetime and autocorrelation of an answer, (trajectory, period)."""
+    from latolato.analysis.activation_time import censored_mean
+
+    states = sign_states(demodulated).astype(np.float64)
+    count, seen = states.shape
+    slips = int(np.count_nonzero(np.diff(states, axis=1)))
+    life = censored_mean(count * (seen - 1) * period, slips)
+    return {
+        "order_parameter_best": float(abs(demodulated.mean())),
+        "order_parameter_decay": (states[:, :1] * demodulated).mean(axis=0),
+        "phase_slips": float(slips),
+        "lifetime": life.mean,
+        "lifetime_low": life.low,
+        "lifetime_high": life.high,
+        "sign_autocorrelation": np.array(
+            [np.mean(states[:, : seen - m] * states[:, m:]) for m in range(_lags(seen))]
+        ),
+    }

@@ -1,0 +1,54 @@
+"""Waiting times of a noise-activated start, against the exponential of their mean."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return two panels: the fraction activated, and those still at rest on a logarithmic scale."""
+    figure, panels = style.new_figure(1, 2, height=2.6)
+    end = float(dataset.attrs["duration"])
+    passages = dataset.first_passage.values
+    known = np.sort(passages[np.isfinite(passages)])
+    count = passages.size
+    time = np.concatenate([[0.0], known, [end]])
+    share = np.concatenate([[0.0], np.arange(1, known.size + 1), [known.size]]) / count
+    smooth = np.linspace(0.0, end, 400)
+    mean, low, high = (
+        float(dataset[f"mean_activation_time{tail}"]) for tail in ("", "_low", "_high")
+    )
+    for axis, letter, title in zip(
+        panels[0], "ab", ("activated", "not yet activated"), strict=True
+    ):
+        is_left = letter == "b"
+        values = 1.0 - share if is_left else share
+        if np.isfinite(low):
+            band = [np.exp(-smooth / each) for each in (low, high)]
+            if not is_left:
+                band = [1.0 - each for each in band]
+            axis.fill_between(smooth, *band, color=style.PALE_RED, lw=0, label="95 % interval")
+        if np.isfinite(mean):
+            curve = np.exp(-smooth / mean)
+            text = f"exponential, mean {mean:.3g} s"
+            axis.plot(smooth, curve if is_left else 1.0 - curve, color=style.RED, label=text)
+        text = f"{known.size} of {count} trajectories"
+        axis.step(time, values, where="post", color=style.BLUE, label=text)
+        axis.set_xlim(0.0, end)
+        axis.set_xlabel("time $t$ [s]")
+        axis.set_ylabel("fraction")
+        style.panel_title(axis, letter, title)
+    panels[0, 0].set_ylim(0.0, 1.02)
+    panels[0, 0].legend(loc="lower right")
+    panels[0, 1].set_yscale("log")
+    panels[0, 1].set_ylim(0.5 / count, 1.2)
+    return figure

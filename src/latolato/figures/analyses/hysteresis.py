@@ -1,0 +1,62 @@
+"""Largest angles of sweeps of the driving frequency, up and down."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_MOST_PANELS = 4
+_COLOURS = {"up": style.BLUE, "down": style.RED}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return a panel for each of up to four amplitudes, the loop shaded, jumps dashed."""
+    count = dataset.sizes["drive_amplitude"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _MOST_PANELS)).round().astype(int))
+    columns = min(len(chosen), 2)
+    rows = math.ceil(len(chosen) / columns)
+    figure, panels = style.new_figure(
+        rows, columns, height=2.5 * rows if rows > 1 else 2.9, sharex=True, sharey=True
+    )
+    for axis in panels.flat[len(chosen) :]:
+        axis.set_visible(False)
+    for number, (axis, i) in enumerate(zip(panels.flat, chosen, strict=False)):
+        row = dataset.isel(drive_amplitude=int(i))
+        _draw_loop(row, axis)
+        name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm: {row.status.item()}"
+        style.panel_title(axis, "abcd"[number], name)
+        style.degree_axis(axis)
+        if number % columns == 0:
+            axis.set_ylabel(style.label(dataset.largest_angle))
+        if number + columns >= len(chosen):
+            axis.set_xlabel(style.label(dataset.frequency_ratio))
+    panels[0, 0].legend(loc="upper right")
+    return figure
+
+
+def _draw_loop(row: xr.Dataset, axis: Axes) -> None:
+    """Draw both ways, the area between them, and the largest jump of each."""
+    ratio = row.frequency_ratio.values
+    up, down = (row.largest_angle.sel(direction=way).values for way in ("up", "down"))
+    axis.fill_between(ratio, up, down, color=style.PALE_GREY, lw=0)
+    for way, angles, size in (("down", down, 3.4), ("up", up, 1.6)):
+        axis.plot(
+            ratio, angles, "o-", ms=size, lw=0.8, color=_COLOURS[way], label=f"frequency {way}"
+        )
+        jump = float(row.jump_ratio.sel(direction=way))
+        if math.isfinite(jump):
+            text = f"largest jump {way}"
+            dashes = (0, (3, 3))
+            axis.axvline(jump, color=_COLOURS[way], lw=style.THIN, ls=dashes, zorder=0, label=text)
+    axis.set_xlim(ratio[0], ratio[-1])
+    axis.set_ylim(0.0, None)

@@ -1,0 +1,86 @@
+"""Which first stages and which pushes reach the upper branch."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the map of successful protocols, and the pushes that do the same."""
+    figure, panels = style.new_figure(1, 2, height=3.0, width_ratios=[1.35, 1.0])
+    left, right = panels[0]
+    _draw_map(dataset, left)
+    style.panel_title(left, "a", f"protocols: {dataset.status.item()}")
+    _draw_pushes(dataset, right)
+    style.panel_title(right, "b", "pushes at the target frequency")
+    return figure
+
+
+def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
+    """Draw the share of success over dwell and first stage, and mark the shortest protocol."""
+    dwell, ratio = dataset.dwell_time.values, dataset.first_frequency_ratio.values
+    shares = dataset.success_share.values
+    if np.isfinite(shares).any():
+        mesh = axis.pcolormesh(
+            _edges(dwell), _edges(ratio), shares, vmin=0.0, vmax=1.0, rasterized=True
+        )
+        figure = axis.get_figure(root=True)
+        assert figure is not None
+        bar = figure.colorbar(mesh, ax=axis, pad=0.02)
+        bar.set_label("share of drive phases")
+        bar.outline.set_visible(False)
+    else:
+        style.note(axis, "nothing searched", (0.5 * (dwell[0] + dwell[-1]), float(np.mean(ratio))))
+    axis.set_xlim(_edges(dwell)[0], _edges(dwell)[-1])
+    axis.set_ylim(_edges(ratio)[0], _edges(ratio)[-1])
+    best = float(dataset.best_dwell_time), float(dataset.best_first_ratio)
+    if math.isfinite(best[0]):
+        axis.plot(*best, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
+        text = f"{float(dataset.lead_time):.3g} s"
+        style.note(axis, text, best, (7.0, 0.0), colour=style.RED)
+    about = dataset.attrs
+    if about.get("system") == "latolato" and about.get("drive_amplitude"):
+        lift_off = math.sqrt(about["length"] / about["drive_amplitude"])
+        if ratio[0] < lift_off < ratio[-1]:
+            axis.axhline(lift_off, color=style.ORANGE, lw=style.LINE, ls=(0, (4, 3)))
+            place = float(dwell[-1]), lift_off
+            style.note(axis, "lift-off", place, (-2.0, -4.0), ha="right", va="top")
+    axis.set_xlabel(style.label(dataset.dwell_time))
+    axis.set_ylabel(style.label(dataset.first_frequency_ratio))
+
+
+def _edges(values: NDArray[np.float64]) -> list[float]:
+    """Return the edges of cells around values."""
+    first, last = float(values[0]), float(values[-1])
+    if len(values) == 1:
+        return [0.95 * first, 1.05 * first]
+    middle = (0.5 * (values[1:] + values[:-1])).tolist()
+    return [2.0 * first - middle[0], *middle, 2.0 * last - middle[-1]]
+
+
+def _draw_pushes(dataset: xr.Dataset, axis: Axes) -> None:
+    """Draw the share of success against the push, and the smallest one that suffices."""
+    axis.plot(dataset.push, dataset.push_share, "o-", ms=3.0, color=style.BLUE)
+    style.mark_level(axis, float(dataset.attrs["required_share"]), "required")
+    smallest = float(dataset.smallest_push)
+    if math.isfinite(smallest):
+        share = float(dataset.push_share.sel(push=smallest))
+        axis.plot(smallest, share, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
+        energy = 1e3 * float(dataset.smallest_push_energy)
+        text = f"{smallest:.3g} rad/s, {energy:.3g} mJ"
+        style.note(axis, text, (smallest, share), (7.0, -3.0), va="top", colour=style.RED)
+    axis.set_ylim(-0.03, 1.05)
+    axis.set_xlabel("push $\\dot\\theta_p$ of each ball [rad/s]")
+    axis.set_ylabel("share of drive phases")

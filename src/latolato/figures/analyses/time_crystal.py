@@ -1,0 +1,113 @@
+"""The line at half the driving frequency, and how long the answer keeps its phase."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# More curves than this cannot be told apart.
+_MOST_CURVES = 6
+# Letters of the caption in one line over the width of a page.
+_LINE = 146
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return panels of the subharmonic line against detuning, and of its survival."""
+    many = dataset.sizes["frequency_ratio"] > 1
+    rows = [["line", "place"], ["survival", "order"]] if many else [["survival", "order"]]
+    figure, panels = style.new_mosaic(rows, height=2.3 * len(rows) + 0.55)
+    letters = iter("abcd")
+    if many:
+        _draw_detuning(dataset, panels["line"], panels["place"])
+        style.panel_title(panels["line"], next(letters), "height of the line")
+        style.panel_title(panels["place"], next(letters), "its place, bar: full width at half")
+    point = _strongest(dataset)
+    ratio, amplitude = float(point.frequency_ratio), 1e3 * float(point.drive_amplitude)
+    name = f"ω/ω0 = {ratio:.4g}, A0 = {amplitude:.3g} mm"
+    _draw_survival(point, panels["survival"])
+    style.panel_title(panels["survival"], next(letters), "memory of the phase")
+    _draw_order(point, panels["order"])
+    style.panel_title(panels["order"], next(letters), name)
+    figure.supxlabel(
+        textwrap.fill(str(dataset.attrs["caution"]), _LINE), fontsize=style.SMALL, x=0.02, ha="left"
+    )
+    return figure
+
+
+def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
+    """Draw amplitude and place of the line against the frequency ratio, for some amplitudes."""
+    count = dataset.sizes["drive_amplitude"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, _MOST_CURVES)).round().astype(int))
+    ratio = dataset.frequency_ratio.values
+    for colour, i in zip(style.COLOURS, chosen, strict=False):
+        row = dataset.isel(drive_amplitude=i)
+        name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm"
+        height.plot(ratio, row.peak_amplitude, color=colour, label=name)
+        place.errorbar(
+            ratio,
+            row.peak_frequency,
+            yerr=0.5 * row.peak_width,
+            fmt="o",
+            ms=2.0,
+            lw=style.THIN,
+            color=colour,
+        )
+    style.mark_level(place, 0.5, "half the driving frequency", where=0.0)
+    spread = np.abs(dataset.peak_frequency - 0.5) + 0.5 * dataset.peak_width
+    reach = max(1.2 * float(spread.fillna(0.0).max()), 0.01)
+    place.set_ylim(0.5 - reach, 0.5 + reach)
+    for axis in (height, place):
+        axis.set_xlim(ratio.min(), ratio.max())
+        axis.set_xlabel(style.label(dataset.frequency_ratio))
+    height.set_ylim(0.0, None)
+    height.set_ylabel(style.label(dataset.peak_amplitude, short=True))
+    place.set_ylabel(style.label(dataset.peak_frequency, short=True))
+    height.legend(loc="best")
+
+
+def _strongest(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the point with the strongest line."""
+    heights = dataset.peak_amplitude.fillna(-1.0)
+    best = np.unravel_index(int(np.argmax(heights.values)), heights.shape)
+    return dataset.isel(dict(zip(map(str, heights.dims), best, strict=True)))
+
+
+def _draw_survival(point: xr.Dataset, axis: Axes) -> None:
+    """Draw the autocorrelation of the phase against the lag, and that of independent slips."""
+    lag = point.lag.values
+    axis.plot(lag, point.sign_autocorrelation, color=style.BLUE)
+    life = float(point.lifetime)
+    if math.isfinite(life):
+        curve = np.exp(-2.0 * lag * float(point.drive_period) / life)
+        text = f"independent slips, one in {life:,.0f} s"
+        axis.plot(lag, curve, color=style.RED, ls="--", label=text)
+        axis.legend(loc="best")
+    elif math.isfinite(float(point.lifetime_low)):
+        text = f"no slip: one in more than {float(point.lifetime_low):,.0f} s"
+        style.note(axis, text, (0.5 * lag[-1], 0.85), ha="center")
+    else:
+        style.note(axis, str(point.status.item()), (0.5 * lag[-1], 0.5), ha="center")
+    axis.set_xlim(0, lag[-1])
+    axis.set_ylim(min(0.0, float(point.sign_autocorrelation.fillna(0.0).min())) - 0.05, 1.05)
+    axis.set_xlabel(style.label(point.lag))
+    axis.set_ylabel("autocorrelation $C$")
+
+
+def _draw_order(point: xr.Dataset, axis: Axes) -> None:
+    """Draw the order parameter of each period."""
+    style.mark_level(axis, 0.0, "phase forgotten")
+    axis.plot(point.period, point.order_parameter_decay, color=style.BLUE)
+    axis.set_xlim(point.period.values[0], point.period.values[-1])
+    axis.set_xlabel(style.label(point.period))
+    axis.set_ylabel("order kept " + style.label(point.order_parameter_decay, short=True))
