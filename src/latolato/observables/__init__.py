@@ -26,6 +26,7 @@ from latolato.observables.final import (
     Stroboscope,
     Works,
 )
+from latolato.observables.period import ResponsePeriod, ResponseSamples
 
 __all__ = [
     "BottomContacts",
@@ -39,6 +40,8 @@ __all__ = [
     "MotionClass",
     "Observable",
     "Outcome",
+    "ResponsePeriod",
+    "ResponseSamples",
     "RestFraction",
     "Rotations",
     "Segment",

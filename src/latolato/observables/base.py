@@ -91,6 +91,8 @@ class Observable:
     dimension : str
         A further dimension of the variables: ``sample`` (one for each mark), ``exponent`` (one for
         each number of the state) or none.
+    plain : set of str
+        The variables that do not have that dimension.
     is_joint : bool
         Whether the variables belong to both balls of a pair together; those of the first count.
     """
@@ -103,6 +105,7 @@ class Observable:
     restart: ClassVar[Callable[..., None] | None] = None
     tangent: ClassVar[Callable[..., None] | None] = None
     dimension: ClassVar[str] = ""
+    plain: ClassVar[frozenset[str]] = frozenset()
     is_joint: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
