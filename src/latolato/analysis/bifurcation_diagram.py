@@ -178,7 +178,10 @@ def bifurcation_diagram(
         variables[name] = ((*dims, *ball, "sample"), samples)
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
-    coordinates: dict[str, Any] = {"direction": (("direction",), ways), parameter: ((parameter,), values)}
+    coordinates: dict[str, Any] = {
+        "direction": (("direction",), ways),
+        parameter: ((parameter,), values),
+    }
     if ball:
         coordinates["ball"] = (("ball",), ["right", "left"])
     return labelled(

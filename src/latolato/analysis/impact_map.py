@@ -122,7 +122,10 @@ def impact_map(
     return labelled(
         "impact_map",
         {
-            "impact_phase": (("impact",), (law.drive_frequency * time + law.drive_phase) % math.tau),
+            "impact_phase": (
+                ("impact",),
+                (law.drive_frequency * time + law.drive_phase) % math.tau,
+            ),
             "angular_velocity_after": (("impact",), after[keep]),
             "impact_side": (("impact",), kind[keep]),
             "impact_time": (("impact",), time),

@@ -104,9 +104,7 @@ def poincare_section(
     times = (np.arange(first, first + count) + lead) * (math.tau / law.drive_frequency)
     if count == 1 and times[0] == 0.0:
         raise ValueError("the only point would be the start: take more periods or a transient")
-    run = simulate(
-        system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start
-    )
+    run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)
     status = str(run.attrs["status"])
     two = system.angles == 2
     dims = ("ball", "time") if two else ("time",)

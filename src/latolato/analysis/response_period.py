@@ -87,7 +87,8 @@ def response_period(
     distance being the larger of both. Swings are windings of (angle, angular velocity) about the
     hanging position: half the passages through it. They are not defined for motion that swings
     about another position, where they are 0. Rates are over a whole number of response periods;
-    of a chaotic motion they are means over the periods watched.
+    of a chaotic motion they are means over the periods watched, and the rotation number of a
+    chaotic free pendulum, which swings and tumbles, is NaN.
 
     The mirror image ``-angle`` of a free pendulum's motion is a motion too, under the same drive.
     So a periodic motion is its own mirror image some k drive periods later (``mirror_residual``

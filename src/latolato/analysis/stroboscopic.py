@@ -135,7 +135,9 @@ def motion_of(
         np.asarray(grid[f"stroboscopic_{name}"].values).reshape(count, balls, -1)
         for name in ("angle", "angular_velocity")
     )
-    period, residual, kind = (of(n) for n in ("response_period", "recurrence_residual", "periodicity"))
+    period, residual, kind = (
+        of(n) for n in ("response_period", "recurrence_residual", "periodicity")
+    )
     if two:
         kinds = kind
         period, residual = find_period(
@@ -156,9 +158,9 @@ def motion_of(
         turns = np.take_along_axis(turns, abs(turns).argmax(axis=1)[:, None], axis=1)[:, 0]
     windings, impacts = either("windings"), either("impacts_per_period")
     rotation = np.where(turns != 0.0, abs(turns), windings)
+    rotation = np.where(np.isfinite(period), rotation, math.nan)
     if system.has_contacts:
         rotation = impacts
-    # A chaotic motion has no exact rate, but its mean over the periods watched is one.
     status = np.array(["failed"] * count, dtype="<U12")
     for number, name in enumerate(PERIODICITY):
         status[kind == number] = name

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from latolato.observables.angles import largest_angle
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.final import Stroboscope
+from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP
 from latolato.quantities import Quantity, Range, quantity_field
 from latolato.scalar import formula
@@ -98,11 +98,14 @@ def find_mirror(
 
 @formula
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
-    """Count passages through the hanging position, keep the fastest speed and the time held."""
+    """Count passages through the hanging position, keep extremes and the time held."""
     acc[i] += abs(math.floor(s.x1 / math.tau) - math.floor(s.x0 / math.tau))
     acc[i + 2 * n] = max(acc[i + 2 * n], abs(s.v1))
     acc[i + 4 * n] += s.held * (s.t1 - s.t0)
-    acc[i + 5 * n] = max(acc[i + 5 * n], largest_angle(s))
+    turns = math.tau * math.floor(s.x0 / math.tau + 0.5)
+    turn = turning_angle(s.t1 - s.t0, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
+    high = max(abs(s.x0 - turns), abs(s.x1 - turns), abs(turn - turns))
+    acc[i + 5 * n] = max(acc[i + 5 * n], min(high, math.pi))
 
 
 @formula
@@ -122,7 +125,7 @@ def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocit
         acc[i + 2 * n] = abs(velocity)
         acc[i + 3 * n] = math.inf
         acc[i + 4 * n] = 0.0
-        acc[i + 5 * n] = abs(angle)
+        acc[i + 5 * n] = abs(angle - math.tau * math.floor(angle / math.tau + 0.5))
     first = i + (6 + 5 * number) * n
     acc[first] = t
     acc[first + n] = angle
@@ -148,6 +151,7 @@ class ResponsePeriod(Observable):
     hanging position once per turn. `impacts_per_period` counts impacts. All are over the largest
     whole number of response periods watched. `mirror_residual` is the distance of a periodic
     motion of one angle without walls from its mirror image, at any shift.
+    `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
     """
 
     variables: ClassVar[Any] = {
@@ -229,7 +233,8 @@ class ResponsePeriod(Observable):
             "periodicity": np.where(rests, 0.0, periodicity) + nothing,
             "recurrence_residual": residual + nothing,
             "windings": np.where(rests, 0.0, 0.5) * rate(passages),
-            "turns_per_period": np.where(np.isfinite(period), np.round(turns * lag) / lag, turns) + 0.0,
+            "turns_per_period": np.where(np.isfinite(period), np.round(turns * lag) / lag, turns)
+            + 0.0,
             "impacts_per_period": rate(impacts),
             "mirror_residual": find_mirror(x, v, frequency, period)[0] + nothing,
             "slowest_impact": slowest + nothing,
