@@ -142,7 +142,7 @@ def basins(
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
     >>> found = basins(
-    ...     system, drive, angle_points=5, velocity_points=5, velocity_low=-3.0, velocity_high=3.0
+    ...     system, drive, angle_points=6, velocity_points=6, velocity_low=-3.0, velocity_high=3.0
     ... )
     >>> found.status.values, found.basin_fraction.values, found.basin_entropy.item()
     (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
@@ -157,6 +157,11 @@ def basins(
         checked_count("angle_points", angle_points),
         checked_count("velocity_points", velocity_points),
     )
+    if entropy_size > min(shape):
+        raise ValueError(
+            f"entropy_box must be at most the points of either axis, {min(shape)}, got "
+            f"{entropy_size}; take a smaller box or more points"
+        )
     if math.prod(shape) > _MOST_STARTS:
         raise ValueError(
             f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
@@ -442,8 +447,8 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
     rows, columns = (n // size for n in table.shape)
     if not rows * columns:
         raise ValueError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
-    boxes = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
-    boxes = boxes.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
+    whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
+    boxes = whole.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
     entropy = np.zeros(len(boxes))
     known = (boxes >= 0).sum(axis=1)
     kinds = np.zeros(len(boxes), dtype=np.int64)

