@@ -40,7 +40,7 @@ def test_balls_at_rest_below_lift_off_stay_at_rest():
     assert (found.status, found.response_period, found.rotation_number) == ("rest", 1.0, 0.0)
 
 
-@pytest.mark.parametrize(("ratio", "period"), [(2.4, 1.0), (5.0, 2.0)])
+@pytest.mark.parametrize("ratio, period", [(2.4, 1.0), (5.0, 2.0)])
 def test_two_equal_balls_repeat_as_their_mirror_symmetric_model_does(ratio, period):
     one = response_period(TOY, at_ratio(TOY, ratio, 0.03), initial_offset=0.2)
     two = response_period(PAIR, at_ratio(TOY, ratio, 0.03), initial_angle=(0.3, -0.28))
@@ -54,11 +54,11 @@ def test_two_equal_balls_repeat_as_their_mirror_symmetric_model_does(ratio, peri
 
 
 def test_a_rotating_pendulum_turns_once_per_drive_period():
+    # A start well inside the basin of rotation.
     found = response_period(
-        SINGLE, at_ratio(SINGLE, 2.0, 0.05), initial_angle=math.pi, initial_angular_velocity=7.0
+        SINGLE, at_ratio(SINGLE, 2.0, 0.05), initial_angle=2.9, initial_angular_velocity=-5.3
     )
-    if found.response_period != 1.0:
-        pytest.fail(f"expected rotation, got {found}")
+    assert (found.status, found.response_period) == ("periodic", 1.0)
     assert abs(found.turns_per_period) == 1.0
     assert found.rotation_number == 1.0
     assert found.largest_angle_watched.item() == pytest.approx(math.pi, abs=1e-12)  # by definition
@@ -103,7 +103,7 @@ def test_the_mirror_image_is_found_at_half_the_period_only_if_it_is_there():
 
 
 @pytest.mark.parametrize(
-    ("count", "total", "low", "high"),
+    "count, total, low, high",
     # Wilson's formula at z = 1.96 for 0/10 and 5/10; Newcombe (1998), table I, gives 81/263.
     [(0, 10, 0.0, 0.2775), (5, 10, 0.2366, 0.7634), (81, 263, 0.2553, 0.3662)],
 )
@@ -158,7 +158,7 @@ def test_observables_that_mark_differently_many_periods_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("system", "drive", "options", "error", "message"),
+    "system, drive, options, error, message",
     [
         (SINGLE, None, {}, ValueError, "needs a drive with a period, got None"),
         (
@@ -169,15 +169,15 @@ def test_observables_that_mark_differently_many_periods_are_refused():
             "single period",
         ),
         (
-            ll.Mathieu(length=1.0),
+            ll.Mathieu(length=1.0, mass=1.0),
             at_ratio(SINGLE, 2.0, 0.1),
             {},
             ValueError,
-            "only grows or decays",
+            "only grows",
         ),
         (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"longest": 0}, ValueError, "longest must be"),
         (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"angle_tolerance": 0.0}, ValueError, "angle_toler"),
-        (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"transient_periods": -1}, ValueError, "transient"),
+        (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"transient_periods": -1}, ValueError, "trans"),
         (
             SINGLE,
             ll.Harmonic(drive_amplitude=0.1, drive_frequency=0.0),

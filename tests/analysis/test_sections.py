@@ -89,7 +89,8 @@ def test_figure_11_has_rest_on_the_way_up_and_motion_on_the_way_down():
     assert set(between.status.sel(direction="up").values) == {"rest"}
     assert set(between.status.sel(direction="down").values) == {"periodic"}
     assert np.all(between.is_hysteretic == 1)
-    assert np.all(found.is_hysteretic.sel(frequency_ratio=slice(2.9, 3.2)) == 0)
+    # Just above lift-off the balls hop low on the way up, and swing on the way down.
+    assert np.all(found.is_hysteretic.sel(frequency_ratio=slice(3.03, 3.2)) == 0)
     # Lift-off from rest, A0 w^2 = g, comes before the upper branch is reached.
     lift_off = math.sqrt(TOY.length / 0.03)
     jump = found.frequency_ratio.where(found.status.sel(direction="up") != "rest").min()
@@ -110,7 +111,7 @@ def test_one_way_of_a_diagram_is_that_of_both():
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    "options, message",
     [
         ({"parameter": "restitutoin"}, "restitution"),
         ({"parameter": "initial_angle"}, "unknown parameter"),

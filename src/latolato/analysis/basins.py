@@ -241,7 +241,6 @@ _SIZES = Range(0.0, 1.0, open_low=True)
 _QUANTITIES: dict[str, Quantity] = {
     "basin": Quantity("1", "", "number of the attractor (-1 unresolved)"),
     "attractor": Quantity("1", "", "attractor"),
-    "ball": Quantity("1", "", "ball"),
     "basin_fraction": Quantity("1", "F", "share of the starts"),
     "basin_fraction_low": Quantity("1", "", "share of the starts, low end"),
     "basin_fraction_high": Quantity("1", "", "share of the starts, high end"),

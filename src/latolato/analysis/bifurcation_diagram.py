@@ -192,7 +192,6 @@ def bifurcation_diagram(
         | {
             parameter: about.quantity,
             "direction": Quantity("1", "", "way along the parameter"),
-            "ball": Quantity("1", "", "ball"),
             "is_hysteretic": Quantity("1", "", "both ways differ (1) or not (0)"),
         },
         system=system,

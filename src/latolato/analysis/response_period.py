@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import (
     QUANTITIES_HERE,
@@ -17,6 +15,7 @@ from latolato.analysis.stroboscopic import (
     run_samples,
     start_axis,
 )
+from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.start import DEFAULT_REST_SPEED
@@ -73,7 +72,8 @@ def response_period(
         ``rotation_number`` [1] is, with walls, the impacts per drive period; without, the turns
         per drive period of a rotating pendulum and otherwise the swings per drive period.
         ``mirror_residual`` [rad] is the distance from the mirror image ``mirror_shift`` drive
-        periods later.
+        periods later. ``stroboscopic_angle`` [rad], modulo 2 pi, and
+        ``stroboscopic_angular_velocity`` [rad/s] are the samples, over ([ball,] sample).
 
     Raises
     ------
@@ -133,7 +133,7 @@ def response_period(
     found = motion_of(
         grid, system, law.drive_frequency, longest=longest, angle_tolerance=angle_tolerance
     )
-    variables = {name: values[0] for name, values in found.items()}
+    variables: dict[str, Any] = {name: values[0] for name, values in found.items()}
     settings = {
         **start,
         "transient_periods": transient_periods,
@@ -143,9 +143,15 @@ def response_period(
         "rest_speed": rest_speed,
         "message": _message(variables, longest, transient_periods),
     }
+    ball = ("ball",) if system.angles == 2 else ()
+    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+        samples = grid[name].values[0]
+        samples = wrapped(samples) if name == "stroboscopic_angle" else samples
+        variables[name] = ((*ball, "sample"), samples)
     return labelled(
         "response_period",
         variables,
+        coordinates={"ball": (("ball",), ["right", "left"])} if ball else None,
         quantities=QUANTITIES_HERE,
         system=system,
         drive=law,
@@ -153,7 +159,7 @@ def response_period(
     )
 
 
-def _message(found: dict[str, np.generic], longest: int, transient_periods: float) -> str | None:
+def _message(found: dict[str, Any], longest: int, transient_periods: float) -> str | None:
     """Return what stands in the way of an answer."""
     status, left = str(found["status"]), float(found["recurrence_residual"])
     if status == "aperiodic":

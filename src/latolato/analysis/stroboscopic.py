@@ -33,6 +33,7 @@ QUANTITIES_HERE: dict[str, Quantity] = {
     "rotation_number": Quantity("1", r"\rho", "rotation number per drive period"),
     "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
     "status": Quantity("1", "", "status"),
+    "ball": Quantity("1", "", "ball"),
 }
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
