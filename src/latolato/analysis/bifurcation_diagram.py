@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,16 +20,18 @@ from latolato.analysis.stroboscopic import (
     run_samples,
 )
 from latolato.observables.period import wrapped
-from latolato.physics.drives import Drive
+from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
 from latolato.quantities import POSITIVE, Quantity
 from latolato.registry import checked_count, checked_number, suggest
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 from latolato.sweep.axes import parameters_of
 from latolato.sweep.plan import DIRECTIONS
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Floats = NDArray[np.float64]
 
 _MOST_POINTS = 100_000
 _KEPT = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
@@ -99,10 +102,11 @@ def bifurcation_diagram(
 
     Notes
     -----
-    Each value starts from the state and the drive phase at which the one before ended, so that
-    the motion stays on its branch as far as that is stable. With walls the state is moved inside
-    them where they moved. ``is_hysteretic`` compares the largest angles with a threshold of a
-    hundred times `angle_tolerance`, and says nothing (0) of two chaotic motions.
+    Each value starts from the last sample of the one before, at the same drive phase, so that
+    the motion stays on its branch as far as that is stable, and all samples are at the drive phase
+    of time zero, ``drive_phase``. With walls the state is moved inside them where they moved.
+    ``is_hysteretic`` compares the largest angles with a threshold of a hundred times
+    `angle_tolerance`, and says nothing (0) of two chaotic motions.
 
     What it can miss: unstable orbits, and every branch that neither way leads to (see `basins`).
     A motion near a bifurcation settles slowly and is followed with a delay, so that hysteresis
@@ -144,37 +148,28 @@ def bifurcation_diagram(
         "initial_angular_velocity": initial_angular_velocity,
         "initial_offset": initial_offset,
     }
-    grid = run_samples(
+    ways = ["up", "down"] if direction == "both" else [direction]
+    found = _follow(
         system,
         law,
-        {parameter: values},
-        longest=longest,
-        angle_tolerance=angle_tolerance,
-        transient_periods=transient_periods,
-        slowest_frequency=float(frequency.min()),
-        tolerance=tolerance,
-        rest_speed=rest_speed,
-        continuation=parameter,
-        direction=direction,
-        **start,
+        parameter,
+        values,
+        ways,
+        _start(system, start),
+        {"longest": longest, "angle_tolerance": angle_tolerance},
+        {
+            "transient_periods": transient_periods,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+        frequency,
     )
-    ways = ["up", "down"] if direction == "both" else [direction]
-    motion = motion_of(
-        grid,
-        system,
-        np.tile(frequency, len(ways)),
-        longest=longest,
-        angle_tolerance=angle_tolerance,
-    )
-    kept = {n: motion[n].reshape(len(ways), count) for n in (*_KEPT, "status")}
+    kept = {n: found[n] for n in (*_KEPT, "status")}
     dims = ("direction", parameter)
     ball = ("ball",) if system.angles == 2 else ()
-    variables: dict[str, Any] = {name: (dims, found) for name, found in kept.items()}
+    variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
     for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
-        samples = grid[name].transpose(..., parameter, *ball, "sample").values
-        samples = samples.reshape(len(ways), *samples.shape[-2 - len(ball) :])
-        if name == "stroboscopic_angle":
-            samples = wrapped(samples)
+        samples = found[name] if ball else found[name][:, :, 0]
         variables[name] = ((*dims, *ball, "sample"), samples)
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
@@ -221,6 +216,94 @@ def _frequencies(
     for value in found:
         checked_number(parameter, value, POSITIVE, "rad/s")
     return found
+
+
+def _start(system: System, start: dict[str, Any]) -> tuple[Floats, Floats]:
+    """Return the angles and angular velocities of the start, checked; shape (ball,)."""
+    walls = walls_of(system, checked_contact("exact", system))
+    found = checked_start(system, walls, *start.values())
+    return np.array(found.angles), np.array(found.velocities)
+
+
+def _follow(
+    system: System,
+    law: Drive,
+    parameter: str,
+    values: Floats,
+    ways: list[str],
+    start: tuple[Floats, Floats],
+    limits: dict[str, Any],
+    options: dict[str, Any],
+    frequency: Floats,
+) -> dict[str, NDArray[Any]]:
+    """Return what `motion_of` tells and the samples, of shape (way, value, ...).
+
+    All ways run at once. Each value starts from the last sample of the one before, which lies a
+    whole number of drive periods after its start: so all samples are at one drive phase.
+    """
+    count = len(values)
+    states = [start for _ in ways]
+    found: dict[str, NDArray[Any]] = {}
+    for step in range(count):
+        places = [step if way == "up" else count - 1 - step for way in ways]
+        cases = []
+        for number, (place, state) in enumerate(zip(places, states, strict=True)):
+            moved = _changed(system, parameter, float(values[place]))
+            angles = _inside(moved, state[0])
+            states[number] = (angles, state[1])
+            cases.append((float(values[place]), *angles, *state[1]))
+        distinct = list(dict.fromkeys(cases))  # both ways may meet in one motion
+        sides = ("",) if system.angles == 1 else ("_right", "_left")
+        names = [parameter]
+        names += [f"initial_angle{side}" for side in sides]
+        names += [f"initial_angular_velocity{side}" for side in sides]
+        grid = run_samples(
+            system,
+            law,
+            {"case": dict(zip(names, np.array(distinct).T, strict=True))},
+            slowest_frequency=float(frequency[places].min()),
+            **limits,
+            **options,
+        )
+        of = [distinct.index(case) for case in cases]
+        at = frequency[[places[cases.index(case)] for case in distinct]]
+        motion = motion_of(grid, system, at, **limits)
+        for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+            samples = np.asarray(grid[name].values)
+            motion[name] = samples.reshape(len(distinct), system.angles, -1)
+        for number, (place, case) in enumerate(zip(places, of, strict=True)):
+            angles = motion["stroboscopic_angle"][case, :, -1]
+            velocities = motion["stroboscopic_angular_velocity"][case, :, -1]
+            if np.isfinite(angles).all():  # a run that failed hands on its start
+                states[number] = (angles, velocities)
+            for name, each in motion.items():
+                shape = (len(ways), count, *each.shape[1:])
+                found.setdefault(name, np.empty(shape, dtype=each.dtype))[number, place] = each[
+                    case
+                ]
+    found["stroboscopic_angle"] = wrapped(found["stroboscopic_angle"])
+    return found
+
+
+def _changed(system: System, parameter: str, value: float) -> System:
+    """Return the system at a value of the parameter, itself if that is of the drive."""
+    path = parameters_of(system, Static())
+    if parameter not in path or path[parameter].owner != "system":
+        return system
+    names = path[parameter].path
+    if len(names) == 1:
+        return replace(system, **{names[0]: value})
+    return replace(system, **{names[0]: replace(getattr(system, names[0]), **{names[1]: value})})
+
+
+def _inside(system: System, angles: Floats) -> Floats:
+    """Return angles moved to the nearest wall where the walls have passed them."""
+    low, high = walls_of(system, checked_contact("exact", system))
+    if system.angles == 1:
+        return np.clip(angles, low, high)
+    gap = angles[0] - angles[1]
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return np.array([angles[0] + shift, angles[1] - shift])
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> NDArray[np.int64]:

@@ -96,12 +96,12 @@ def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
         text = f"{what}, up to {angle:.0f}°"
         if status != "rest" and math.isfinite(turns):
             text += f", {turns:.3g} per period"
-        found.append(patch(_COLOURS[number], f"{text}\n{share:.1f} ± {half:.1f} %"))
+        found.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
     rest = dataset.sizes["attractor"] - known
     if rest:
         share = 100.0 * dataset["basin_fraction"].values[known:].sum()
-        found.append(patch(_OTHER, f"{rest} further\n{share:.1f} %"))
+        found.append(patch(_OTHER, f"{rest} further\n{share:.2f} %"))
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
-        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.1f} %"))
+        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %"))
     return found

@@ -34,7 +34,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         first = int(risen[0])
         share = (1.0 - lift[first]) / (lift[first + 1] - lift[first])
         place = x[first] + share * (x[first + 1] - x[first])
-        panel.axvline(place, color=style.INK, lw=style.LINE, ls=(0, (4, 3)))
+        colour = style.INK if dataset.sizes["drive_phase"] <= _MOST_CURVES else style.ORANGE
+        panel.axvline(place, color=colour, lw=style.LINE, ls=(0, (4, 3)))
         panel.annotate(
             r"lift-off from rest ($A_0\omega^2 = g$)", (place, 1.0), (0, 3),
             ("data", "axes fraction"), textcoords="offset points", ha="center", va="bottom",

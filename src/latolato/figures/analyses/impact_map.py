@@ -45,6 +45,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     returns.set_ylabel("drive phase at the next impact $\\varphi_{j+1}$ [rad]")
     plane.set_ylabel(style.label(dataset["angular_velocity_after"]))
     plane.margins(y=0.12)
+    low, high = plane.get_ylim()
+    middle = 0.5 * (low + high)
+    if high - low < 1e-3 * abs(middle):  # one point, not the last digits of it
+        plane.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     rate = dataset["impacts_per_period"].item()
     style.panel_title(plane, "a", f"{rate:.4g} impacts per drive period")
     style.panel_title(returns, "b", "from one impact to the next")

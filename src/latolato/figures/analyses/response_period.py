@@ -45,7 +45,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         panel.margins(0.15)
     course.set_xlim(-0.5, count - 0.5)
     course.set_xlabel("drive periods after the transient")
-    course.set_ylabel(style.label(dataset["stroboscopic_angle"]))
+    course.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))
     plane.set_xlabel(style.label(dataset["stroboscopic_angle"], short=True))
     plane.set_ylabel(style.label(dataset["stroboscopic_angular_velocity"], short=True))
     style.panel_title(course, "a", _told(dataset, cycle))

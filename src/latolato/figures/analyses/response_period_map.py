@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 # Classes with colours of their own; the rest of the periods share one.
 _CLASSES: dict[str, str] = {
     "rest": style.PALE_GREY,
-    "period 1": style.PALE_BLUE,
+    "period 1": style.SKY,
     "period 2": style.BLUE,
     "period 3": style.GREEN,
     "period 4": style.ORANGE,
     "longer period": style.GREY,
-    "grazing": "#7a4fa3",
+    "grazing": style.PALE_RED,
     "aperiodic": style.RED,
     "no answer": style.INK,
 }
@@ -93,7 +93,11 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
     axes.set_xlim(0.0, 1.0)
     axes.set_xlabel("share, with its 95 % interval")
     rest = dataset.isel(motion=0)["share"].item()
+    text = f"{100.0 * rest:.0f} % of all cells are at rest (pale grey)"
+    lost = dataset["status"].size - int(cells.sum())
+    if lost:
+        text += f"\n{lost} without an answer (black)"
     axes.annotate(
-        f"{100.0 * rest:.0f} % of all cells are at rest", (1.0, 0.0), (0, 5), "axes fraction",
+        text, (1.0, 0.0), (0, 5), "axes fraction",
         textcoords="offset points", ha="right", fontsize=style.SMALL, color=style.INK,
     )  # fmt: skip
