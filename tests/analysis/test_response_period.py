@@ -146,6 +146,65 @@ def test_the_observable_gives_what_the_analysis_does():
     assert np.all(grid.response_period == 2.0)
 
 
+@pytest.mark.parametrize("executor", ["threads", "reference"])
+def test_counts_and_extremes_are_those_of_a_dense_run(executor):
+    drive = at_ratio(TOY, 3.0, 0.1)  # knocks at both walls
+    period = math.tau / drive.drive_frequency
+    duration = 12.0 * period * (1.0 + 1e-12)
+    grid = ll.sweep(
+        TOY,
+        drive,
+        axes={"initial_offset": [0.2]},
+        duration=duration,
+        observables=[ll.ResponseSamples(longest=4)],
+        tolerance=1e-11,
+        executor=executor,
+    ).squeeze()
+    times = np.linspace(0.0, 12.0 * period, 12 * 2000 + 1)
+    run = ll.simulate(
+        TOY, drive, initial_offset=0.2, times=times, duration=duration, tolerance=1e-12
+    )
+    # Both runs' errors, amplified by a dozen impacts.
+    tolerance = 1e-6
+    for name in ("angle", "angular_velocity"):
+        np.testing.assert_allclose(
+            grid[f"stroboscopic_{name}"], run[name].values[::2000], atol=tolerance
+        )
+    speeds = abs(run.angular_velocity_before.values)
+    assert grid.slowest_impact.item() == pytest.approx(speeds.min(), abs=tolerance)
+    # Speeds are looked at once per step, and samples lie as close.
+    assert grid.fastest_speed.item() == pytest.approx(
+        abs(run.angular_velocity).max().item(), rel=0.02
+    )
+    assert grid.largest_angle_watched.item() == pytest.approx(TOY.contact_angle_high, abs=1e-9)
+    cycles = grid.response_period.item() if np.isfinite(grid.response_period) else 1.0
+    whole = 12 // cycles * cycles
+    counted = (run.contact_time.values >= times[-1] - whole * period).sum()
+    assert grid.impacts_per_period.item() == pytest.approx(counted / whole, abs=1e-12)
+
+
+def test_swings_are_half_the_passages_of_a_dense_run():
+    drive = at_ratio(SINGLE, 2.0, 0.5)  # tumbles
+    period = math.tau / drive.drive_frequency
+    grid = ll.sweep(
+        SINGLE,
+        drive,
+        axes={"initial_angle": [0.5]},
+        duration=12.0 * period * (1.0 + 1e-12),
+        observables=[ll.ResponseSamples(longest=4)],
+        tolerance=1e-9,
+    ).squeeze()
+    times = np.linspace(0.0, 12.0 * period, 12 * 2000 + 1)
+    run = ll.simulate(SINGLE, drive, initial_angle=0.5, times=times)
+    turns = np.floor(run.angle.values / math.tau)
+    assert grid.windings.item() == pytest.approx(0.5 * abs(np.diff(turns)).sum() / 12, abs=1e-12)
+    net = (run.angle.values[-1] - run.angle.values[0]) / math.tau / 12
+    assert grid.turns_per_period.item() == pytest.approx(net, abs=1e-6)  # both runs' errors
+    high = abs((run.angle.values + math.pi) % math.tau - math.pi).max()
+    # Samples lie a two-thousandth of a period apart; pi stands for a passage over the top.
+    assert grid.largest_angle_watched.item() == pytest.approx(high, abs=0.02)
+
+
 def test_observables_that_mark_differently_many_periods_are_refused():
     with pytest.raises(ValueError, match="equally many periods, got 32 and 49"):
         ll.sweep(

@@ -43,8 +43,10 @@ def test_the_picture_of_an_analysis_names_its_axes_and_fits_on_its_page(name):
             or axes.get_shared_x_axes().joined(axes, figure.axes[-1])
         )
         box = axes.get_window_extent()
-        assert box.x0 >= 0 and box.y0 >= 0
-        assert box.x1 <= width * figure.dpi and box.y1 <= height * figure.dpi
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= width * figure.dpi
+        assert box.y1 <= height * figure.dpi
 
 
 def test_the_first_push_with_many_phases_is_a_map():

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.observables import Crossings, MotionClass, SelfStart, Stroboscope, observables
+from latolato.observables import (
+    Crossings,
+    MotionClass,
+    ResponseSamples,
+    SelfStart,
+    Stroboscope,
+    observables,
+)
 from latolato.observables.hermite import quintic, turning_angle
 
 # Both sides follow the same motion with this tolerance.
@@ -263,6 +270,7 @@ def test_variables_of_two_balls_are_the_same_compiled():
 
 def test_every_registered_observable_is_held_against_a_dense_run():
     shown = set(by_hand("bouncing toy", 0.0)) | set(Stroboscope.variables)
+    shown |= set(ResponseSamples.variables)  # in tests/analysis/test_response_period.py
     for name, kind in observables.items():
         assert set(kind.variables) <= shown, name
 
