@@ -1,6 +1,8 @@
 """Exact solutions and tools that read more out of a motion than its samples."""
 
 from latolato.analysis.activation_time import activation_time
+from latolato.analysis.basins import BasinEntropy, basin_entropy, basins
+from latolato.analysis.bifurcation_diagram import bifurcation_diagram
 from latolato.analysis.closed_forms import (
     MathieuParameters,
     collision_times,
@@ -20,25 +22,35 @@ from latolato.analysis.closed_forms import (
     zeno_time,
 )
 from latolato.analysis.continuation import continue_orbit
+from latolato.analysis.first_push import first_push
 from latolato.analysis.floquet import floquet
 from latolato.analysis.growth_rate import growth_rate
 from latolato.analysis.hysteresis import hysteresis
+from latolato.analysis.impact_map import impact_map
 from latolato.analysis.inverted_limits import inverted_limits
 from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.poincare_section import poincare_section
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses
+from latolato.analysis.response_period import response_period
+from latolato.analysis.response_period_map import response_period_map
 from latolato.analysis.self_start import self_start
 from latolato.analysis.shortest_protocol import shortest_protocol
+from latolato.analysis.stroboscopic import wilson
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold_amplitude import threshold_amplitude
 from latolato.analysis.time_crystal import time_crystal
 from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
+    "BasinEntropy",
     "MathieuParameters",
     "Protocol",
     "activation_time",
     "analyses",
+    "basin_entropy",
+    "basins",
+    "bifurcation_diagram",
     "collision_times",
     "continue_orbit",
     "damped_small_angle",
@@ -46,11 +58,13 @@ __all__ = [
     "decay_rate",
     "elastic_bounces",
     "fall_time",
+    "first_push",
     "floquet",
     "fold_angle",
     "growth_rate",
     "hysteresis",
     "impact_angular_velocity",
+    "impact_map",
     "inverted_limits",
     "lyapunov_spectrum",
     "mathieu_growth_rate",
@@ -58,6 +72,9 @@ __all__ = [
     "mathieu_threshold_amplitude",
     "mathieu_tongue_edges",
     "pair_symmetry",
+    "poincare_section",
+    "response_period",
+    "response_period_map",
     "self_start",
     "shortest_protocol",
     "threshold_amplitude",
@@ -65,5 +82,6 @@ __all__ = [
     "tongue_edges",
     "undriven_motion",
     "undriven_period",
+    "wilson",
     "zeno_time",
 ]

@@ -27,6 +27,7 @@ from latolato.observables.final import (
     Works,
 )
 from latolato.observables.passage import FirstPassage
+from latolato.observables.period import ResponsePeriod, ResponseSamples
 
 __all__ = [
     "BottomContacts",
@@ -41,6 +42,8 @@ __all__ = [
     "MotionClass",
     "Observable",
     "Outcome",
+    "ResponsePeriod",
+    "ResponseSamples",
     "RestFraction",
     "Rotations",
     "Segment",

@@ -13,7 +13,7 @@ from latolato.scalar import formula
 
 
 @formula
-def _largest(s: Segment) -> float:
+def largest_angle(s: Segment) -> float:
     """Return the largest |angle| of a step [rad]."""
     turn = turning_angle(s.t1 - s.t0, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
     return max(abs(s.x0), abs(s.x1), abs(turn))
@@ -22,7 +22,7 @@ def _largest(s: Segment) -> float:
 @formula
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Keep the largest |angle|."""
-    acc[i] = max(acc[i], _largest(s))
+    acc[i] = max(acc[i], largest_angle(s))
 
 
 @formula
@@ -73,7 +73,7 @@ class LargestAngleAfterTransient(Observable):
 @formula
 def _both_step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Keep the largest |angle| overall and after the transient."""
-    now = _largest(s)
+    now = largest_angle(s)
     acc[i] = max(acc[i], now)
     acc[i + n] = max(acc[i + n], now)
 

@@ -93,6 +93,8 @@ class Observable:
         each number of the state) or none.
     angles : int
         How many angles the system must have; 0 if any number will do.
+    plain : set of str
+        The variables that do not have that dimension.
     is_joint : bool
         Whether the variables belong to both balls of a pair together; those of the first count.
     """
@@ -106,6 +108,7 @@ class Observable:
     tangent: ClassVar[Callable[..., None] | None] = None
     dimension: ClassVar[str] = ""
     angles: ClassVar[int] = 0
+    plain: ClassVar[frozenset[str]] = frozenset()
     is_joint: ClassVar[bool] = False
 
     def __post_init__(self) -> None:

@@ -272,6 +272,12 @@ def make_plan(
         raise ValueError(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
         )
+    counts = sorted({o.marks for o in watched} - {0})
+    if len(counts) > 1:  # marks are numbered for all observables together
+        raise ValueError(
+            f"observables that look once per drive period must mark equally many periods, got "
+            f"{' and '.join(map(str, counts))}: set their periods alike"
+        )
     law = checked_contact(contact, system)
     for observable in watched:
         if observable.angles not in (0, system.angles):

@@ -29,7 +29,7 @@ def dims_of(plan: Plan, name: str) -> tuple[str, ...]:
         observable = next(o for o in plan.observables if name in o.variables)
         if plan.system.angles == 2 and not observable.is_joint:
             extra += ("ball",)
-        if observable.dimension:
+        if observable.dimension and name not in observable.plain:
             extra += (observable.dimension,)
     return plan.dims + extra
 

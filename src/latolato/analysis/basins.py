@@ -1,0 +1,464 @@
+"""Basins of attraction: which starts lead to which motion, found without naming any of them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import (
+    QUANTITIES_HERE,
+    checked_periodic,
+    checked_span,
+    checked_transient,
+    motion_of,
+    run_samples,
+    wilson,
+)
+from latolato.observables.period import wrapped
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import BallPair, System
+from latolato.quantities import Quantity, Range
+from latolato.registry import checked_count, checked_number
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, walls_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    Floats = NDArray[np.float64]
+    Labels = NDArray[np.int64]
+
+# The label of starts whose motion was not assigned to an attractor.
+UNRESOLVED = -1
+# More attractors than this are not told apart: the rest stays unresolved.
+_MOST_ATTRACTORS = 200
+# Aperiodic motions of fewer starts than this share of all count as unresolved.
+_FEWEST_CHAOTIC = 0.002
+_MOST_STARTS = 4_000_000
+# Default range of initial angular velocities in natural frequencies, about the separatrix.
+_SPEEDS = 3.0
+# A wall is approached from inside by this much [rad].
+_INSIDE = 1e-9
+_TOLD = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
+
+
+@analyses.register("basins")
+def basins(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    angle_low: float | None = None,
+    angle_high: float | None = None,
+    angle_points: int = 100,
+    velocity_low: float | None = None,
+    velocity_high: float | None = None,
+    velocity_points: int = 100,
+    asymmetry: float = 0.0,
+    transient_periods: float = 500.0,
+    longest: int = 16,
+    angle_tolerance: float = 1e-4,
+    match_tolerance: float = 0.01,
+    chaos_box: float = 0.1,
+    entropy_box: int = 5,
+    tolerance: float = 1e-6,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return which attractor each start leads to, the attractors, their shares [1] and entropies.
+
+    ``basins_of_attraction`` and ``basins_fractions`` of Attractors.jl (Datseris & Wagemakers,
+    2022); basin entropy by Daza et al. (2016).
+
+    Parameters
+    ----------
+    system, drive
+        The laws; the drive must have one period (harmonic or crank slider).
+    angle_low, angle_high : float, optional
+        Range of initial angles [rad]; by default between the walls, or -pi to pi without.
+    angle_points : int
+        Initial angles in that range.
+    velocity_low, velocity_high : float, optional
+        Range of initial angular velocities [rad/s]; by default -3 w0 to 3 w0.
+    velocity_points : int
+        Initial angular velocities in that range.
+    asymmetry : float
+        Of two balls, the left one starts at minus the right one's angle minus this [rad], and at
+        minus its angular velocity.
+    transient_periods : float
+        Drive periods before the motion is looked at, at least 0.
+    longest : int
+        Longest response period that is told from chaos, 1 to 64 drive periods.
+    angle_tolerance : float
+        Distance below which two samples of one motion agree [rad], in (0, 1].
+    match_tolerance : float
+        Distance below which two motions are one [rad], in (0, 1].
+    chaos_box : float
+        Aperiodic motions that visit a common box of this size [rad] are one, in (0, 1].
+    entropy_box : int
+        Starts along each side of the boxes of the basin entropy.
+    tolerance : float
+        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``basin`` over (initial_angle, initial_angular_velocity): the number of the attractor, the
+        one with the largest basin being 0, and -1 where none was assigned. Over ``attractor``:
+        ``status`` ("rest", "periodic", "grazing", "aperiodic"), ``response_period``,
+        ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``, as in
+        `response_period`, the ``basin_fraction`` [1] with the ends of its 95 % interval, and over
+        ``sample`` the ``stroboscopic_angle`` and ``stroboscopic_angular_velocity`` of one motion
+        on it. ``unresolved_fraction``, ``basin_entropy``, ``boundary_basin_entropy`` [1].
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, ranges beyond the walls, a drive without a period, the linearised pendulum.
+
+    Notes
+    -----
+    All starts are watched at the same drive phases. Periodic motions are one if their samples,
+    ``(angle modulo 2 pi, angular velocity/w)``, agree within `match_tolerance` after a shift by
+    whole drive periods. Aperiodic motions are one if their samples share a box of size
+    `chaos_box`, directly or through others, as in recurrences on a grid. Motions of mirror
+    symmetric partners are two attractors. Fractions are of the starts on the grid, which is
+    centred in its cells; their intervals (Wilson, 1927) are those of as many starts drawn at
+    random, and too wide for smooth basins.
+
+    What it can miss: attractors whose basins are smaller than the grid's spacing or outside the
+    range; motions still on their way after the transient (chaotic transients look aperiodic, and
+    nearly settled ones can appear as attractors of their own); chaotic attractors that come nearer
+    to each other than `chaos_box` are taken as one, and two periodic ones nearer than
+    `match_tolerance`. Aperiodic motion of fewer than 0.2 % of the starts is left unresolved.
+    Two balls have four initial numbers, of which this is a plane.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
+    >>> found = basins(
+    ...     system, drive, angle_points=6, velocity_points=6, velocity_low=-3.0, velocity_high=3.0
+    ... )
+    >>> found.status.values, found.basin_fraction.values, found.basin_entropy.item()
+    (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
+    """
+    law = checked_periodic(system, drive, "basins")
+    transient_periods = checked_transient(transient_periods)
+    match = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
+    box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
+    shift = checked_number("asymmetry", asymmetry, Range(), "rad")
+    entropy_size = checked_count("entropy_box", entropy_box)
+    shape = (
+        checked_count("angle_points", angle_points),
+        checked_count("velocity_points", velocity_points),
+    )
+    if entropy_size > min(shape):
+        raise ValueError(
+            f"entropy_box must be at most the points of either axis, {min(shape)}, got "
+            f"{entropy_size}; take a smaller box or more points"
+        )
+    if math.prod(shape) > _MOST_STARTS:
+        raise ValueError(
+            f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
+            "velocity_points"
+        )
+    angles, velocities = _starts(
+        system, shape, (angle_low, angle_high), (velocity_low, velocity_high)
+    )
+    grid = run_samples(
+        system,
+        law,
+        _axes(system, angles, velocities, shift),
+        longest=longest,
+        angle_tolerance=angle_tolerance,
+        transient_periods=transient_periods,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+    )
+    motion = motion_of(
+        grid, system, law.drive_frequency, longest=longest, angle_tolerance=angle_tolerance
+    )
+    samples = _samples(grid, system, law.drive_frequency)
+    labels, examples = find_attractors(
+        samples, motion["response_period"], motion["status"], match_tolerance=match, chaos_box=box
+    )
+    counts = np.bincount(labels[labels >= 0], minlength=len(examples))
+    share, low, high = wilson(counts, labels.size)
+    table = labels.reshape(shape)
+    entropy = basin_entropy(table, entropy_size)
+    ball = ("ball",) if system.angles == 2 else ()
+    places = ("initial_angle", "initial_angular_velocity")
+    variables: dict[str, Any] = {
+        "basin": (places, table),
+        **{name: (("attractor",), motion[name][examples]) for name in (*_TOLD, "status")},
+        "basin_fraction": (("attractor",), share),
+        "basin_fraction_low": (("attractor",), low),
+        "basin_fraction_high": (("attractor",), high),
+        "unresolved_fraction": float((labels == UNRESOLVED).mean()),
+        "basin_entropy": entropy.basin_entropy,
+        "boundary_basin_entropy": entropy.boundary_basin_entropy,
+        "boundary_share": entropy.boundary_share,
+    }
+    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+        values = np.asarray(grid[name].values)
+        values = values.reshape(labels.size, *values.shape[2:])[examples]
+        values = wrapped(values) if name == "stroboscopic_angle" else values
+        variables[name] = (("attractor", *ball, "sample"), values)
+    coordinates: dict[str, Any] = {
+        "initial_angle": (("initial_angle",), angles),
+        "initial_angular_velocity": (("initial_angular_velocity",), velocities),
+        "attractor": (("attractor",), np.arange(len(examples))),
+    }
+    if ball:
+        coordinates["ball"] = (("ball",), ["right", "left"])
+    return labelled(
+        "basins",
+        variables,
+        coordinates=coordinates,
+        quantities=QUANTITIES_HERE | _QUANTITIES,
+        system=system,
+        drive=law,
+        settings={
+            "asymmetry": shift if ball else None,
+            "transient_periods": transient_periods,
+            "longest": longest,
+            "angle_tolerance": angle_tolerance,
+            "match_tolerance": match,
+            "chaos_box": box,
+            "entropy_box": entropy_size,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )
+
+
+_SIZES = Range(0.0, 1.0, open_low=True)
+_QUANTITIES: dict[str, Quantity] = {
+    "basin": Quantity("1", "", "number of the attractor (-1 unresolved)"),
+    "attractor": Quantity("1", "", "attractor"),
+    "basin_fraction": Quantity("1", "F", "share of the starts"),
+    "basin_fraction_low": Quantity("1", "", "share of the starts, low end"),
+    "basin_fraction_high": Quantity("1", "", "share of the starts, high end"),
+    "unresolved_fraction": Quantity("1", "", "share of starts without attractor"),
+    "basin_entropy": Quantity("1", "S_b", "basin entropy"),
+    "boundary_basin_entropy": Quantity("1", "S_{bb}", "boundary basin entropy"),
+    "boundary_share": Quantity("1", "", "share of boxes on a boundary"),
+}
+
+
+def _starts(
+    system: System, shape: tuple[int, int], angles: tuple[Any, Any], velocities: tuple[Any, Any]
+) -> tuple[Floats, Floats]:
+    """Return the initial angles [rad] and angular velocities [rad/s], centred in their cells."""
+    low, high = walls_of(system, checked_contact("exact", system))
+    if isinstance(system, BallPair):  # of balls that start as mirror images
+        low, high = 0.5 * low, 0.5 * high
+    least, most = (low, high) if math.isfinite(low) else (-math.pi, math.pi)
+    w0 = system.natural_frequency
+    first, last = checked_span(
+        "angle range",
+        least if angles[0] is None else angles[0],
+        most if angles[1] is None else angles[1],
+        "rad",
+    )
+    if first < low - _INSIDE or last > high + _INSIDE:
+        raise ValueError(
+            f"the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
+            f"[{first:.6g}, {last:.6g}]: the balls would overlap"
+        )
+    slow, fast = checked_span(
+        "velocity range",
+        -_SPEEDS * w0 if velocities[0] is None else velocities[0],
+        _SPEEDS * w0 if velocities[1] is None else velocities[1],
+        "rad/s",
+    )
+
+    def centres(start: float, end: float, count: int) -> Floats:
+        return start + (np.arange(count) + 0.5) * (end - start) / count
+
+    return centres(first, last, shape[0]), centres(slow, fast, shape[1])
+
+
+def _axes(system: System, angles: Floats, velocities: Floats, shift: float) -> dict[str, Any]:
+    """Return the axes of the sweep over starts."""
+    if system.angles == 1:
+        return {"initial_angle": angles, "initial_angular_velocity": velocities}
+    return {
+        "start_angle": {"initial_angle_right": angles, "initial_angle_left": -angles - shift},
+        "start_velocity": {
+            "initial_angular_velocity_right": velocities,
+            "initial_angular_velocity_left": -velocities,
+        },
+    }
+
+
+def _samples(grid: xr.Dataset, system: System, frequency: float) -> Floats:
+    """Return the samples as angles, shape (start, sample, 2 per ball): angle, velocity over w."""
+    parts = []
+    for name, scale in (("angle", 1.0), ("angular_velocity", 1.0 / frequency)):
+        values = np.asarray(grid[f"stroboscopic_{name}"].values) * scale
+        parts.append(values.reshape(-1, system.angles, values.shape[-1]))
+    return np.concatenate(parts, axis=1).transpose(0, 2, 1)
+
+
+def find_attractors(
+    samples: Floats,
+    period: Floats,
+    status: NDArray[Any],
+    *,
+    match_tolerance: float,
+    chaos_box: float,
+) -> tuple[Labels, Labels]:
+    """Return the attractor of each start, largest basin first, and a start that leads to each.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (start, sample, component)
+        Stroboscopic states [rad]; the first half of the components are angles, modulo 2 pi.
+    period, status : ndarray, shape (start,)
+        As in `latolato.analysis.response_period`.
+    """
+    raw = np.full(len(samples), UNRESOLVED, dtype=np.int64)
+    regular = np.isin(status, ["rest", "periodic", "grazing"])
+    examples: list[int] = []
+    while len(examples) < _MOST_ATTRACTORS:
+        left = np.flatnonzero(regular & (raw == UNRESOLVED))
+        if not left.size:
+            break
+        template = int(left[0])
+        cycle = int(period[template])
+        same = _closest(samples[left], samples[template], cycle) <= match_tolerance
+        same[0] = True
+        raw[left[same]] = len(examples)
+        examples.append(template)
+    chaotic = np.flatnonzero(status == "aperiodic")
+    for part in _overlapping(samples[chaotic], chaos_box):
+        if len(part) < max(2, _FEWEST_CHAOTIC * len(samples)) and len(part) < len(samples):
+            continue
+        raw[chaotic[part]] = len(examples)
+        examples.append(int(chaotic[part[0]]))
+    counts = np.bincount(raw[raw >= 0], minlength=len(examples))
+    order = np.argsort(-counts, kind="stable")
+    rank = np.empty(len(order) + 1, dtype=np.int64)
+    rank[order], rank[-1] = np.arange(len(order)), UNRESOLVED  # raw -1 reads the last
+    return rank[raw], np.array(examples, dtype=np.int64)[order]
+
+
+def _closest(samples: Floats, template: Floats, cycle: int) -> Floats:
+    """Return the largest distance of each motion from a template at the best shift [rad]."""
+    half = samples.shape[2] // 2
+    # As many samples as remain after the largest shift.
+    window = samples.shape[1] - cycle + 1
+    best = np.full(len(samples), math.inf)
+    for shift in range(cycle):
+        apart = samples[:, :window] - template[shift : shift + window]
+        apart[..., :half] = wrapped(apart[..., :half])
+        best = np.minimum(best, abs(apart).max(axis=(1, 2)))
+    return best
+
+
+def _overlapping(samples: Floats, box: float) -> list[Labels]:
+    """Return groups of motions that visit common boxes, directly or through others."""
+    if not len(samples):
+        return []
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    half = samples.shape[2] // 2
+    places = samples.copy()
+    places[..., :half] %= math.tau
+    cells = np.floor(places / box).astype(np.int64).reshape(-1, samples.shape[2])
+    _, visited = np.unique(cells, axis=0, return_inverse=True)
+    visited = visited.ravel()
+    motions = np.repeat(np.arange(len(samples)), samples.shape[1])
+    # A graph of motions and boxes.
+    size = len(samples) + int(visited.max()) + 1
+    ones = np.ones(len(motions), dtype=np.int8)
+    graph = coo_array((ones, (motions, len(samples) + visited)), shape=(size, size))
+    _, group = connected_components(graph, directed=False)
+    group = group[: len(samples)]
+    return [np.flatnonzero(group == number) for number in np.unique(group)]
+
+
+class BasinEntropy(NamedTuple):
+    """Uncertainty of the final state within small boxes of starts.
+
+    Attributes
+    ----------
+    basin_entropy : float
+        Mean Gibbs entropy of all boxes [1].
+    boundary_basin_entropy : float
+        Mean over the boxes with more than one basin [1]; above ln 2 the boundary is fractal.
+    boundary_share : float
+        Share of such boxes [1].
+    """
+
+    basin_entropy: float
+    boundary_basin_entropy: float
+    boundary_share: float
+
+
+def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
+    """Return basin entropy and boundary basin entropy of a map of labels [1].
+
+    Daza, Wagemakers, Georgeot, Guery-Odelin & Sanjuan (2016), Sci. Rep. 6, 31416, eqs. 3 and 6.
+
+    Parameters
+    ----------
+    labels : array_like of int, shape (rows, columns)
+        The attractor of each start; negative ones are left out.
+    box : int
+        Starts along each side of a box; rows and columns that fill no box are left out.
+
+    Returns
+    -------
+    BasinEntropy
+        NaN where no box has a label.
+
+    Raises
+    ------
+    ValueError
+        For labels that are not a map, or a box larger than it.
+
+    Notes
+    -----
+    ``S = -sum p ln p`` of each box with the shares p of its labels, ``S_b`` the mean over boxes,
+    ``S_bb`` the mean over boxes with two labels and more (0 if there is none). ``S_bb > ln 2`` is
+    sufficient for a fractal boundary if boxes are small and well filled, not necessary.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> halves = np.zeros((10, 10), dtype=int)
+    >>> halves[:, 2:] = 1
+    >>> print(f"{basin_entropy(halves, 5).boundary_basin_entropy:.4f}")
+    0.6730
+    """
+    table = np.asarray(labels)
+    size = checked_count("box", box)
+    if table.ndim != 2 or table.dtype.kind not in "iu":
+        raise ValueError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
+    rows, columns = (n // size for n in table.shape)
+    if not rows * columns:
+        raise ValueError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
+    whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
+    boxes = whole.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
+    entropy = np.zeros(len(boxes))
+    known = (boxes >= 0).sum(axis=1)
+    kinds = np.zeros(len(boxes), dtype=np.int64)
+    for label in np.unique(boxes[boxes >= 0]):
+        count = (boxes == label).sum(axis=1)
+        share = count / np.maximum(known, 1)
+        entropy -= np.where(count > 0, share * np.log(np.where(count > 0, share, 1.0)), 0.0)
+        kinds += count > 0
+    if not (known > 0).any():
+        return BasinEntropy(math.nan, math.nan, math.nan)
+    entropy, kinds = entropy[known > 0], kinds[known > 0]
+    mixed = kinds > 1
+    border = float(entropy[mixed].mean()) if mixed.any() else 0.0
+    return BasinEntropy(float(abs(entropy.mean())), border, float(mixed.mean()))

@@ -1,0 +1,317 @@
+"""Bifurcation diagrams by brute force: the motion is followed up and down a parameter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import (
+    QUANTITIES_HERE,
+    checked_periodic,
+    checked_span,
+    checked_transient,
+    motion_of,
+    run_samples,
+)
+from latolato.observables.period import wrapped
+from latolato.physics.drives import Drive, Static
+from latolato.physics.pendulum import System
+from latolato.quantities import POSITIVE, Quantity
+from latolato.registry import checked_count, checked_number, suggest
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+from latolato.sweep.axes import parameters_of
+from latolato.sweep.plan import DIRECTIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+_MOST_POINTS = 100_000
+_KEPT = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
+
+
+@analyses.register("bifurcation_diagram")
+def bifurcation_diagram(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    parameter: str,
+    low: float,
+    high: float,
+    points: int = 201,
+    direction: str = "both",
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    transient_periods: float = 200.0,
+    longest: int = 16,
+    angle_tolerance: float = 1e-4,
+    tolerance: float = 1e-6,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return stroboscopic angles [rad] while a parameter is followed up and down.
+
+    Orbit diagram (``orbitdiagram``) of DynamicalSystems.jl (Datseris, 2018), with continuation.
+
+    Parameters
+    ----------
+    system, drive
+        The laws; the drive must have one period (harmonic or crank slider).
+    parameter : str
+        What is varied: any number of the system or the drive, such as drive_amplitude,
+        frequency_ratio, restitution.
+    low, high : float
+        Its limits, in its SI unit.
+    points : int
+        Values from low to high, 2 to 100000.
+    direction : {"both", "up", "down"}
+        Which way the motion is followed.
+    initial_angle, initial_angular_velocity, initial_offset
+        The start at the first value, as in `latolato.simulate` [rad], [rad/s], [rad].
+    transient_periods : float
+        Drive periods at each value before the motion is watched, at least 0.
+    longest : int
+        Longest response period that is told, 1 to 64; three times as many samples are kept.
+    angle_tolerance : float
+        Distance below which two samples agree [rad], in (0, 1].
+    tolerance : float
+        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``stroboscopic_angle``, modulo 2 pi in [-pi, pi), and ``stroboscopic_angular_velocity`` over
+        (direction, the parameter, [ball,] sample); ``response_period``, ``rotation_number``,
+        ``mirror_residual``, ``largest_angle_watched`` and ``status`` as in `response_period` over
+        (direction, the parameter). ``is_hysteretic`` [1] over the parameter, if followed both
+        ways: 1 where both ways reach motions of different period or largest angle.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, an unknown parameter, a drive without a period, the linearised pendulum.
+
+    Notes
+    -----
+    Each value starts from the last sample of the one before, at the same drive phase, so that
+    the motion stays on its branch as far as that is stable, and all samples are at the drive phase
+    of time zero, ``drive_phase``. With walls the state is moved inside them where they moved.
+    ``is_hysteretic`` compares the largest angles with a threshold of a hundred times
+    `angle_tolerance`, and says nothing (0) of two chaotic motions.
+
+    What it can miss: unstable orbits, and every branch that neither way leads to (see `basins`).
+    A motion near a bifurcation settles slowly and is followed with a delay, so that hysteresis
+    narrower than a few steps of the parameter may be the delay: compare with more
+    `transient_periods`. Motion at rest stays at rest until lift-off, also where other motions
+    exist.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
+    >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
+    >>> found = bifurcation_diagram(
+    ...     toy, drive, parameter="frequency_ratio", low=2.2, high=3.4, points=13,
+    ...     initial_offset=0.0,
+    ... )
+    >>> found.status.sel(frequency_ratio=2.4, method="nearest").values
+    array(['rest', 'periodic'], dtype='<U12')
+    """
+    law = checked_periodic(system, drive, "a bifurcation diagram")
+    transient_periods = checked_transient(transient_periods)
+    known = {n: p for n, p in parameters_of(system, law).items() if p.owner != "run"}
+    known.pop("drive_phase", None)
+    if parameter not in known:
+        raise ValueError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
+    about = known[parameter]
+    first, last = checked_span(parameter, low, high, about.quantity.unit)
+    for value in (first, last):
+        checked_number(parameter, value, about.allowed, about.quantity.unit)
+    count = checked_count("points", points)
+    if not 2 <= count <= _MOST_POINTS:
+        raise ValueError(f"points must be from 2 to {_MOST_POINTS}, got {count}")
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+    values = np.linspace(first, last, count)
+    frequency = _frequencies(system, law, parameter, values)
+    start: dict[str, Any] = {
+        "initial_angle": initial_angle,
+        "initial_angular_velocity": initial_angular_velocity,
+        "initial_offset": initial_offset,
+    }
+    ways = ["up", "down"] if direction == "both" else [direction]
+    found = _follow(
+        system,
+        law,
+        parameter,
+        values,
+        ways,
+        _start(system, start),
+        {"longest": longest, "angle_tolerance": angle_tolerance},
+        {
+            "transient_periods": transient_periods,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+        frequency,
+    )
+    kept = {n: found[n] for n in (*_KEPT, "status")}
+    dims = ("direction", parameter)
+    ball = ("ball",) if system.angles == 2 else ()
+    variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
+    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+        samples = found[name] if ball else found[name][:, :, 0]
+        variables[name] = ((*dims, *ball, "sample"), samples)
+    if len(ways) == 2:
+        variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
+    coordinates: dict[str, Any] = {
+        "direction": (("direction",), ways),
+        parameter: ((parameter,), values),
+    }
+    if ball:
+        coordinates["ball"] = (("ball",), ["right", "left"])
+    return labelled(
+        "bifurcation_diagram",
+        variables,
+        coordinates=coordinates,
+        quantities=QUANTITIES_HERE
+        | {
+            parameter: about.quantity,
+            "direction": Quantity("1", "", "way along the parameter"),
+            "is_hysteretic": Quantity("1", "", "both ways differ (1) or not (0)"),
+        },
+        system=system,
+        drive=law,
+        settings={
+            **start,
+            "parameter": parameter,
+            "transient_periods": transient_periods,
+            "longest": longest,
+            "angle_tolerance": angle_tolerance,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )
+
+
+def _frequencies(
+    system: System, law: Drive, parameter: str, values: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the drive's frequency at each value of the parameter [rad/s]."""
+    if parameter == "drive_frequency":
+        found = values
+    elif parameter == "frequency_ratio":
+        found = values * system.natural_frequency
+    else:
+        found = np.full(len(values), law.drive_frequency)  # type: ignore[attr-defined]
+    for value in found:
+        checked_number(parameter, value, POSITIVE, "rad/s")
+    return found
+
+
+def _start(system: System, start: dict[str, Any]) -> tuple[Floats, Floats]:
+    """Return the angles and angular velocities of the start, checked; shape (ball,)."""
+    walls = walls_of(system, checked_contact("exact", system))
+    found = checked_start(system, walls, *start.values())
+    return np.array(found.angles), np.array(found.velocities)
+
+
+def _follow(
+    system: System,
+    law: Drive,
+    parameter: str,
+    values: Floats,
+    ways: list[str],
+    start: tuple[Floats, Floats],
+    limits: dict[str, Any],
+    options: dict[str, Any],
+    frequency: Floats,
+) -> dict[str, NDArray[Any]]:
+    """Return what `motion_of` tells and the samples, of shape (way, value, ...).
+
+    All ways run at once. Each value starts from the last sample of the one before, which lies a
+    whole number of drive periods after its start: so all samples are at one drive phase.
+    """
+    count = len(values)
+    states = [start for _ in ways]
+    found: dict[str, NDArray[Any]] = {}
+    for step in range(count):
+        places = [step if way == "up" else count - 1 - step for way in ways]
+        cases = []
+        for number, (place, state) in enumerate(zip(places, states, strict=True)):
+            moved = _changed(system, parameter, float(values[place]))
+            angles = _inside(moved, state[0])
+            states[number] = (angles, state[1])
+            cases.append((float(values[place]), *angles, *state[1]))
+        distinct = list(dict.fromkeys(cases))  # both ways may meet in one motion
+        sides = ("",) if system.angles == 1 else ("_right", "_left")
+        names = [parameter]
+        names += [f"initial_angle{side}" for side in sides]
+        names += [f"initial_angular_velocity{side}" for side in sides]
+        grid = run_samples(
+            system,
+            law,
+            {"case": dict(zip(names, np.array(distinct).T, strict=True))},
+            slowest_frequency=float(frequency[places].min()),
+            **limits,
+            **options,
+        )
+        of = [distinct.index(case) for case in cases]
+        at = frequency[[places[cases.index(case)] for case in distinct]]
+        motion = motion_of(grid, system, at, **limits)
+        for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+            samples = np.asarray(grid[name].values)
+            motion[name] = samples.reshape(len(distinct), system.angles, -1)
+        for number, (place, case) in enumerate(zip(places, of, strict=True)):
+            angles = motion["stroboscopic_angle"][case, :, -1]
+            velocities = motion["stroboscopic_angular_velocity"][case, :, -1]
+            if np.isfinite(angles).all():  # a run that failed hands on its start
+                states[number] = (angles, velocities)
+            for name, each in motion.items():
+                shape = (len(ways), count, *each.shape[1:])
+                found.setdefault(name, np.empty(shape, dtype=each.dtype))[number, place] = each[
+                    case
+                ]
+    found["stroboscopic_angle"] = wrapped(found["stroboscopic_angle"])
+    return found
+
+
+def _changed(system: System, parameter: str, value: float) -> System:
+    """Return the system at a value of the parameter, itself if that is of the drive."""
+    path = parameters_of(system, Static())
+    if parameter not in path or path[parameter].owner != "system":
+        return system
+    names = path[parameter].path
+    if len(names) == 1:
+        return replace(system, **{names[0]: value})
+    return replace(system, **{names[0]: replace(getattr(system, names[0]), **{names[1]: value})})
+
+
+def _inside(system: System, angles: Floats) -> Floats:
+    """Return angles moved to the nearest wall where the walls have passed them."""
+    low, high = walls_of(system, checked_contact("exact", system))
+    if system.angles == 1:
+        return np.clip(angles, low, high)
+    gap = angles[0] - angles[1]
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return np.array([angles[0] + shift, angles[1] - shift])
+
+
+def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> NDArray[np.int64]:
+    """Return where the ways up and down reach different motions."""
+    up, down = kept["status"]
+    largest = kept["largest_angle_watched"]
+    orders = np.nan_to_num(kept["response_period"], nan=math.inf)
+    chaotic = (up == "aperiodic") & (down == "aperiodic")
+    apart = abs(largest[0] - largest[1]) > threshold
+    differ = (up != down) | (orders[0] != orders[1]) | apart
+    return np.asarray(differ & ~chaotic, dtype=np.int64)

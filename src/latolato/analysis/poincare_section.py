@@ -1,0 +1,137 @@
+"""Stroboscopic Poincare sections at any phase of the drive."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import checked_periodic, checked_transient
+from latolato.observables.period import wrapped
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.quantities import ANY, Quantity
+from latolato.registry import checked_count, checked_number
+from latolato.simulate import simulate
+from latolato.start import DEFAULT_REST_SPEED
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MOST_PERIODS = 1_000_000
+
+
+@analyses.register("poincare_section")
+def poincare_section(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    section_phase: float = 0.0,
+    periods: int = 1000,
+    transient_periods: float = 500.0,
+    tolerance: float = 1e-9,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return angle [rad] and angular velocity [rad/s] once per drive period, at one drive phase.
+
+    Poincare surface of section (``poincaresos``) or stroboscopic map of DynamicalSystems.jl
+    (Datseris, 2018).
+
+    Parameters
+    ----------
+    system, drive
+        The laws; the drive must have one period (harmonic or crank slider).
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
+    section_phase : float
+        Phase of the drive at which the motion is looked at [rad]: ``w t + drive_phase`` modulo
+        2 pi. At 0 a harmonic pivot is at its top.
+    periods : int
+        Points of the section, 1 to 1000000.
+    transient_periods : float
+        Drive periods before the first point, at least 0.
+    tolerance : float
+        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``angle`` modulo 2 pi, in [-pi, pi), and ``angular_velocity`` over ``time`` (and ``ball``),
+        with ``status``, that of the run; points after its end are NaN.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, a drive without a period, and the linearised pendulum.
+
+    Notes
+    -----
+    Points are read from the solution's dense output, whose error is that of the run. A periodic
+    motion of response period p shows p points, a quasiperiodic one closed curves, a chaotic one
+    a fractal set. In chaotic motion single points cannot be trusted, only their distribution.
+    At rest all points are one.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
+    >>> section = poincare_section(system, drive, initial_angle=0.1, periods=4)
+    >>> abs(section.angle.values).round(3)
+    array([0.091, 0.091, 0.091, 0.091])
+    """
+    law = checked_periodic(system, drive, "a stroboscopic section")
+    transient_periods = checked_transient(transient_periods)
+    phase = checked_number("section_phase", section_phase, ANY, "rad")
+    count = checked_count("periods", periods)
+    if count > _MOST_PERIODS:
+        raise ValueError(f"periods must be at most {_MOST_PERIODS}, got {count}; take fewer")
+    start: dict[str, Any] = {
+        "initial_angle": initial_angle,
+        "initial_angular_velocity": initial_angular_velocity,
+        "initial_offset": initial_offset,
+    }
+    lead = ((phase - law.drive_phase) / math.tau) % 1.0
+    first = math.ceil(transient_periods - lead)
+    numbers = np.arange(first, first + count, dtype=np.float64)
+    times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
+    if count == 1 and times[0] == 0.0:
+        raise ValueError("the only point would be the start: take more periods or a transient")
+    run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)
+    status = str(run.attrs["status"])
+    two = system.angles == 2
+    dims = ("ball", "time") if two else ("time",)
+    coordinates: dict[str, Any] = {"time": (("time",), times)}
+    if two:
+        coordinates["ball"] = (("ball",), ["right", "left"])
+    return labelled(
+        "poincare_section",
+        {
+            "angle": (dims, wrapped(run["angle"].values)),
+            "angular_velocity": (dims, run["angular_velocity"].values),
+            "status": status,
+        },
+        coordinates=coordinates,
+        quantities={
+            "status": Quantity("1", "", "status of the run"),
+            "ball": Quantity("1", "", "ball"),
+        },
+        system=system,
+        drive=law,
+        settings={
+            **start,
+            "section_phase": phase,
+            "periods": count,
+            "transient_periods": transient_periods,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )

@@ -1,0 +1,174 @@
+"""After how many drive periods the motion repeats, and how symmetric it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import (
+    QUANTITIES_HERE,
+    checked_periodic,
+    checked_transient,
+    motion_of,
+    run_samples,
+    start_axis,
+)
+from latolato.observables.period import wrapped
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.start import DEFAULT_REST_SPEED
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@analyses.register("response_period")
+def response_period(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    transient_periods: float = 500.0,
+    longest: int = 16,
+    angle_tolerance: float = 1e-4,
+    tolerance: float = 1e-8,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return after how many drive periods the motion repeats [1], with rotation and symmetry.
+
+    Stroboscopic map; rotation number as in DynamicalSystems.jl (Datseris, 2018).
+
+    Parameters
+    ----------
+    system, drive
+        The laws; the drive must have one period (harmonic or crank slider).
+    initial_angle, initial_angular_velocity, initial_offset
+        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
+    transient_periods : float
+        Drive periods before the motion is watched, at least 0.
+    longest : int
+        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        drive periods are watched.
+    angle_tolerance : float
+        Distance below which two samples agree [rad], in (0, 1].
+    tolerance : float
+        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``status`` is "periodic", "rest" (period 1), "grazing" (periodic without rest, with an
+        impact slower than `angle_tolerance` times the drive frequency: the period may change
+        with the smallest change of a parameter), "aperiodic" (no period up to `longest`), or that
+        of a run without an answer ("event_limit", "failed", "invalid").
+        ``response_period`` [1] is NaN where there is none; ``recurrence_residual`` [rad] is the
+        distance left after one period, or of the closest recurrence.
+        ``rotation_number`` [1] is, with walls, the impacts per drive period; without, the turns
+        per drive period of a rotating pendulum and otherwise the swings per drive period.
+        ``mirror_residual`` [rad] is the distance from the mirror image ``mirror_shift`` drive
+        periods later. ``stroboscopic_angle`` [rad], modulo 2 pi, and
+        ``stroboscopic_angular_velocity`` [rad/s] are the samples, over ([ball,] sample).
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, a drive without a period, and the linearised pendulum.
+
+    Notes
+    -----
+    With samples ``x_n = (angle, angular velocity/w)`` at ``t = n T`` the period is the smallest p
+    with ``|x_{n+p} - x_n| <= angle_tolerance`` for all n watched, angles modulo 2 pi, the
+    distance being the larger of both. Swings are windings of (angle, angular velocity) about the
+    hanging position: half the passages through it. They are not defined for motion that swings
+    about another position, where they are 0. Rates are over a whole number of response periods;
+    of a chaotic motion they are means over the periods watched, and the rotation number of a
+    chaotic free pendulum, which swings and tumbles, is NaN.
+
+    The mirror image ``-angle`` of a free pendulum's motion is a motion too, under the same drive.
+    So a periodic motion is its own mirror image some k drive periods later (``mirror_residual``
+    about 0), or one of a pair. As going twice must lead back, k is 0 (rest only) or half the
+    response period, which then is even: the swing of period 2 in the tongue has k = 1. Two balls
+    are mirrored by exchanging them, and the residual with k = 0 is ``|angle_right + angle_left|``.
+    A `LatoLato` is symmetric by construction.
+
+    What it can miss: motion that has not settled after the transient counts as aperiodic, so
+    repeat with a longer one; a period above `longest`; a pulsation below `angle_tolerance`; an
+    impact that falls on the end of a drive period, where the angular velocity jumps, so that
+    recurrence is found late. Other starts may lead to other motions: see `basins`.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
+    >>> found = response_period(system, drive, initial_angle=0.1)
+    >>> found.response_period.item(), found.status.item(), found.mirror_residual.item() < 1e-4
+    (2.0, 'periodic', True)
+    """
+    law = checked_periodic(system, drive, "a response period")
+    transient_periods = checked_transient(transient_periods)
+    start: dict[str, Any] = {
+        "initial_angle": initial_angle,
+        "initial_angular_velocity": initial_angular_velocity,
+        "initial_offset": initial_offset,
+    }
+    axes, start = start_axis(system, start)
+    grid = run_samples(
+        system,
+        law,
+        axes,
+        longest=longest,
+        angle_tolerance=angle_tolerance,
+        transient_periods=transient_periods,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+        **start,
+    )
+    found = motion_of(
+        grid, system, law.drive_frequency, longest=longest, angle_tolerance=angle_tolerance
+    )
+    variables: dict[str, Any] = {name: values[0] for name, values in found.items()}
+    settings = {
+        **start,
+        "transient_periods": transient_periods,
+        "longest": longest,
+        "angle_tolerance": angle_tolerance,
+        "tolerance": tolerance,
+        "rest_speed": rest_speed,
+        "message": _message(variables, longest, transient_periods),
+    }
+    ball = ("ball",) if system.angles == 2 else ()
+    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+        samples = grid[name].values[0]
+        samples = wrapped(samples) if name == "stroboscopic_angle" else samples
+        variables[name] = ((*ball, "sample"), samples)
+    return labelled(
+        "response_period",
+        variables,
+        coordinates={"ball": (("ball",), ["right", "left"])} if ball else None,
+        quantities=QUANTITIES_HERE,
+        system=system,
+        drive=law,
+        settings=settings,
+    )
+
+
+def _message(found: dict[str, Any], longest: int, transient_periods: float) -> str | None:
+    """Return what stands in the way of an answer."""
+    status, left = str(found["status"]), float(found["recurrence_residual"])
+    if status == "aperiodic":
+        return (
+            f"no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
+            f"{transient_periods:g} drive periods of transient; try a longer one"
+        )
+    if status == "grazing":
+        return "an impact is nearly grazing: the period may change with the smallest change"
+    if not math.isfinite(float(found["response_period"])):
+        return f"the run ended with status {status}: there is no answer"
+    return None

@@ -1,0 +1,182 @@
+"""Maps of the response period, and the share of each class of motion with its uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import (
+    QUANTITIES_HERE,
+    checked_periodic,
+    checked_transient,
+    motion_of,
+    octaves,
+    positive_values,
+    run_samples,
+    wilson,
+)
+from latolato.physics.drives import Drive, Harmonic
+from latolato.physics.pendulum import System
+from latolato.quantities import POSITIVE, Quantity
+from latolato.start import DEFAULT_REST_SPEED
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_MAPPED = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
+
+
+@analyses.register("response_period_map")
+def response_period_map(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    drive_amplitudes: Sequence[float],
+    frequency_ratios: Sequence[float],
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    transient_periods: float = 500.0,
+    longest: int = 16,
+    angle_tolerance: float = 1e-4,
+    tolerance: float = 1e-6,
+    rest_speed: float = DEFAULT_REST_SPEED,
+) -> xr.Dataset:
+    """Return the response period [1] over drive amplitude and frequency, and classes' shares [1].
+
+    Stroboscopic map; intervals by Wilson (1927).
+
+    Parameters
+    ----------
+    system, drive
+        The laws; amplitude and frequency of the drive are replaced. None is harmonic.
+    drive_amplitudes : sequence of float
+        A0 [m], at least 0.
+    frequency_ratios : sequence of float
+        w/w0 [1], positive.
+    initial_angle, initial_angular_velocity, initial_offset, transient_periods, longest, \
+angle_tolerance, tolerance, rest_speed
+        As in `response_period`, the same for all cells.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``response_period``, ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``
+        and ``status`` over (drive_amplitude, frequency_ratio), as in `response_period`.
+        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic"): the number of ``cells``,
+        their ``share`` of all cells with an answer and ``active_share`` of those not at rest,
+        with the ends of 95 % intervals, ``share_low`` and so on.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `response_period`.
+
+    Notes
+    -----
+    The intervals are those of as many cells drawn at random from the same region. Cells of a
+    regular grid lie in patches of one motion, so that a share is mostly known better than its
+    interval says; it depends on the region and on the start more than on either.
+    Frequencies are run by octaves: every cell has at least `transient_periods` of transient, the
+    faster ones up to twice that. What it can miss is said at `response_period`.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> found = response_period_map(
+    ...     system, drive_amplitudes=[0.05], frequency_ratios=[1.7, 2.0], initial_angle=0.1
+    ... )
+    >>> found.response_period.values
+    array([[1., 2.]])
+    """
+    given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
+    law = checked_periodic(system, given, "a response period")
+    transient_periods = checked_transient(transient_periods)
+    amplitudes = positive_values("drive_amplitudes", drive_amplitudes, "m")
+    ratios = positive_values("frequency_ratios", frequency_ratios, "1", POSITIVE)
+    shape = (len(amplitudes), len(ratios))
+    w0 = system.natural_frequency
+    start: dict[str, Any] = {
+        "initial_angle": initial_angle,
+        "initial_angular_velocity": initial_angular_velocity,
+        "initial_offset": initial_offset,
+    }
+    limits = {"longest": longest, "angle_tolerance": angle_tolerance}
+    found: dict[str, NDArray[Any]] = {}
+    for part in octaves(ratios):
+        grid = run_samples(
+            system,
+            law,
+            {"drive_amplitude": amplitudes, "frequency_ratio": ratios[part]},
+            longest=longest,
+            angle_tolerance=angle_tolerance,
+            transient_periods=transient_periods,
+            slowest_frequency=float(ratios[part].min() * w0),
+            tolerance=tolerance,
+            rest_speed=rest_speed,
+            **start,
+        )
+        frequency = np.broadcast_to(ratios[part] * w0, (shape[0], len(part)))
+        motion = motion_of(
+            grid, system, frequency, longest=longest, angle_tolerance=angle_tolerance
+        )
+        for name in (*_MAPPED, "status"):
+            values = motion[name].reshape(shape[0], len(part))
+            found.setdefault(name, np.empty(shape, dtype=values.dtype))[:, part] = values
+    names, shares = shares_of(found["response_period"], found["status"], longest)
+    dims = ("drive_amplitude", "frequency_ratio")
+    return labelled(
+        "response_period_map",
+        {name: (dims, values) for name, values in found.items()}
+        | {name: (("motion",), values) for name, values in shares.items()},
+        coordinates={
+            "drive_amplitude": (("drive_amplitude",), amplitudes),
+            "frequency_ratio": (("frequency_ratio",), ratios),
+            "motion": (("motion",), names),
+        },
+        quantities=QUANTITIES_HERE | _SHARES,
+        system=system,
+        drive=law,
+        settings={
+            **start,
+            **limits,
+            "transient_periods": transient_periods,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )
+
+
+_SHARES: dict[str, Quantity] = {
+    "motion": Quantity("1", "", "class of motion"),
+    "cells": Quantity("1", "N", "number of cells"),
+    **{
+        f"{head}share{end}": Quantity("1", "", f"share of {of}{text}")
+        for head, of in (("", "all cells"), ("active_", "the cells not at rest"))
+        for end, text in (("", ""), ("_low", ", low end"), ("_high", ", high end"))
+    },
+}
+
+
+def shares_of(
+    period: NDArray[Any], status: NDArray[Any], longest: int
+) -> tuple[list[str], dict[str, NDArray[Any]]]:
+    """Return the classes of motion, and their counts and shares with 95 % intervals."""
+    masks = {"rest": status == "rest"}
+    for p in range(1, longest + 1):
+        masks[f"period {p}"] = (status == "periodic") & (period == p)
+    masks |= {name: status == name for name in ("grazing", "aperiodic")}
+    cells = np.array([int(mask.sum()) for mask in masks.values()])
+    shares: dict[str, NDArray[Any]] = {"cells": cells}
+    active = np.where(np.arange(len(cells)) == 0, 0, cells)
+    for head, counts in (("", cells), ("active_", active)):
+        for end, values in zip(("", "_low", "_high"), wilson(counts, counts.sum()), strict=True):
+            if head:
+                values[0] = np.nan  # rest is not active
+            shares[f"{head}share{end}"] = values
+    return list(masks), shares

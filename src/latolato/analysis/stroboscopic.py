@@ -1,0 +1,238 @@
+"""Runs that are looked at once per drive period, and what their samples tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
+from latolato.observables.period import (
+    PERIODICITY,
+    ResponseSamples,
+    find_mirror,
+    find_period,
+)
+from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
+from latolato.physics.pendulum import LatoLato, Mathieu, System
+from latolato.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
+from latolato.registry import checked_number
+from latolato.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+# Variables of `motion_of` that latolato.quantities does not know.
+QUANTITIES_HERE: dict[str, Quantity] = {
+    **ResponseSamples.variables,
+    "rotation_number": Quantity("1", r"\rho", "rotation number per drive period"),
+    "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
+    "status": Quantity("1", "", "status"),
+    "ball": Quantity("1", "", "ball"),
+}
+# Of a normal distribution, within which 95 % lie.
+_Z95 = 1.959963984540054
+_TRANSIENTS = Range(0.0, 1e7)
+
+
+def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic | CrankSlider:
+    """Return a drive with a period, or say why `what` cannot be found.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a drive without a period, and for the linearised pendulum.
+    """
+    if not isinstance(system, System):
+        raise TypeError(f"system must be a System such as Pendulum or LatoLato, got {system!r}")
+    if isinstance(system, Mathieu):
+        raise ValueError(
+            f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
+            "use Pendulum, or mathieu_growth_rate"
+        )
+    if drive is None:
+        raise ValueError(f"{what} needs a drive with a period, got None; give Harmonic")
+    if not isinstance(drive, Drive):
+        raise TypeError(f"drive must be one of {', '.join(drives)}, got {drive!r}")
+    if not isinstance(drive, (Harmonic, CrankSlider)):
+        raise ValueError(
+            f"{what} needs a drive with a single period, harmonic or crank_slider, got "
+            f"{drives.name_of(drive)}"
+        )
+    checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
+    return drive
+
+
+def checked_transient(transient_periods: Any) -> float:
+    """Return a transient in drive periods."""
+    return checked_number("transient_periods", transient_periods, _TRANSIENTS, "drive periods")
+
+
+def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, float]:
+    """Return two limits of which the second is larger."""
+    first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
+    if not first < last:
+        raise ValueError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
+    return first, last
+
+
+def run_samples(
+    system: System,
+    drive: Drive,
+    axes: Mapping[str, Any],
+    *,
+    longest: int,
+    angle_tolerance: float,
+    transient_periods: float,
+    slowest_frequency: float | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Return a sweep with the samples of the last drive periods after a transient.
+
+    `slowest_frequency` [rad/s] is that of the drive where it varies; `options` are those of
+    `latolato.sweep`.
+    """
+    watched = ResponseSamples(longest=longest, angle_tolerance=angle_tolerance)
+    slowest = slowest_frequency or drive.drive_frequency  # type: ignore[attr-defined]
+    # A hair longer, so that the last mark is inside for every rounding.
+    duration = math.tau / slowest * (transient_periods + watched.marks - 1) * (1.0 + 1e-12)
+    return sweep(system, drive, axes=axes, duration=duration, observables=[watched], **options)
+
+
+def motion_of(
+    grid: xr.Dataset,
+    system: System,
+    frequency: Any,
+    *,
+    longest: int,
+    angle_tolerance: float,
+) -> dict[str, NDArray[Any]]:
+    """Return period, rotation number, symmetry and status of the points of `run_samples`.
+
+    Arrays of shape (point,), points in C order; `frequency` is that of the drive [rad/s], of
+    the same shape or one number.
+    """
+    two = system.angles == 2
+    codes = np.asarray(grid["status"].values).ravel()
+    failed = codes >= EVENT_LIMIT
+    count = len(codes)
+    each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), (count,))
+
+    def of(name: str) -> Floats:
+        shape = (count, 2) if two else (count,)
+        return np.asarray(grid[name].values, dtype=np.float64).reshape(shape)
+
+    def either(name: str) -> Floats:
+        """Return the larger value of both balls."""
+        return of(name).max(axis=1) if two else of(name)
+
+    balls = 2 if two else 1
+    angle, velocity = (
+        np.asarray(grid[f"stroboscopic_{name}"].values).reshape(count, balls, -1)
+        for name in ("angle", "angular_velocity")
+    )
+    period, residual, kind = (
+        of(n) for n in ("response_period", "recurrence_residual", "periodicity")
+    )
+    if two:
+        kinds = kind
+        period, residual = find_period(
+            angle, velocity, each, longest=longest, angle_tolerance=angle_tolerance
+        )
+        kind = np.where(np.isfinite(period), 1.0, 3.0)
+        kind = np.where((kind == 1.0) & (kinds == 2.0).any(axis=1), 2.0, kind)
+        rests = (kinds == 0.0).all(axis=1)
+        kind, period = np.where(rests, 0.0, kind), np.where(rests, 1.0, period)
+        kind = np.where(np.isnan(kinds).any(axis=1), math.nan, kind)
+    period = np.where(np.isnan(kind), math.nan, period)
+    if isinstance(system, LatoLato):  # its left ball is the mirror image at every instant
+        mirror = shift = np.where(np.isfinite(period), 0.0, math.nan)
+    else:
+        mirror, shift = find_mirror(angle, velocity, each, period)
+    turns = of("turns_per_period")
+    if two:  # of the one that turns more
+        turns = np.take_along_axis(turns, abs(turns).argmax(axis=1)[:, None], axis=1)[:, 0]
+    windings, impacts = either("windings"), either("impacts_per_period")
+    rotation = np.where(turns != 0.0, abs(turns), windings)
+    rotation = np.where(np.isfinite(period), rotation, math.nan)
+    if system.has_contacts:
+        rotation = impacts
+    status = np.array(["failed"] * count, dtype="<U12")
+    for number, name in enumerate(PERIODICITY):
+        status[kind == number] = name
+    for number, name in enumerate(STATUS_NAMES):
+        if number >= EVENT_LIMIT:
+            status[failed & (codes == number)] = name
+    return {
+        "response_period": period,
+        "rotation_number": rotation,
+        "windings": windings,
+        "turns_per_period": turns,
+        "impacts_per_period": impacts,
+        "mirror_residual": mirror,
+        "mirror_shift": shift,
+        "recurrence_residual": residual,
+        "largest_angle_watched": either("largest_angle_watched"),
+        "status": status,
+    }
+
+
+def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
+    """Return a share and the ends of its 95 % interval [1] (Wilson, 1927).
+
+    Parameters
+    ----------
+    count, total : array_like of int
+        How many of how many; NaN for a total of zero.
+
+    Examples
+    --------
+    >>> share, low, high = wilson(0, 10)
+    >>> print(f"{share:.3f} in [{low:.3f}, {high:.3f}]")
+    0.000 in [0.000, 0.278]
+    """
+    k, n = np.asarray(count, dtype=np.float64), np.asarray(total, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = k / n
+        square = _Z95**2 / n
+        middle = (share + 0.5 * square) / (1.0 + square)
+        half = np.sqrt(square * (share * (1.0 - share) + 0.25 * square)) / (1.0 + square)
+    low, high = np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+    return share, np.minimum(low, share), np.maximum(high, share)
+
+
+def start_axis(system: System, start: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return axes of a single point, and the start without what became its axis."""
+    velocity = start.get("initial_angular_velocity", 0.0)
+    if system.angles == 1:
+        name, first = "initial_angular_velocity", velocity
+    else:
+        name = "initial_angular_velocity_right"
+        first = velocity[0] if isinstance(velocity, Sequence) else velocity
+    return {name: [first]}, dict(start)
+
+
+def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
+    """Return the places of frequencies within a factor of two of each other, slowest first.
+
+    Runs of equal duration then spend at most twice the periods they must.
+    """
+    order = np.argsort(frequencies, kind="stable")
+    parts: list[list[int]] = []
+    for place in order:
+        if not parts or frequencies[place] > 2.0 * frequencies[parts[-1][0]]:
+            parts.append([])
+        parts[-1].append(int(place))
+    return [np.array(sorted(part)) for part in parts]
+
+
+def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
+    """Return numbers along an axis, each of them checked."""
+    if isinstance(values, (str, bytes)) or np.ndim(values) != 1 or len(values) == 0:
+        raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+    return np.array([checked_number(name, value, allowed, unit) for value in values])

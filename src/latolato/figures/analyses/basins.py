@@ -1,0 +1,107 @@
+"""The picture of basins of attraction: the plane of starts, coloured by where they lead."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.analyses.response_period_map import edges_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# By lightness far apart for neighbours in rank.
+_COLOURS = (
+    style.BLUE, style.ORANGE, style.PALE_BLUE, style.RED, style.GREEN, style.GREY, style.PALE_RED,
+)  # fmt: skip
+_OTHER = style.PALE_GREY
+_UNRESOLVED = style.INK
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the map of basins with the stroboscopic points of each attractor on it."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    figure, axes = style.new_figure(width=style.PAGE, height=3.6)
+    panel = axes[0, 0]
+    known = min(len(_COLOURS), dataset.sizes["attractor"])
+    table = np.minimum(dataset["basin"].values, known)
+    colours: Any = ListedColormap([_UNRESOLVED, *_COLOURS[:known], _OTHER])
+    norm = BoundaryNorm(np.arange(-1, known + 2) - 0.5, known + 2)
+    x, y = dataset["initial_angle"], dataset["initial_angular_velocity"]
+    panel.pcolormesh(
+        edges_of(x.values), edges_of(y.values), table.T, cmap=colours, norm=norm, rasterized=True
+    )
+    limits = panel.get_xlim(), panel.get_ylim()
+    for number in range(known):
+        _draw_attractor(panel, dataset.isel(attractor=number), _COLOURS[number])
+    panel.set_xlim(limits[0])
+    panel.set_ylim(limits[1])
+    for spine in panel.spines.values():
+        spine.set_visible(True)
+    if limits[0][1] - limits[0][0] > 0.9 * math.pi:
+        style.pi_ticks(panel.xaxis, parts=4 if limits[0][1] - limits[0][0] < 4.0 else 2)
+    panel.set_xlabel(style.label(x))
+    panel.set_ylabel(style.label(y))
+    panel.set_title(_told(dataset), fontsize=style.SMALL)
+    figure.legend(handles=_legend(dataset, known), loc="outside right center")
+    return figure
+
+
+def _draw_attractor(panel: Any, attractor: xr.Dataset, colour: str) -> None:
+    """Draw the points of an attractor at the drive phase of the starts."""
+    angle, speed = (
+        np.atleast_2d(attractor[f"stroboscopic_{name}"].values)[0]
+        for name in ("angle", "angular_velocity")
+    )
+    is_cloud = str(attractor["status"].values) == "aperiodic"
+    panel.plot(
+        angle, speed, "o", ms=2.0 if is_cloud else 5.0, color=colour, mec=style.INK,
+        mew=0.3 if is_cloud else 0.8, clip_on=True,
+    )  # fmt: skip
+
+
+def _told(dataset: xr.Dataset) -> str:
+    """Return what is said above the map."""
+    entropy, border = (dataset[n].item() for n in ("basin_entropy", "boundary_basin_entropy"))
+    fractal = " > ln 2: fractal boundary" if border > math.log(2.0) else ""
+    return f"basin entropy {entropy:.3f}, on boundaries {border:.3f}{fractal}"
+
+
+def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
+    """Return one entry for each attractor: what it is, and its share."""
+    from matplotlib.patches import Patch
+
+    def patch(colour: str, text: str) -> Any:
+        return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
+
+    found = []
+    for number in range(known):
+        row = dataset.isel(attractor=number)
+        share = 100.0 * row["basin_fraction"].item()
+        half = 50.0 * (row["basin_fraction_high"] - row["basin_fraction_low"]).item()
+        angle = math.degrees(row["largest_angle_watched"].item())
+        status = str(row["status"].values)
+        what = status
+        if status in ("periodic", "grazing"):
+            what = (
+                f"{'grazing, ' if status == 'grazing' else ''}period {row['response_period']:.0f}"
+            )
+        turns = row["rotation_number"].item()
+        text = f"{what}, up to {angle:.0f}°"
+        if status != "rest" and math.isfinite(turns):
+            text += f", {turns:.3g} per period"
+        found.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
+    rest = dataset.sizes["attractor"] - known
+    if rest:
+        share = 100.0 * dataset["basin_fraction"].values[known:].sum()
+        found.append(patch(_OTHER, f"{rest} further\n{share:.2f} %"))
+    lost = 100.0 * dataset["unresolved_fraction"].item()
+    if lost:
+        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %"))
+    return found

@@ -1,0 +1,66 @@
+"""The picture of a bifurcation diagram: stroboscopic angles and largest angles, both ways."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_WAYS = {"up": (style.RED, "o", "up"), "down": (style.BLUE, "s", "down")}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the samples above and the largest angle below, the ways up and down in two colours."""
+    figure, axes = style.new_figure(2, 1, width=0.75 * style.PAGE, height=4.6, sharex=True)
+    samples, largest = axes[:, 0]
+    name = dataset.attrs["parameter"]
+    x = dataset[name].values
+    if "is_hysteretic" in dataset:
+        for panel in (samples, largest):
+            _shade(panel, x, dataset["is_hysteretic"].values == 1)
+    for way in (str(each) for each in dataset["direction"].values):
+        colour, mark, text = _WAYS[way]
+        part = dataset.sel(direction=way)
+        angle = part["stroboscopic_angle"]
+        if "ball" in angle.dims:
+            angle = angle.isel(ball=0)
+        values = angle.transpose(name, "sample").values
+        size = float(np.clip(120.0 / len(x), 0.7, 2.5))
+        samples.plot(
+            np.repeat(x, values.shape[1]), values.ravel(), mark, color=colour, ms=size, mew=0.0,
+            rasterized=True, zorder=3 if way == "up" else 2,
+        )  # fmt: skip
+        largest.plot(
+            x, part["largest_angle_watched"].values, mark, color=colour, ms=max(size, 1.2),
+            mew=0.0, label=f"followed {text}", zorder=3 if way == "up" else 2,
+        )  # fmt: skip
+    samples.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))
+    largest.set_ylabel(style.label(dataset["largest_angle_watched"], short=True))
+    largest.set_xlabel(style.label(dataset[name]))
+    largest.set_xlim(float(x[0]), float(x[-1]))
+    style.panel_title(samples, "a", "angle once per drive period")
+    style.panel_title(largest, "b", "largest angle")
+    handles, texts = largest.get_legend_handles_labels()
+    if "is_hysteretic" in dataset and (dataset["is_hysteretic"].values == 1).any():
+        from matplotlib.patches import Patch
+
+        handles.append(Patch(facecolor=style.PALE_GREY))
+        texts.append("both ways differ")
+    figure.legend(handles, texts, loc="outside lower center", ncols=len(handles), markerscale=2.0)
+    return figure
+
+
+def _shade(panel: Any, x: Any, where: Any) -> None:
+    """Shade the values of a parameter at which both ways differ."""
+    half = 0.5 * (x[1] - x[0])
+    padded = np.concatenate([[False], where, [False]]).astype(int)
+    starts, ends = np.flatnonzero(np.diff(padded) == 1), np.flatnonzero(np.diff(padded) == -1)
+    for start, end in zip(starts, ends, strict=True):
+        panel.axvspan(x[start] - half, x[end - 1] + half, color=style.PALE_GREY, lw=0.0, zorder=0)

@@ -1,0 +1,100 @@
+"""The picture of the first push: curves or a map over frequency and phase of the drive."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.analyses.response_period_map import edges_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# More phases than this are a map.
+_MOST_CURVES = 4
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the first push over frequency: curves of few phases, or a map with many."""
+    figure, axes = style.new_figure(width=0.75 * style.PAGE, height=3.4)
+    panel = axes[0, 0]
+    x = dataset["frequency_ratio"].values
+    if dataset.sizes["drive_phase"] <= _MOST_CURVES:
+        _draw_curves(panel, dataset)
+    else:
+        _draw_map(figure, panel, dataset)
+    lift = dataset["drive_acceleration_ratio"].values
+    risen = np.flatnonzero(np.diff((lift > 1.0).astype(int)) == 1)
+    if dataset.attrs.get("system") != "pendulum" and risen.size:
+        first = int(risen[0])
+        share = (1.0 - lift[first]) / (lift[first + 1] - lift[first])
+        place = x[first] + share * (x[first + 1] - x[first])
+        colour = style.INK if dataset.sizes["drive_phase"] <= _MOST_CURVES else style.ORANGE
+        panel.axvline(place, color=colour, lw=style.LINE, ls=(0, (4, 3)))
+        panel.annotate(
+            r"lift-off from rest ($A_0\omega^2 = g$)", (place, 1.0), (0, 3),
+            ("data", "axes fraction"), textcoords="offset points", ha="center", va="bottom",
+            fontsize=style.SMALL, color=style.INK,
+        )  # fmt: skip
+    panel.set_xlabel(style.label(dataset["frequency_ratio"]))
+    return figure
+
+
+def _draw_curves(panel: Any, dataset: xr.Dataset) -> None:
+    """Draw one curve for each phase, and ticks where no push was enough."""
+    x = dataset["frequency_ratio"].values
+    few = len(x) <= 60
+    for number, phase in enumerate(dataset["drive_phase"].values):
+        column = dataset["first_push"].sel(drive_phase=phase).values
+        panel.plot(
+            x, column, color=style.COLOURS[number], marker="o" if few else "", ms=2.5,
+            label=rf"$\varphi$ = {phase:.3g} rad", clip_on=False,
+        )  # fmt: skip
+    none = np.isnan(dataset["first_push"].values).all(axis=1)
+    if none.any():
+        panel.plot(
+            x[none], np.zeros(none.sum()), "|", color=style.GREY, ms=8.0, clip_on=False,
+            transform=panel.get_xaxis_transform(), label="no push is enough",
+        )  # fmt: skip
+    panel.set_ylim(bottom=0.0)
+    panel.set_ylabel(style.label(dataset["first_push"]))
+    panel.legend(loc="best")
+
+
+def _draw_map(figure: Any, panel: Any, dataset: xr.Dataset) -> None:
+    """Draw a map over frequency and phase; white where no push is needed."""
+    import matplotlib as mpl
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    values = dataset["first_push"].transpose("drive_phase", "frequency_ratio").values
+    x, y = dataset["frequency_ratio"], dataset["drive_phase"]
+    borders: dict[str, Any] = {"shading": "flat", "rasterized": True}
+    corners = edges_of(x.values), edges_of(y.values)
+    needed = np.ma.masked_invalid(np.where(values > 0.0, values, math.nan))
+    cells = panel.pcolormesh(*corners, needed, cmap=mpl.colormaps["viridis"], **borders)
+    nothing = np.ma.masked_array(np.zeros(values.shape), ~np.isnan(values))
+    panel.pcolormesh(*corners, nothing, cmap=ListedColormap([style.GREY]), **borders)
+    bar = figure.colorbar(cells, ax=panel, pad=0.02, aspect=28)
+    bar.set_label(style.label(dataset["first_push"]))
+    bar.outline.set_visible(False)
+    for spine in panel.spines.values():
+        spine.set_visible(True)
+    style.pi_ticks(panel.yaxis)
+    panel.set_ylabel(style.label(y))
+    handles = []
+    for mask, colour, text in (
+        (values == 0.0, style.PAPER, "no push needed"),
+        (np.isnan(values), style.GREY, "no push is enough"),
+    ):
+        if mask.any():
+            handles.append(
+                Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
+            )
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)

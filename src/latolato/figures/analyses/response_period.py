@@ -1,0 +1,64 @@
+"""The picture of a response period: stroboscopic samples over drive periods and in the plane."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_MARKS = ("o", "s", "^", "D", "v", "P")
+_SHOWN = 16
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return samples once per drive period, joined in order, and as points of the phase plane."""
+    figure, axes = style.new_figure(1, 2, width=style.PAGE, width_ratios=[1.6, 1.0])
+    course, plane = axes[0]
+    period = dataset["response_period"].item()
+    cycle = int(period) if np.isfinite(period) else 0
+    angle = np.atleast_2d(dataset["stroboscopic_angle"].values)
+    speed = np.atleast_2d(dataset["stroboscopic_angular_velocity"].values)
+    names = [str(name) for name in dataset["ball"].values] if "ball" in dataset.coords else [""]
+    count = min(angle.shape[1], max(_SHOWN, 2 * cycle + 1))
+    for ball, name in enumerate(names):
+        dark = style.GREY if ball == 0 else style.PALE_BLUE
+        course.plot(angle[ball, :count], color=dark, lw=style.THIN, zorder=1)
+        place = np.arange(angle.shape[1]) % (cycle or 1)
+        for k in range(cycle or 1):
+            colour = style.COLOURS[k % len(style.COLOURS)] if cycle else style.RED
+            mark = _MARKS[ball]
+            these = np.flatnonzero(place == k)
+            early = these[these < count]
+            size = 4.0
+            course.plot(early, angle[ball, early], mark, color=colour, ms=size, clip_on=False)
+            plane.plot(angle[ball, these], speed[ball, these], mark, color=colour, ms=size)
+        if name:
+            style.note(course, name, (0.0, angle[ball, 0]), (6.0, 7.0))
+    for panel in (course, plane):
+        panel.margins(0.15)
+    course.set_xlim(-0.5, count - 0.5)
+    course.set_xlabel("drive periods after the transient")
+    course.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))
+    plane.set_xlabel(style.label(dataset["stroboscopic_angle"], short=True))
+    plane.set_ylabel(style.label(dataset["stroboscopic_angular_velocity"], short=True))
+    style.panel_title(course, "a", _told(dataset, cycle))
+    style.panel_title(plane, "b", "once per drive period")
+    return figure
+
+
+def _told(dataset: xr.Dataset, cycle: int) -> str:
+    """Return the answer in words."""
+    status = str(dataset["status"].values)
+    if status == "rest":
+        return "at rest"
+    if not cycle:
+        return f"{status}: no period up to {dataset.attrs['longest']}"
+    rotation = dataset["rotation_number"].item()
+    return f"{status}, period {cycle}, rotation number {rotation:.4g}"

@@ -1,0 +1,103 @@
+"""The picture of a map of response periods, with the shares of all classes of motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+# Classes with colours of their own; the rest of the periods share one.
+_CLASSES: dict[str, str] = {
+    "rest": style.PALE_GREY,
+    "period 1": style.SKY,
+    "period 2": style.BLUE,
+    "period 3": style.GREEN,
+    "period 4": style.ORANGE,
+    "longer period": style.GREY,
+    "grazing": style.PALE_RED,
+    "aperiodic": style.RED,
+    "no answer": style.INK,
+}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the map of classes and a bar for the share of each among cells with motion."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    figure, axes = style.new_figure(1, 2, width=style.PAGE, height=3.2, width_ratios=[1.7, 1.0])
+    cells, bars = axes[0]
+    names = list(_CLASSES)
+    colours = ListedColormap(list(_CLASSES.values()))
+    norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
+    x, y = dataset["frequency_ratio"], dataset["drive_amplitude"]
+    cells.pcolormesh(
+        edges_of(x.values), edges_of(y.values), _numbers(dataset), cmap=colours, norm=norm,
+        rasterized=True,
+    )  # fmt: skip
+    for spine in cells.spines.values():
+        spine.set_visible(True)
+    cells.set_xlabel(style.label(x))
+    cells.set_ylabel(style.label(y))
+    style.panel_title(cells, "a", "response period in drive periods")
+    _draw_shares(bars, dataset)
+    style.panel_title(bars, "b", "shares of the cells with motion")
+    return figure
+
+
+def edges_of(values: Any) -> Any:
+    """Return the borders of cells about values."""
+    if len(values) == 1:
+        half = 0.5 * abs(values[0]) or 0.5
+        return np.array([values[0] - half, values[0] + half])
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
+
+
+def _numbers(dataset: xr.Dataset) -> Any:
+    """Return the class of each cell by its place in `_CLASSES`."""
+    names = list(_CLASSES)
+    status, period = dataset["status"].values, dataset["response_period"].values
+    found = np.full(status.shape, names.index("no answer"))
+    for name in ("rest", "grazing", "aperiodic"):
+        found[status == name] = names.index(name)
+    regular = status == "periodic"
+    for p in range(1, 5):
+        found[regular & (period == p)] = names.index(f"period {p}")
+    found[regular & (period > 4)] = names.index("longer period")
+    return found
+
+
+def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
+    """Draw one bar for each class that occurs, in the colours of the map, with its interval."""
+    cells = dataset["cells"].values
+    rows = []
+    for place, name in enumerate(str(each) for each in dataset["motion"].values):
+        if name != "rest" and cells[place] > 0:
+            rows.append((name, dataset.isel(motion=place)))
+    for height, (name, row) in enumerate(rows):
+        share = row["active_share"].item()
+        low, high = row["active_share_low"].item(), row["active_share_high"].item()
+        colour = _CLASSES.get(name, _CLASSES["longer period"])
+        axes.barh(height, share, color=colour, edgecolor=style.INK, linewidth=style.THIN)
+        axes.plot([low, high], [height, height], color=style.INK, lw=style.LINE)
+        style.note(axes, f"{100.0 * share:.1f} %", (high, height), (4.0, 0.0))
+    axes.set_yticks(range(len(rows)), [name for name, _ in rows])
+    axes.set_ylim(len(rows) - 0.5 if rows else 0.5, -0.5)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_xlabel("share, with its 95 % interval")
+    rest = dataset.isel(motion=0)["share"].item()
+    text = f"{100.0 * rest:.0f} % of all cells are at rest (pale grey)"
+    lost = dataset["status"].size - int(cells.sum())
+    if lost:
+        text += f"\n{lost} without an answer (black)"
+    axes.annotate(
+        text, (1.0, 0.0), (0, 5), "axes fraction",
+        textcoords="offset points", ha="right", fontsize=style.SMALL, color=style.INK,
+    )  # fmt: skip

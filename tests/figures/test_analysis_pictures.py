@@ -1,0 +1,64 @@
+"""The pictures of periods, sections, basins and pushes: each draws what its analysis returns."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.analysis.registry import analyses
+
+TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
+DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
+SMALL = {
+    "response_period": {"initial_offset": 0.2},
+    "response_period_map": {
+        "drive_amplitudes": [0.02, 0.03],
+        "frequency_ratios": [2.4, 3.0],
+        "initial_offset": 0.2,
+    },
+    "poincare_section": {"initial_offset": 0.2, "periods": 5},
+    "impact_map": {"initial_offset": 0.2, "periods": 5},
+    "bifurcation_diagram": {
+        "parameter": "frequency_ratio",
+        "low": 2.4,
+        "high": 3.2,
+        "points": 5,
+        "initial_offset": 0.0,
+    },
+    "basins": {"angle_points": 6, "velocity_points": 6},
+    "first_push": {"frequency_ratios": [2.4, 3.2], "scan_points": 5, "refinements": 1},
+}
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_the_picture_of_an_analysis_names_its_axes_and_fits_on_its_page(name):
+    dataset = analyses[name](TOY, DRIVE, **SMALL[name])
+    figure = importlib.import_module(f"latolato.figures.analyses.{name}").draw(dataset)
+    width, height = figure.get_size_inches()
+    for axes in figure.axes:
+        assert (
+            axes.get_xlabel()
+            or axes.get_ylabel()
+            or axes.get_shared_x_axes().joined(axes, figure.axes[-1])
+        )
+        box = axes.get_window_extent()
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= width * figure.dpi
+        assert box.y1 <= height * figure.dpi
+
+
+def test_the_first_push_with_many_phases_is_a_map():
+    dataset = analyses["first_push"](
+        TOY,
+        DRIVE,
+        frequency_ratios=[2.4, 3.2],
+        drive_phases=np.arange(6),
+        scan_points=5,
+        refinements=0,
+    )
+    figure = importlib.import_module("latolato.figures.analyses.first_push").draw(dataset)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert any("phase" in text for text in labels)
+    assert any("first push" in text for text in labels)
