@@ -16,6 +16,7 @@ from typing import Annotated, Any
 import typer
 
 from latolato import run_command
+from latolato.analyse_command import AnalysisGroup
 from latolato.command_options import (
     EachOptionOnce,
     JsonOption,
@@ -37,6 +38,11 @@ app = typer.Typer(
 )
 scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
 app.add_typer(scenarios_app, name="scenarios")
+analyse_app = typer.Typer(
+    cls=AnalysisGroup,
+    help="Ask a system and its drive a question: periods, stability, thresholds, basins.",
+)
+app.add_typer(analyse_app, name="analyse")
 
 
 @app.callback(invoke_without_command=True)
@@ -112,6 +118,12 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
     """Print a scenario's TOML file, to copy and change."""
     load_scenario(name)
     print(find(name).read_text(encoding="utf-8"), end="")
+
+
+@analyse_app.callback(invoke_without_command=True)
+def _list_analyses(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 def _sweep(
@@ -294,7 +306,7 @@ def plot(
         ),
     ] = None,
 ) -> None:
-    """Draw a run or a map; animate a run if asked to."""
+    """Draw a run, a map or an analysis; animate a run if asked to."""
     from latolato.files import load
 
     dataset = load(file)
@@ -310,9 +322,10 @@ def plot(
         "overlays": overlay or [],
         "points": points,
     }
-    if pictures.is_map(dataset):
+    if pictures.is_map(dataset) or pictures.is_analysis(dataset):
         if animate is not None:
-            raise ValueError(f"'{file}' holds a map: only a run can be animated")
+            kind = "an analysis" if pictures.is_analysis(dataset) else "a map"
+            raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 
         print(save_figure(pictures.plot(dataset, **of_map), picture))

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 SUFFIXES = (".nc", ".csv", ".parquet")
 _BALLS = ("right", "left")
 _BALL = {"units": "1", "long_name": "ball", "symbol": ""}
+# Complex variables as NetCDF holds them: two variables with this attribute.
+_PARTS = ("real", "imag")
+_PART = "complex_part"
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, str]]]
 # One column of a text file as its header describes it.
@@ -112,7 +115,8 @@ def check_target(path: str | Path) -> None:
 def save(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
 
-    NetCDF holds everything, sweeps too. CSV and Parquet hold runs: one row per instant, the
+    NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
+    and ``name_imag``, which `load` joins. CSV and Parquet hold runs: one row per instant, the
     variables of a `BallPair` as columns ``angle_right`` and ``angle_left``; contacts, if any were
     possible, go to a second file ``<stem>.contacts.csv``, which is put in place first and removed
     when a run without them takes the place of one with them. An interrupted or failed call leaves
@@ -220,7 +224,8 @@ def _remove_contacts(path: Path, read: Callable[[Path], tuple[Columns, dict[str,
 def _write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
     # Chunks and codecs of a store would be meant for Zarr.
-    path.write_bytes(dataset.drop_encoding().to_netcdf(engine="h5netcdf"))
+    plain = without_complex(dataset.drop_encoding())
+    path.write_bytes(plain.to_netcdf(engine="h5netcdf"))
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:
@@ -232,7 +237,44 @@ def _read_netcdf(path: Path) -> xr.Dataset:
     except OSError as error:
         raise ValueError(f"'{path}' is no NetCDF-4 file: {error}") from None
     dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
-    return dataset
+    return _with_complex(dataset)
+
+
+def without_complex(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with ``name_real`` and ``name_imag`` in place of complex variables."""
+    import xarray as xr
+
+    if all(variable.dtype.kind != "c" for variable in dataset.variables.values()):
+        return dataset
+    variables: dict[Any, Any] = {}
+    for name, variable in dataset.data_vars.items():
+        if variable.dtype.kind != "c":
+            variables[name] = variable
+            continue
+        for part in _PARTS:
+            about = {**variable.attrs, _PART: part}
+            variables[f"{name}_{part}"] = (variable.dims, getattr(variable.values, part), about)
+    return xr.Dataset(variables, coords=dataset.coords, attrs=dataset.attrs)
+
+
+def _with_complex(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with the variables that `without_complex` parted joined again."""
+    import xarray as xr
+
+    if not any(_PART in variable.attrs for variable in dataset.data_vars.values()):
+        return dataset
+    variables: dict[Any, Any] = {}
+    for name, variable in dataset.data_vars.items():
+        part = variable.attrs.get(_PART)
+        if part is None:
+            variables[name] = variable
+        elif part == _PARTS[0]:
+            base = str(name).removesuffix(f"_{part}")
+            values = variable.values.astype(complex)
+            values.imag = dataset[f"{base}_{_PARTS[1]}"].values
+            about = {key: value for key, value in variable.attrs.items() if key != _PART}
+            variables[base] = (variable.dims, values, about)
+    return xr.Dataset(variables, coords=dataset.coords, attrs=dataset.attrs)
 
 
 def _columns(dataset: xr.Dataset, dimension: str) -> Columns:

@@ -1,8 +1,8 @@
-"""The picture of what was computed: a run whole, or one variable of a sweep."""
+"""The picture of what was computed: a run or an analysis whole, or one variable of a sweep."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,15 +21,16 @@ def plot(
     overlays: Sequence[str] = (),
     points: str | Path | None = None,
 ) -> Figure:
-    """Return a figure of a run, or of one variable of a sweep over one or two parameters.
+    """Return a figure of a run, of an analysis, or of one variable of a sweep over parameters.
 
-    A run shows its angles, its energies, where these came from and went, and the pivot. The further
-    arguments belong to sweeps.
+    A run shows its angles, its energies, where these came from and went, and the pivot; an analysis
+    what it found. The further arguments belong to sweeps over one or two parameters.
 
     Parameters
     ----------
     run : xarray.Dataset
-        What `latolato.simulate`, `latolato.sweep` or `latolato.load` returned.
+        What `latolato.simulate`, `latolato.sweep`, `latolato.load` or a function of
+        `latolato.analysis` returned.
     variable : str, optional
         What to draw; by default the first.
     log : bool
@@ -51,8 +52,8 @@ def plot(
     TypeError
         If `run` is no dataset.
     ValueError
-        If the dataset holds neither a run nor a sweep; for unknown names, too many dimensions left
-        and overlays that the axes cannot carry.
+        If the dataset holds no run, sweep or analysis that can be drawn; for unknown names, too
+        many dimensions left and overlays that the axes cannot carry.
 
     Notes
     -----
@@ -72,6 +73,12 @@ def plot(
         raise TypeError(
             f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
         )
+    is_plain = not (variable or log or curves or select or overlays or points)
+    if is_analysis(run):
+        if not is_plain:
+            raise ValueError("an analysis is drawn whole: variable, log and the like fit a sweep")
+        found: Figure = picture_of(str(run.attrs["analysis"]))(run)
+        return found
     if is_map(run):
         from latolato.figures.map import Drawing
 
@@ -82,8 +89,8 @@ def plot(
             raise ValueError("overlays and points belong to a map of amplitude and frequency")
         return drawing.curves()
     if "angle" not in run or "time" not in run.dims:
-        raise ValueError("plot needs a run: a dataset with angle over time, or a sweep")
-    if variable or log or curves or select or overlays or points:
+        raise ValueError("plot needs a run: a dataset with angle over time, a sweep or an analysis")
+    if not is_plain:
         raise ValueError("a run is drawn whole: variable, log and the like belong to sweeps")
     from latolato.figures.run import draw_run
 
@@ -93,3 +100,31 @@ def plot(
 def is_map(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is that of a sweep."""
     return "plan" in dataset.attrs and "time" not in dataset.dims
+
+
+def is_analysis(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is what an analysis found."""
+    return "analysis" in dataset.attrs
+
+
+def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
+    """Return what draws an analysis: ``draw`` of the module of its name.
+
+    Raises
+    ------
+    ValueError
+        If it has no picture.
+    """
+    import importlib
+
+    from latolato.figures import analyses
+
+    home = f"{analyses.__name__}.{name}"
+    try:
+        module = importlib.import_module(home)
+    except ModuleNotFoundError as error:
+        if error.name != home:
+            raise
+        raise ValueError(f"analysis '{name}' has no picture; its numbers can be stored") from None
+    draw: Callable[[xr.Dataset], Figure] = module.draw
+    return draw

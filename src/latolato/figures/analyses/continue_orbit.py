@@ -1,0 +1,169 @@
+"""The picture of a branch of periodic motions: angle and multipliers over the parameter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.map_title import title_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+# Marker and colour of every kind of special point.
+MARKS = {
+    "fold": ("o", style.ORANGE),
+    "period_doubling": ("D", style.RED),
+    "symmetry_breaking": ("s", style.GREEN),
+    "torus": ("^", style.INK),
+    "grazing": ("v", style.GREY),
+    "lift_off": ("P", style.BLUE),
+}
+_DASHES = (0, (3.0, 2.0))
+# A ratio of moduli beyond which they are drawn on a logarithmic scale, and its lowest decade.
+_WIDE, _FLOOR = 30.0, 1e-4
+# Branches below this angle, such as hanging still, are shown as lying at zero [rad].
+_FLAT = 0.01
+# Special points within this many lengths of a piece are where its stability changes.
+_NEAR = 1.5
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the largest angle with special points above, the moduli of multipliers below."""
+    from matplotlib.lines import Line2D
+
+    figure, panels = style.new_figure(
+        2, 1, width=0.8 * style.PAGE, height=4.6, sharex=True, height_ratios=[1.7, 1.0]
+    )
+    angles, moduli = panels[:, 0]
+    name = str(dataset.attrs["parameter"])
+    x, y = dataset[name].values, dataset["largest_angle"].values
+    stable = dataset["is_stable"].values == 1
+    size = np.abs(dataset["multipliers"].values)
+    span = (float(dataset.attrs["low"]), float(dataset.attrs["high"]))
+    places = np.column_stack([dataset["special_value"].values, dataset["special_angle"].values])
+    pieces = _pieces(x, y, stable, places) if len(x) else []
+    for part, height, is_stable in pieces:
+        _line(angles, part, height, is_stable, style.BLUE, style.LINE + 0.3)
+    if len(x):
+        moduli.axhline(1.0, color=style.INK, lw=style.THIN, zorder=1)
+        for column in range(size.shape[1] - 1, -1, -1):
+            colour = style.BLUE if column == 0 else style.GREY
+            for first, last, is_stable in _runs(stable):
+                end = min(last + 1, len(x))
+                shown = x[first:end], np.maximum(size[first:end, column], _FLOOR)
+                _line(moduli, *shown, is_stable, colour, style.LINE)
+        if size.max() > _WIDE * max(size.min(), _FLOOR):
+            moduli.set_yscale("log")
+        else:
+            moduli.set_ylim(0.0, 1.06 * max(float(size.max()), 1.1))
+        angles.plot(x[0], y[0], "o", ms=3.5, mfc=style.PAPER, mec=style.BLUE, mew=1.0, zorder=3)
+    else:
+        angles.text(
+            0.5, 0.5, f"no branch: {dataset['status'].item()}", transform=angles.transAxes,
+            ha="center", va="center",
+        )  # fmt: skip
+    handles = [
+        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, label="stable"),
+        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, ls=_DASHES, label="unstable"),
+        Line2D([], [], color=style.GREY, label="smaller multipliers"),
+        Line2D(
+            [], [], color=style.BLUE, marker="o", ms=3.5, mfc=style.PAPER, mew=1.0, ls="",
+            label="first orbit",
+        ),
+        *_mark(angles, dataset),
+    ]  # fmt: skip
+    angles.set_ylabel(style.label(dataset["largest_angle"]))
+    top = float(np.max(y, initial=0.0))
+    angles.set_ylim(0.0 if top > _FLAT else -_FLAT, max(1.06 * top, _FLAT))
+    style.degree_axis(angles)
+    angles.set_title("\n".join(title_of(_without(dataset, name), {}, "")), fontsize=style.SMALL)
+    moduli.set_ylabel(r"moduli of multipliers $|\mu|$")
+    moduli.set_xlabel(style.label(dataset[name]))
+    moduli.set_xlim(*_limits(x, span))
+    columns = len(handles) if len(handles) <= 5 else (len(handles) + 1) // 2
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    return figure
+
+
+def _limits(x: Floats, span: tuple[float, float]) -> tuple[float, float]:
+    """Return the part of the range that the branch covers, with a margin."""
+    if not len(x):
+        return span
+    margin = 0.04 * max(float(np.ptp(x)), 1e-3 * (span[1] - span[0]))
+    return max(span[0], float(x.min()) - margin), min(span[1], float(x.max()) + margin)
+
+
+def _line(axes: Axes, x: Floats, y: Floats, is_stable: bool, colour: str, width: float) -> None:
+    """Draw a piece of a branch."""
+    # Round ends would fill the gaps of dashes.
+    axes.plot(
+        x, y, color=colour, lw=width, ls="-" if is_stable else _DASHES, dash_capstyle="butt",
+        solid_capstyle="butt",
+    )  # fmt: skip
+
+
+def _runs(stable: NDArray[np.bool_]) -> list[tuple[int, int, bool]]:
+    """Return first index, index after the last, and stability of each piece of a branch."""
+    ends = [*(np.flatnonzero(np.diff(stable.astype(int))) + 1).tolist(), len(stable)]
+    starts = [0, *ends[:-1]]
+    return [(i, j, bool(stable[i])) for i, j in zip(starts, ends, strict=True)]
+
+
+def _pieces(
+    x: Floats, y: Floats, stable: NDArray[np.bool_], places: Floats
+) -> list[tuple[Floats, Floats, bool]]:
+    """Return the branch in pieces of one stability, which meet in the special points."""
+    found: list[tuple[Floats, Floats, bool]] = []
+    unit = np.array([np.ptp(x) or 1.0, np.ptp(y) or 1.0])
+    points = np.column_stack([x, y])
+    before: Floats | None = None
+    for first, last, is_stable in _runs(stable):
+        part = points[first:last] if before is None else np.vstack([before, points[first:last]])
+        if last < len(x):
+            middle = 0.5 * (points[last - 1] + points[last])
+            length = np.linalg.norm((points[last] - points[last - 1]) / unit)
+            if len(places):
+                far = np.linalg.norm((places - middle) / unit, axis=1)
+                if far.min() < _NEAR * length:
+                    middle = places[int(np.argmin(far))]
+            before = middle
+            part = np.vstack([part, middle])
+        found.append((part[:, 0], part[:, 1], is_stable))
+    return found
+
+
+def _mark(axes: Axes, dataset: xr.Dataset) -> list[Any]:
+    """Draw the special points and return an entry of the legend for each kind."""
+    kinds = dataset["special_kind"].values.astype(str)
+    handles = []
+    for kind, (marker, colour) in MARKS.items():
+        chosen = kinds == kind
+        if chosen.any():
+            (handle,) = axes.plot(
+                dataset["special_value"].values[chosen], dataset["special_angle"].values[chosen],
+                marker, ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6, ls="", zorder=4,
+                clip_on=False, label=kind.replace("_", " "),
+            )  # fmt: skip
+            handles.append(handle)
+    return handles
+
+
+def _without(dataset: xr.Dataset, parameter: str) -> xr.Dataset:
+    """Return a dataset whose attributes do not tell the first value of what varies."""
+    targets = {
+        "frequency_ratio": "drive_frequency", "amplitude_ratio": "drive_amplitude",
+        "drive_acceleration_ratio": "drive_amplitude",
+    }  # fmt: skip
+    dropped = {parameter, targets.get(parameter, parameter)}
+    return dataset.drop_attrs(deep=False).assign_attrs(
+        {key: value for key, value in dataset.attrs.items() if key not in dropped}
+    )

@@ -1,0 +1,104 @@
+"""The picture of Floquet multipliers: where they lie about the unit circle."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.analyses.words import head, number, write_words
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_MARGIN = 1.75
+# What each status means, for the reader of the picture.
+_MEANING = {
+    "stable": "small deviations die out",
+    "unstable": "small deviations grow",
+    "neutral": "small deviations stay",
+    "rest": "balls rest on each other: deviations vanish",
+    "grazing": "an impact without speed: no limit",
+    "contradicted": "a check failed: do not trust",
+    "not found": "no periodic motion from this start",
+}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the multipliers in the complex plane, and beside it what is known of the orbit."""
+    figure, panels = style.new_figure(
+        1, 2, width=0.9 * style.PAGE, height=3.3, width_ratios=[1.0, 0.85]
+    )
+    plane, text = panels[0]
+    _draw_plane(plane, dataset["multipliers"].values)
+    status = str(dataset["status"].item())
+    write_words(text, status, _MEANING.get(status, ""), _rows(dataset), column=0.44)
+    head(figure, dataset)
+    return figure
+
+
+def _draw_plane(axes: Axes, multipliers: np.ndarray) -> None:
+    """Draw unit circle, multipliers and what happens where they leave the circle."""
+    known = multipliers[np.isfinite(multipliers)]
+    reach = _MARGIN * max(1.0, float(np.max(np.abs(known), initial=0.0)))
+    axes.axhline(0.0, color=style.PALE_GREY, lw=style.THIN, zorder=0)
+    axes.axvline(0.0, color=style.PALE_GREY, lw=style.THIN, zorder=0)
+    turn = np.linspace(0.0, math.tau, 361)
+    axes.fill(np.cos(turn), np.sin(turn), color=style.PALE_BLUE, lw=0.0, zorder=0)
+    axes.plot(np.cos(turn), np.sin(turn), color=style.INK, lw=style.THIN)
+    if reach < 3.0:
+        for place, name, ha, shift in (
+            ((-1.0, 0.0), "period\ndoubling", "right", -5.0),
+            ((1.0, 0.0), "fold or\ncrossing", "left", 5.0),
+            ((math.cos(1.0), math.sin(1.0)), "torus", "left", 5.0),
+        ):
+            style.note(axes, name, place, (shift, 6.0), ha=ha, colour=style.GREY, va="bottom")
+    for multiplier in known:
+        is_out = abs(multiplier) > 1.0
+        axes.plot(
+            multiplier.real, multiplier.imag, "o", ms=5.5, mec=style.PAPER, mew=0.6, zorder=3,
+            color=style.RED if is_out else style.BLUE,
+        )  # fmt: skip
+    axes.set_aspect("equal")
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
+    axes.set_xlabel(r"$\mathrm{Re}\,\mu$")
+    axes.set_ylabel(r"$\mathrm{Im}\,\mu$")
+
+
+def _rows(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Return names and values of what is known."""
+
+    def found(name: str) -> float:
+        return float(dataset[name].item())
+
+    if not math.isfinite(found("response_period")):
+        return [("defect", number(found("defect"), 2))]
+    rows = []
+    for i, value in enumerate(dataset["multipliers"].values, start=1):
+        shown = number(value.real, 5)
+        if value.imag:
+            sign = "+" if value.imag > 0 else "\N{MINUS SIGN}"
+            shown += f" {sign} {number(abs(value.imag), 5)} i"
+        rows.append((rf"$\mu_{i}$", shown))
+    rate = found("growth_rate")
+    rows += [
+        ("growth rate", number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),
+        ("period", _counted(found("response_period"), "drive period")),
+        ("impacts in it", f"{found('impacts'):.0f}"),
+    ]
+    if found("turns"):
+        rows.append(("whole turns", number(found("turns"))))
+    if math.isfinite(found("slowest_impact")):
+        rows.append(("slowest impact", f"{number(found('slowest_impact'))} rad/s"))
+    return [*rows, (r"error of $\mu$", number(found("multiplier_error"), 1))]
+
+
+def _counted(number: float, what: str) -> str:
+    """Return a number of things, e.g. ``2 drive periods``."""
+    return f"{number:.0f} {what}{'' if number == 1 else 's'}"

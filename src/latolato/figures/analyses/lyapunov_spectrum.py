@@ -1,0 +1,82 @@
+"""The picture of a Lyapunov spectrum: its exponents, and the sum that they must have."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.figures import style
+from latolato.figures.analyses.words import head, number, write_words
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_MEANING = {
+    "regular": "neighbours come together",
+    "chaotic": "neighbours part exponentially",
+    "marginal": "neither can be told in this time",
+    "rest": "the motion forgets its past",
+}
+
+
+@style.styled
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the exponents as bars; one of minus infinity is an arrow to the bottom."""
+    figure, panels = style.new_figure(
+        1, 2, width=0.9 * style.PAGE, height=3.0, width_ratios=[1.0, 0.95]
+    )
+    axes, text = panels[0]
+    values = np.asarray(dataset["lyapunov_exponents"].values, dtype=np.float64)
+    places = range(1, len(values) + 1)
+    finite = values[np.isfinite(values)]
+    reach = float(np.max(np.abs(finite), initial=0.0)) or 1.0
+    low, high = min(0.0, finite.min(initial=0.0)), max(0.0, finite.max(initial=0.0))
+    bottom = (-reach if np.isneginf(values).any() else low) - 0.18 * reach
+    axes.axhline(0.0, color=style.INK, lw=style.THIN, zorder=3)
+    for place, value in zip(places, values, strict=True):
+        colour = style.RED if value > 0.0 else style.BLUE
+        if math.isfinite(value):
+            axes.bar(place, value, width=0.55, color=colour)
+            up = value >= 0.0
+            style.note(
+                axes, number(value), (place, value), (0.0, 3.0 if up else -3.0), ha="center",
+                va="bottom" if up else "top",
+            )  # fmt: skip
+        elif np.isneginf(value):
+            axes.annotate(
+                "", xy=(place, bottom), xytext=(place, 0.0),
+                arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2.0 * style.LINE},
+            )  # fmt: skip
+            style.note(axes, "\N{MINUS SIGN}∞", (place, 0.5 * bottom), (6.0, 0.0))
+        else:
+            style.note(axes, "no value", (place, 0.0), (0.0, 4.0), ha="center", va="bottom")
+    axes.set_ylim(bottom, high + 0.18 * reach)
+    axes.set_xlim(0.4, len(values) + 0.6)
+    axes.set_xticks(places, [rf"$\lambda_{i}$" for i in places])
+    axes.tick_params(axis="x", length=0.0)
+    axes.spines["bottom"].set_visible(False)
+    axes.set_ylabel(style.label(dataset["lyapunov_exponents"]))
+    if not finite.size:
+        axes.set_yticks([])
+    status = str(dataset["status"].item())
+    write_words(text, status, _MEANING.get(status, ""), _rows(dataset, values), column=0.5)
+    head(figure, dataset)
+    return figure
+
+
+def _rows(dataset: xr.Dataset, values: np.ndarray) -> list[tuple[str, str]]:
+    """Return names and values of the sum rule and of the time."""
+    total = float(np.sum(values))
+    rows = [
+        ("sum of exponents", total),
+        ("mean divergence", float(dataset["divergence"])),
+        ("difference", float(dataset["sum_rule_residual"]) if math.isfinite(total) else math.nan),
+    ]
+    observed = dataset.attrs["duration"] - dataset.attrs["transient"]
+    return [
+        *((name, f"{number(value)} 1/s") for name, value in rows if not math.isnan(value)),
+        ("observed", f"{observed:g} s"),
+    ]

@@ -1,0 +1,179 @@
+"""Pictures of analyses: each has one, and cases without an answer are drawn as such."""
+
+import importlib
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.analysis import analyses
+from latolato.analysis.registry import labelled
+from latolato.figures.plot import picture_of
+
+TOY = ll.LatoLato(length=0.245, mass=0.1, radius=0.0196, damping=0.00274, restitution=0.9)
+SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
+
+
+def made(name, module, variables, coordinates=None, settings=None):
+    """A dataset as the analysis would label it."""
+    home = importlib.import_module(f"latolato.analysis.{module}")
+    return labelled(
+        name, variables, coordinates=coordinates, quantities=home.QUANTITIES, system=TOY,
+        drive=SHAKE, settings=settings,
+    )  # fmt: skip
+
+
+def multipliers(values, status, **changes):
+    numbers = {
+        "growth_rate": -0.1, "response_period": 1.0, "impacts": 2.0, "turns": 0.0,
+        "slowest_impact": 1.0, "multiplier_error": 1e-12, "defect": 1e-14,
+    }  # fmt: skip
+    found = {"multipliers": ("multiplier", np.array(values, dtype=complex)), "status": status}
+    return made("floquet", "floquet", found | numbers | changes)
+
+
+def branch(x, angle, stable, specials=(), status="end of range"):
+    count = len(x)
+    kinds = np.array([s[0] for s in specials], dtype="U20")
+    return made(
+        "continue_orbit",
+        "continuation",
+        {
+            "frequency_ratio": ("point", np.array(x, dtype=float)),
+            "largest_angle": ("point", np.array(angle, dtype=float)),
+            "is_stable": ("point", np.array(stable, dtype=np.int8)),
+            "multipliers": (
+                ("point", "multiplier"),
+                np.linspace(0.5, 1.5, 2 * count).reshape(count, 2).astype(complex),
+            ),
+            "special_kind": ("special", kinds),
+            "special_value": ("special", np.array([s[1] for s in specials], dtype=float)),
+            "special_angle": ("special", np.array([s[2] for s in specials], dtype=float)),
+            "status": status,
+        },
+        settings={"parameter": "frequency_ratio", "low": 1.0, "high": 3.0},
+    )
+
+
+def spectrum(values, status, residual=1e-15):
+    found = {"lyapunov_exponents": ("exponent", np.array(values)), "status": status}
+    found |= {"divergence": -1.0, "sum_rule_residual": residual}
+    return made(
+        "lyapunov_spectrum",
+        "lyapunov",
+        found,
+        {"exponent": ("exponent", np.arange(1, len(values) + 1))},
+        {"duration": 300.0, "transient": 100.0},
+    )
+
+
+def symmetry(rate, status, **axes):
+    dims = tuple(axes)
+    rate = np.array(rate, dtype=float)
+    return made(
+        "pair_symmetry",
+        "symmetry",
+        {
+            "transverse_exponent": (dims, rate),
+            "largest_angle_after_transient": (dims, np.ones_like(rate)),
+            "status": (dims, np.array(status)),
+        },
+        {name: (name, np.array(values)) for name, values in axes.items()},
+        {"duration": 300.0, "transient": 50.0},
+    )
+
+
+CASES = {
+    "stable": multipliers([0.5 + 0.5j, 0.5 - 0.5j], "stable"),
+    "four": multipliers([-4.0, 1.0, 0.5, 0.0], "unstable", turns=1.0),
+    "rest": multipliers([0.0, 0.0], "rest", growth_rate=-math.inf, slowest_impact=math.inf),
+    "no orbit": multipliers(
+        [math.nan] * 2, "not found", response_period=math.nan, defect=math.inf
+    ),
+    "branch": branch(
+        [2.0, 1.5, 1.2, 1.6, 2.5], [0.2, 0.4, 1.0, 1.2, 0.9], [0, 0, 1, 1, 0],
+        [("fold", 1.19, 0.9), ("period_doubling", 2.0, 1.1)],
+    ),
+    "hanging": branch(
+        [1.8, 1.9, 2.0], [0.0, 1e-25, 0.0], [1, 1, 0], [("period_doubling", 1.95, 0.0)]
+    ),
+    "one point": branch([2.0], [0.3], [1], status="lost"),
+    "no branch": branch([], [], [], status="not found"),
+    "chaos": spectrum([0.5, -1.5], "chaotic"),
+    "forgets": spectrum([-math.inf, -math.inf], "rest", 0.0),
+    "one forgets": spectrum([-0.5, -math.inf], "rest", 0.0),
+    "no spectrum": spectrum([math.nan, math.nan], "failed", math.nan),
+    "one rate": symmetry(0.3, "broken"),
+    "rests": symmetry(-math.inf, "valid"),
+    "curve": symmetry(
+        [0.3, -0.2, math.nan, -math.inf, 0.0],
+        ["broken", "valid", "failed", "valid", "undecided"],
+        frequency_ratio=[1.0, 2.0, 3.0, 4.0, 5.0],
+    ),
+    "map": symmetry(
+        [[0.3, -0.2, math.nan], [-math.inf, 0.0, 0.1]],
+        [["broken", "valid", "failed"], ["valid", "undecided", "undecided"]],
+        drive_amplitude=[0.1, 0.2],
+        frequency_ratio=[1.0, 2.0, 3.0],
+    ),
+    "narrow map": symmetry(
+        [[0.3, -0.2]], [["broken", "valid"]], drive_amplitude=[0.1], frequency_ratio=[1.0, 2.0]
+    ),
+    "no answer at all": symmetry(
+        [[math.nan] * 2] * 2, [["failed"] * 2] * 2, drive_amplitude=[0.1, 0.2],
+        frequency_ratio=[1.0, 2.0],
+    ),
+}  # fmt: skip
+
+
+def texts(figure):
+    """Everything that is written in a figure."""
+    from matplotlib.text import Text
+
+    return " ".join(text.get_text() for text in figure.findobj(Text))
+
+
+@pytest.mark.parametrize("name", analyses)
+def test_every_analysis_has_a_picture(name):
+    assert callable(picture_of(name))
+
+
+def test_an_analysis_without_a_picture_is_refused():
+    found = CASES["stable"].assign_attrs(analysis="nothing")
+    with pytest.raises(ValueError, match="analysis 'nothing' has no picture"):
+        ll.plot(found)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_all_answers_and_their_absence_are_drawn_within_the_page(case, tmp_path):
+    dataset = CASES[case]
+    ll.save(dataset, tmp_path / "found.nc")
+    figure = ll.plot(ll.load(tmp_path / "found.nc"))
+    width, height = figure.get_size_inches() * figure.dpi
+    for axes in figure.axes:
+        box = axes.get_tightbbox()
+        if box is not None:
+            assert box.x0 >= -1
+            assert box.y0 >= -1
+            assert box.x1 <= width + 1
+            assert box.y1 <= height + 1
+    status = dataset["status"].values
+    if status.ndim == 0 and case not in ("branch", "hanging", "one point"):
+        assert status.item() in texts(figure)
+
+
+def test_stable_and_unstable_pieces_of_a_branch_meet_in_the_special_points():
+    figure = ll.plot(CASES["branch"])
+    lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 1]
+    assert [line.get_linestyle() for line in lines[:3]] == ["--", "-", "--"]
+    assert lines[0].get_xydata()[-1] == pytest.approx([1.19, 0.9])
+    assert lines[1].get_xydata()[0] == pytest.approx([1.19, 0.9])
+    assert lines[1].get_xydata()[-1] == pytest.approx([2.0, 1.1])
+
+
+def test_colours_of_rates_change_at_zero():
+    figure = ll.plot(CASES["map"])
+    norm = figure.axes[0].collections[0].norm
+    assert norm(0.0) == 0.5
+    assert norm.vmin < 0.0 < norm.vmax
