@@ -504,3 +504,23 @@ class TestTensionAtRest:
         np.testing.assert_allclose(run.tension, exact, rtol=1e-14)
         assert math.isnan(run.attrs["slack_time"])
         assert run.attrs["slack_fraction"] == 0.0
+
+
+def test_a_stop_at_the_very_instant_of_lift_off_is_reached():
+    # A0 w^2 exceeds g by a rounding, so rest ends for 1e-8 s, once per period: at the stroboscope.
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
+    drive = ll.Harmonic(
+        drive_amplitude=0.16, drive_frequency=2.5000000000000004 * toy.natural_frequency
+    )
+    assert 0.0 < 0.16 * drive.drive_frequency**2 / toy.gravity - 1.0 < 1e-14
+    period = math.tau / drive.drive_frequency
+    run = ll.simulate(toy, drive, initial_offset=0.0, duration=7 * period, contact_limit=100)
+    assert run.attrs["status"] == "complete"
+    assert np.ptp(run.angle.values) == 0.0
+    ball = toy.balls[0]
+    pair = ll.BallPair(right=ball, left=ball, restitution=0.9)
+    low = toy.contact_angle_low
+    run = ll.simulate(
+        pair, drive, initial_angle=(low, -low), duration=7 * period, contact_limit=100
+    )
+    assert run.attrs["status"] == "complete"

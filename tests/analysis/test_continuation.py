@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.closed_forms import mathieu_tongue_edges
+from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
 
@@ -141,3 +141,14 @@ def test_a_branch_without_a_first_orbit_is_empty():
         )  # fmt: skip
     assert branch.sizes["point"] == 0
     assert branch.status.item() == "not found"
+
+
+@pytest.mark.parametrize("turning_angle", [0.2, 0.6, 1.2, 2.0, 2.8])
+def test_the_undriven_backbone_of_bounces_is_the_elliptic_one(turning_angle):
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    fall = fall_time(length=1.0, radius=0.1, initial_angle=turning_angle)
+    run = ll.simulate(toy, None, initial_angle=turning_angle, duration=6.5 * fall, tolerance=1e-13)
+    period = np.diff(run.contact_time.values)
+    assert len(period) == 2
+    frequency = math.pi / fall  # a bounce lasts two falls
+    assert math.tau / period == pytest.approx(frequency, rel=1e-10)  # asked for

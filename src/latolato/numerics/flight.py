@@ -32,6 +32,9 @@ KICK, REACH, OFFSET = 0, 1, 2
 
 # The shortest step that changes the time, per time: an event ends a step at a later instant.
 SHORTEST = 2.3e-16
+# The shortest rest, per step, after a release that leads nowhere; without a limit the times before
+# a stop would become shorter and shorter.
+SHORTEST_REST = 1e-3
 
 # What a search looks for.
 ANGLE, VELOCITY = 0, 1

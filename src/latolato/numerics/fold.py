@@ -15,6 +15,7 @@ from latolato.numerics.bounce import hop, meet_wall
 from latolato.numerics.flight import (
     ANGLE,
     SHORTEST,
+    SHORTEST_REST,
     Law,
     Method,
     Part,
@@ -279,7 +280,8 @@ def make_trajectory(
                         v = far * abs(v)  # rounding may turn a grazing velocity round
                     else:  # nothing moves that could be seen: go on resting
                         counters[GRAZES] += 1
-                        hs, v, dw, dd, hit = hs * _PARTS / 16.0, 0.0, 0.0, 0.0, False
+                        hs = min(hs, max(hs * _PARTS / 16.0, SHORTEST_REST * h))
+                        v, dw, dd, hit = 0.0, 0.0, 0.0, False
                         captured += 0.5 * inertia * velocity * velocity
                         mode = REST_LOW if far < 0.0 else REST_HIGH
                         if rows > 0 and contact_kinds[rows - 1] == RELEASE:

@@ -16,6 +16,7 @@ from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
     SHORTEST,
+    SHORTEST_REST,
     VELOCITY,
     Law,
     Method,
@@ -287,7 +288,7 @@ def make_pair_trajectory(
                 end = hs
                 if held:
                     margin = 0.0
-                elif margin >= 0.0 and signs[JOINT] != STUCK:
+                elif margin >= 0.0:
                     end = dip(hs, margin, far, offset, gap, t, q, r, w, law, pair)
                     margin = margin if end == hs else -1.0
                 if margin < 0.0:
@@ -456,7 +457,7 @@ def make_pair_trajectory(
                     if follows_tangent:
                         unite(acc, column, columns, jacobian, share)
                     mode, leaving = (REST_LOW if far < 0.0 else REST_HIGH), 0.0
-                    held_until = min(t + max(_HOLD * hs, SHORTEST * t), goal)
+                    held_until = min(t + max(_HOLD * hs, SHORTEST_REST * h, SHORTEST * t), goal)
                     if rows > 0 and contact_kinds[rows - 1] == RELEASE:
                         rows -= 1
                     else:
