@@ -84,7 +84,8 @@ def self_start(
     At the joint equilibrium ``m1 l1 sin(angle_1) = -m2 l2 sin(angle_2)`` it is proportional to
     g + y'', so the condition is the same for unequal balls; with friction the ball of the smaller
     C0 l leaves first; while friction holds both, runs follow a dip of the hold within a step only
-    roughly, so that `check` finds up to 1e-5 more there. Two balls that swing together part earlier or later.
+    roughly, so that `check` finds up to 1e-5 more there. Two balls that swing together part earlier
+    or later.
 
     It says that rest ends, not that a large motion follows: for that the paper's toy needs some
     4 % (e = 1) to 90 % (e = 0.5) more.
