@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.analysis.closed_forms import mathieu_growth_rate
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.symmetry import as_pair, pair_symmetry
 
@@ -69,6 +70,24 @@ def test_a_departure_from_the_mirror_image_grows_at_its_exponent():
     late = [mean[(times > a) & (times < a + 10.0)].max() for a in (50.0, 90.0)]
     grown = math.log(late[1] / late[0]) / 40.0
     assert grown == pytest.approx(found.transverse_exponent.item(), rel=0.03)  # beats of a window
+
+
+@pytest.mark.parametrize("duration", [100.0, 600.0])
+def test_the_rate_of_a_departure_does_not_depend_on_how_long_it_is_followed(duration):
+    # At rest both balls swing as one pendulum of the length l cos(contact angle): its Hill rate.
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * math.sqrt(9.8))
+    period = math.tau / drive.drive_frequency
+    found = pair_symmetry(toy, drive, initial_offset=0.0, duration=duration, transient=20 * period)
+    cosine = math.sqrt(1.0 - 0.1**2)
+    # S'' + gamma S' + (g + y0'') cos(contact angle)/l S = 0
+    expected = mathieu_growth_rate(
+        drive_amplitude=0.05, drive_frequency=drive.drive_frequency, length=1.0 / cosine, mass=0.8,
+        damping=0.02 / cosine,
+    )  # fmt: skip
+    # The velocity's direction turns within a period: 1/time.
+    assert found.transverse_exponent.item() == pytest.approx(float(expected), abs=5e-3)
+    assert found.status.item() == "broken"
 
 
 def test_a_validity_map_has_both_axes():

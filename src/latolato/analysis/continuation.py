@@ -33,11 +33,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 QUANTITIES = {
-    "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
     "is_stable": Quantity("1", "", "whether the motion is stable"),
-    "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
-    "status": Quantity("1", "", "status"),
-    "ball": Quantity("1", "", "ball"),
     "special_kind": Quantity("1", "", "what happens to the branch"),
     "special_value": Quantity("1", "", "where it happens"),
     "special_angle": Quantity("rad", r"\theta_{max}", "largest angle there"),

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 QUANTITIES = {
-    "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
     "monodromy": Quantity("1", "M", "monodromy matrix, SI units"),
     "determinant": Quantity("1", r"\det M", "determinant of the monodromy matrix"),
     "expected_determinant": Quantity("1", r"\det M", "determinant from the laws of motion"),
@@ -39,13 +38,10 @@ QUANTITIES = {
         "1", r"\Delta M", "largest relative difference from finite differences"
     ),
     "multiplier_error": Quantity("1", r"\Delta\mu", "change of the multipliers at half the step"),
-    "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
     "turns": Quantity("1", "", "whole turns in one period of the orbit"),
     "slowest_impact": Quantity("rad/s", r"\dot\theta_{min}", "smallest closing speed of an impact"),
     "defect": Quantity("1", "", "what the orbit misses to be closed"),
     "response_period": Quantity("1", "p", "period of the orbit in drive periods"),
-    "status": Quantity("1", "", "status"),
-    "ball": Quantity("1", "", "ball"),
 }
 # A modulus this close to one is neither stable nor unstable.
 _NEUTRAL = 1e-8

@@ -29,7 +29,6 @@ QUANTITIES = {
     **LyapunovSpectrum.variables,
     **SumRuleResidual.variables,
     "divergence": Quantity("1/s", r"\langle\nabla f\rangle", "mean divergence of flow and impacts"),
-    "status": Quantity("1", "", "status"),
     "exponent": Quantity("1", "", "number of the exponent"),
 }
 

@@ -19,6 +19,14 @@ if TYPE_CHECKING:
 # Every analysis takes a system (and a drive, where it has one) and gives a labelled dataset.
 analyses: Registry[Callable[..., Any]] = Registry("analysis")
 
+# What several analyses name.
+COMMON = {
+    "status": Quantity("1", "", "status"),
+    "ball": Quantity("1", "", "ball"),
+    "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
+    "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
+}
+
 
 def labelled(
     name: str,
@@ -39,7 +47,7 @@ def labelled(
     variables, coordinates : mapping
         Scalars, or ``(dims, values)``.
     quantities : mapping of str to Quantity
-        Of the names that `latolato.quantities.QUANTITIES` does not know; each needs one.
+        Of names that neither `latolato.quantities.QUANTITIES` nor `COMMON` knows; each needs one.
     system, drive : optional
         Their kinds and parameters become attributes.
     settings : mapping
@@ -47,7 +55,7 @@ def labelled(
     """
     import xarray as xr
 
-    known = {**QUANTITIES, **(quantities or {})}
+    known = {**QUANTITIES, **COMMON, **(quantities or {})}
 
     def entry(key: str, given: Any) -> Any:
         dims, values = given if isinstance(given, tuple) else ((), given)

@@ -14,7 +14,6 @@ from latolato.observables.deviations import TransverseExponent
 from latolato.physics.contacts import Exact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
-from latolato.quantities import Quantity
 from latolato.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
 
 if TYPE_CHECKING:
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
 QUANTITIES = {
     **TransverseExponent.variables,
     **LargestAngleAfterTransient.variables,
-    "status": Quantity("1", "", "status"),
 }
 # A departure that grows or shrinks by less than this factor in the observed time tells nothing.
 _FACTOR = np.exp(2.0)
@@ -89,9 +87,10 @@ def pair_symmetry(
     -----
     Without drag no departure from a regular motion can die out, the rate is at least zero then. It
     is a rate of *small* departures along one motion; a finite push may lead elsewhere. Roundings
-    grow as well: after some 37/rate seconds the balls are no mirror images any more, and the rate
-    is that of what they do then. A toy at rest swings under its pivot as one pendulum: in the
-    tongue around the ratio 2 it leaves symmetry without a single impact.
+    grow as well: the rate is measured until departures would have grown by e^23, also within the
+    transient, and the largest angle is that of balls that are no mirror images any more. A toy at
+    rest swings under its pivot as one pendulum: in the tongue around the ratio 2 it leaves
+    symmetry without a single impact.
 
     Examples
     --------
