@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import latolato as ll
+
 FOLDER = Path(__file__).parents[1] / "examples"
 SCRIPTS = sorted(FOLDER.glob("*.py"))
 
@@ -36,3 +38,10 @@ def test_an_example_succeeds_and_draws_its_picture(script, tmp_path):
     assert done.stderr == ""
     assert done.stdout.strip()
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_table_of_analyses_names_them_all():
+    page = FOLDER.parent / "docs" / "how-to" / "analysis.md"
+    table = page.read_text(encoding="utf-8")
+    missing = [name for name in ll.analysis.analyses if f"`analysis.{name}(" not in table]
+    assert not missing
