@@ -88,6 +88,28 @@ def glossary() -> str:
     return table(("name", "symbol", "unit", "meaning"), rows)
 
 
+def analysis_glossary() -> str:
+    """Return the table of what analyses answer beside the quantities known everywhere."""
+    import latolato.analysis
+    from latolato.observables import observables
+    from latolato.quantities import QUANTITIES, Quantity
+
+    known = set(QUANTITIES).union(*(o.variables for o in observables.values()))
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for found in pkgutil.iter_modules(latolato.analysis.__path__, "latolato.analysis."):
+        for given in vars(importlib.import_module(found.name)).values():
+            if not isinstance(given, dict):
+                continue
+            for name, q in given.items():
+                # Labels such as status need no entry.
+                if not isinstance(q, Quantity) or name in known or not (q.symbol or q.unit != "1"):
+                    continue
+                row = (f"`{name}`", symbol(q), spelled(q.unit), q.long_name)
+                rows.setdefault(row, []).append(f"`{found.name.rpartition('.')[2]}`")
+    filled = [(*row, ", ".join(sorted(set(by)))) for row, by in sorted(rows.items())]
+    return table(("name", "symbol", "unit", "meaning", "module"), filled)
+
+
 def parameters(law: Any) -> list[tuple[str, ...]]:
     """Return a table row for each field of a law."""
     rows = []
@@ -153,17 +175,20 @@ def public_names() -> str:
 
 
 def analysis_names() -> str:
-    """Return the public functions of every module of ``latolato.analysis``."""
+    """Return the public names of ``latolato.analysis``, by the module that defines them."""
     import latolato.analysis
 
     parts = []
+    public = set(latolato.analysis.__all__)
     for found in pkgutil.iter_modules(latolato.analysis.__path__, "latolato.analysis."):
         module = importlib.import_module(found.name)
         names = [
             name
             for name, thing in vars(module).items()
-            if inspect.isfunction(thing) and thing.__module__ == found.name and name[0] != "_"
+            if name in public and getattr(thing, "__module__", "") == found.name
         ]
+        if not names:
+            continue
         parts.append(f"### {first_line(module).rstrip('.')}\n\n`{found.name}`\n\n")
         parts += [directive(found.name, name, getattr(module, name)) for name in names]
     return "".join(parts)
@@ -193,6 +218,7 @@ def write_generated() -> None:
 
     pages = {
         "glossary": glossary(),
+        "analysis_glossary": analysis_glossary(),
         "systems": laws(systems),
         "drives": laws(drives),
         "observables": laws(observables),

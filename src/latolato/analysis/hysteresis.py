@@ -104,7 +104,7 @@ def hysteresis(
 
     Notes
     -----
-    ``loop_area`` is the integral of |down - up| over the frequency ratio by trapezes; a jump's
+    ``loop_area`` is the integral of ``|down - up|`` over the frequency ratio by trapezes; a jump's
     ratio is the middle of the two neighbours with the largest change, known to half their distance,
     and NaN where no change reaches `least_jump`. What it can miss: branches that neither sweep
     visits; a fold where the time per frequency is too short for the slow growth there, which
