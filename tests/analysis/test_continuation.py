@@ -76,7 +76,7 @@ def test_at_a_fold_a_multiplier_is_one():
 
 
 def test_a_branch_that_ends_in_grazing_says_so():
-    with pytest.warns(RuntimeWarning, match="was lost at frequency_ratio = 4.57"):
+    with pytest.warns(RuntimeWarning, match="was lost at frequency_ratio = 4.57.* by grazing"):
         branch = continue_orbit(
             TOY, toy_shake(4.5), low=1.0, high=5.0,
             initial_angle=0.0803, initial_angular_velocity=0.045,
@@ -152,3 +152,40 @@ def test_the_undriven_backbone_of_bounces_is_the_elliptic_one(turning_angle):
     assert len(period) == 2
     frequency = math.pi / fall  # a bounce lasts two falls
     assert math.tau / period == pytest.approx(frequency, rel=1e-10)  # asked for
+
+
+@pytest.mark.parametrize(
+    "parameter, low, high, direction, end",
+    [
+        ("restitution", 0.7, 1.0, "up", 1.0),
+        ("damping", 0.0, 0.05, "down", 0.0),
+        ("radius", 0.0, 0.05, "down", 0.0),
+    ],
+)
+def test_a_branch_reaches_the_end_of_what_a_parameter_may_be(parameter, low, high, direction, end):
+    branch = continue_orbit(
+        TOY, toy_shake(2.4), parameter=parameter, low=low, high=high, direction=direction,
+        initial_offset=0.7, points=400,
+    )  # fmt: skip
+    assert branch.status.item() == "end of range"
+    assert branch[parameter].values[-1] == pytest.approx(end, abs=2e-6 * (high - low))
+
+
+def test_a_toy_at_rest_lifts_off_where_gravity_is_exceeded():
+    drive = ll.Harmonic(drive_amplitude=0.0098, drive_frequency=4.5 * TOY.natural_frequency)
+    # A0 w^2 = g at the ratio sqrt(l/A0) = 5.
+    with pytest.warns(RuntimeWarning, match="was lost"):  # among more and more tiny hops
+        branch = continue_orbit(TOY, drive, low=4.0, high=6.5, initial_offset=0.0, points=100)
+    assert branch.special_kind.values[0] == "lift_off"
+    # The first hops are too small to be seen.
+    assert branch.special_value.values[0] == pytest.approx(5.0, abs=1e-2)
+    resting = branch.frequency_ratio.values < 5.0
+    assert branch.impacts.values[resting].max() == 0
+
+
+def test_orbits_of_absurdly_slow_drives_and_of_no_system_are_refused():
+    slow = ll.Harmonic(drive_amplitude=1e-3, drive_frequency=1e-4)
+    with pytest.raises(ValueError, match=r"at least 0\.01 natural frequencies"):
+        continue_orbit(PENDULUM, slow, low=1.0, high=2.0)
+    with pytest.raises(TypeError, match="system must be a system"):
+        continue_orbit(5, slow, low=1.0, high=2.0)

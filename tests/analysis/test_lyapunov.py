@@ -49,6 +49,14 @@ def test_a_toy_that_rests_forgets_its_past():
     assert np.all(found.lyapunov_exponents == -math.inf)
 
 
+def test_a_short_run_has_a_shorter_transient():
+    system = ll.Pendulum(length=1.0, mass=0.8, damping=0.2)
+    found = lyapunov_spectrum(system, SHAKE, initial_angle=0.1, duration=50.0)
+    assert found.attrs["transient"] == 5.0
+    with pytest.raises(TypeError, match="system must be a system"):
+        lyapunov_spectrum(5, SHAKE)
+
+
 def test_a_static_conservative_pendulum_has_no_exponent():
     system = ll.Pendulum(length=1.0, mass=0.8)
     found = lyapunov_spectrum(system, None, initial_angle=1.0, duration=2000.0, transient=0.0)
@@ -86,6 +94,7 @@ def test_the_rate_of_a_departure_does_not_depend_on_how_long_it_is_followed(dura
         damping=0.02 / cosine,
     )  # fmt: skip
     # The velocity's direction turns within a period: 1/time.
+    assert found.largest_angle_after_transient.item() == pytest.approx(math.asin(0.1), rel=1e-12)
     assert found.transverse_exponent.item() == pytest.approx(float(expected), abs=5e-3)
     assert found.status.item() == "broken"
 
@@ -99,6 +108,27 @@ def test_a_validity_map_has_both_axes():
     assert found.transverse_exponent.dims == ("drive_amplitude", "frequency_ratio")
     assert found.status.sel(frequency_ratio=2.0, drive_amplitude=0.03).item() == "broken"
     assert found.status.sel(frequency_ratio=3.0, drive_amplitude=0.03).item() != "broken"
+
+
+def test_the_motion_of_a_broken_symmetry_is_still_the_mirrored_one():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02)
+    drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
+    found = pair_symmetry(toy, drive, initial_offset=0.2, duration=300.0)
+    assert found.status.item() == "broken"
+    assert found.largest_angle_after_transient.item() <= toy.contact_angle_high + 1e-9
+
+
+def test_a_departure_is_asked_of_mirrored_equal_balls_only():
+    ball, other = (ll.Ball(length=1.0, mass=mass, radius=0.1) for mass in (0.8, 0.4))
+    asked = {
+        "duration": 5.0, "observables": ["transverse_exponent"], "initial_angle": (0.5, -0.5),
+        "axes": {"initial_angle_right": [0.5, 0.6]},
+    }  # fmt: skip
+    with pytest.warns(RuntimeWarning, match="mirror images"):
+        grid = ll.sweep(ll.BallPair(right=ball, left=ball), SHAKE, **asked)
+    assert np.isfinite(grid.transverse_exponent.values).tolist() == [True, False]
+    with pytest.warns(RuntimeWarning, match="mirror images"):
+        ll.sweep(ll.BallPair(right=ball, left=other), SHAKE, **asked)
 
 
 def test_other_systems_have_no_mirror_symmetry():

@@ -218,3 +218,11 @@ def test_the_picture_shows_the_edges():
     found = ll.analysis.tongue_edges(PAPER, drive_amplitude=0.05)
     texts = [text.get_text() for text in picture.draw(found).axes[0].texts]
     assert {"1.909946", "2.107508"} <= set(texts)
+
+
+@pytest.mark.parametrize("order", [20, 30, 40, 60])
+def test_a_tongue_narrower_than_a_rounding_is_closed_by_any_damping(order):
+    system = ll.Pendulum(length=0.25, mass=0.1, damping=0.005)
+    with pytest.warns(RuntimeWarning, match="closed"):
+        found = ll.analysis.tongue_edges(system, drive_amplitude=0.02, order=order)
+    assert found.status.item() == "closed"

@@ -35,7 +35,7 @@ CASES = {
     "latolato-crank": (TOY, CRANK, ONE, ["largest_angle", "bottom_contacts"], {}),
     "latolato-friction": (ROUGH, HARMONIC, ONE, ["rest_fraction", "impact_speed"], {}),
     "latolato-clamp": (TOY, HARMONIC, ONE, ["crossings"], {"contact": ll.Clamp(step=5e-3)}),
-    "ballpair-harmonic": (PAIR, HARMONIC, TWO, ["mean_energy", "transverse_exponent"], {}),
+    "ballpair-harmonic": (PAIR, HARMONIC, TWO, ["mean_energy", "lyapunov_exponent"], {}),
     "ballpair-kicks": (
         PAIR, HARMONIC, TWO, ["works"], {"noise": ll.VelocityKicks(strength=0.01, seed=1)},
     ),

@@ -39,17 +39,19 @@ QUANTITIES = {
     "special_angle": Quantity("rad", r"\theta_{max}", "largest angle there"),
 }
 KINDS = (
-    "fold", "period_doubling", "symmetry_breaking", "torus", "grazing", "lift_off",
+    "fold", "period_doubling", "symmetry_breaking", "torus", "grazing", "lift_off", "rest_ends",
 )  # fmt: skip
 # Length of a step along the branch, in units of the range of the parameter and of radians.
 _FIRST, _LONGEST, _SHORTEST = 1e-3, 2e-2, 1e-7
+# A branch that cannot go on this near to an end of the range, as a share of it, has reached it.
+_AT_END = 1e-6
 _NEWTON = 8
 # Beside a wall steps are cut, and the map jumps by the error of a step: this much is enough then.
 _CLOSE = 1e-9
 _DIFFERENCE = 1e-6  # of the parameter's range, for its derivative
 _BISECTIONS = 60
 # How far beyond the end of a branch the reason is looked for, in lengths of steps.
-_BEYOND = 1e-4
+_BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
 # Below this singular value branches cross: the one that is followed turns round in a pitchfork.
 _CROSSING = 1e-3
 
@@ -94,7 +96,8 @@ class Place:
     def marks(self) -> dict[str, float]:
         """Whole numbers whose change is a special point."""
         return {
-            "lift_off": float(self.orbit.rests),
+            "lift_off": float(self.orbit.stays),
+            "rest_ends": float(self.orbit.rests),
             "grazing": float(self.orbit.passage.impacts) if not self.orbit.rests else -1.0,
         }
 
@@ -157,14 +160,23 @@ class Branch:
         return np.asarray(end)
 
     def slope(self, start: Floats, value: float, turns: int) -> Floats:
-        """Return how the gap changes with the parameter, scaled, by central differences."""
-        nudge = _DIFFERENCE * self.scale[-1]
-        gaps = []
-        for sign in (1.0, -1.0):
-            flow, duration = self.at(value + sign * nudge)
+        """Return how the gap changes with the parameter, scaled, by differences.
+
+        Central, or to one side where the parameter cannot be larger or smaller.
+        """
+        gaps, shares = [], []
+        for share in (1.0, -1.0, 0.0):
+            try:
+                flow, duration = self.at(value + share * _DIFFERENCE * self.scale[-1])
+            except ValueError:
+                continue
             x = confined(flow, start)
             gaps.append(gap_of(flow, x, flow.follow(x, duration).end, turns))
-        return np.asarray((gaps[0] - gaps[1]) / (2.0 * _DIFFERENCE) / self.scale[:-1])
+            shares.append(share)
+            if len(gaps) == 2:
+                break
+        slope = (gaps[0] - gaps[1]) / ((shares[0] - shares[1]) * _DIFFERENCE)
+        return np.asarray(slope / self.scale[:-1])
 
     def correct(self, place: Place, length: float) -> Place | None:
         """Return the point of the branch at a distance along the tangent, or None."""
@@ -225,17 +237,24 @@ class Branch:
         return found + [
             (kind, self._locate(old, new, length, _same(kind, old)))
             for kind in KINDS[4:]
-            if old.marks[kind] != new.marks[kind] and (kind == "lift_off" or both_move)
+            if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
         ]
 
     def obstacles(self, place: Place) -> list[tuple[str, Place]]:
         """Return which contact appears or vanishes just beyond the end of a branch."""
-        beyond = np.append(place.orbit.start, place.value) / self.scale
-        beyond = (beyond + _BEYOND * place.tangent) * self.scale
-        flow, duration = self.at(float(beyond[-1]))
-        passage = flow.follow(confined(flow, beyond[:-1]), duration)
-        marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks
-        return [(kind, place) for kind in KINDS[4:] if marks[kind] != place.marks[kind]][:1]
+        here = np.append(place.orbit.start, place.value) / self.scale
+        for length in _BEYOND:
+            beyond = (here + length * place.tangent) * self.scale
+            try:
+                flow, duration = self.at(float(beyond[-1]))
+            except ValueError:  # beyond what the parameter may be
+                return []
+            passage = flow.follow(confined(flow, beyond[:-1]), duration)
+            marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks
+            for kind in KINDS[4:]:
+                if marks[kind] != place.marks[kind]:
+                    return [(kind, place)]
+        return []
 
     def _vertex(self, old: Place, new: Place, length: float, there: Place) -> Place:
         """Return a crossing at the vertex of the parabola that the parameter describes.
@@ -330,10 +349,11 @@ def continue_orbit(
         (largest modulus first), ``is_stable``, ``impacts``. Over ``special`` the points located on
         the way: ``special_kind`` (``fold``, ``period_doubling``, ``symmetry_breaking``: a
         multiplier is one without a fold, ``torus``: a complex pair crosses the unit circle,
-        ``grazing``: an impact appears or vanishes, ``lift_off``: a phase at rest appears or
-        vanishes), ``special_value`` in the parameter's unit and ``special_angle``. ``status``:
-        ``end of range``, ``points`` (more would follow), ``closed`` (the branch is a loop),
-        ``lost`` (it ends here, as at grazing, or its steps became too short) or ``not found``.
+        ``grazing``: an impact appears or vanishes, ``lift_off``: what was at rest all the time
+        begins to move, ``rest_ends``: the last phase at rest appears or vanishes),
+        ``special_value`` in the parameter's unit and ``special_angle``. ``status``: ``end of
+        range``, ``points`` (more would follow), ``closed`` (the branch is a loop), ``lost`` (it
+        ends here, as at grazing, or its steps became too short) or ``not found``.
 
     Raises
     ------
@@ -359,7 +379,7 @@ def continue_orbit(
     >>> print(branch.special_kind.values, branch.special_value.values.round(6))
     ['period_doubling'] [1.909946]
     """
-    driven = periodic_drive(drive)
+    driven = periodic_drive(system, drive)
     begun = value_of(system, driven, parameter)
     low = checked_number("low", low, ANY, "1")
     high = checked_number("high", high, ANY, "1")
@@ -394,7 +414,11 @@ def continue_orbit(
         status = _follow(branch, places, specials, most)
     if status in ("not found", "lost"):
         where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
-        hint = "; it may end in grazing there" if places else "; try a start on the attractor"
+        hint = "; try a start on the attractor"
+        if places:
+            why = specials[-1][0].replace("_", " ") if specials else ""
+            near = bool(why) and specials[-1][1].value == places[-1].value
+            hint = f", by {why}" if near else ": Newton's method fails with the shortest steps"
         warnings.warn(f"the branch was {status}{where}{hint}", RuntimeWarning, stacklevel=2)
     return _dataset(branch, places, specials, status, {
         "low": low, "high": high, "direction": direction, "period": count, "points": most,
@@ -415,6 +439,8 @@ def _follow(
         if new is None or new.tangent @ place.tangent < 0.9:
             length *= 0.5
             if length < _SHORTEST:
+                if min(place.value - low, high - place.value) <= _AT_END * (high - low):
+                    return "end of range"  # beyond it the parameter has no meaning
                 # An impact may have come to the instant at which the orbits begin.
                 moved = branch.begin_between_contacts(place) if place is not restarted else None
                 if moved is None:

@@ -126,7 +126,7 @@ def floquet(
     >>> print(f"{found.multipliers.values[0].real:.5f} {found.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    driven = periodic_drive(drive)
+    driven = periodic_drive(system, drive)
     count = int(checked_number("period", period, Range(1, LONGEST), "1"))
     if count != period:
         raise ValueError(f"period must be a whole number of drive periods, got {period}")

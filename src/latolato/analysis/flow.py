@@ -22,6 +22,8 @@ from latolato.sweep.axes import DERIVED, Parameter, parameters_of
 
 Floats = NDArray[np.float64]
 
+# Orbits of slower drives last thousands of steps and more.
+SLOWEST_RATIO = 0.01
 # One list for all analyses, so that a kernel is compiled once.
 _WATCHED: tuple[Observable, ...] = (Deviations(), LargestAngle())
 
@@ -167,10 +169,22 @@ def drive_period(drive: Drive) -> float:
     raise ValueError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
 
 
-def periodic_drive(drive: Any) -> Drive:
-    """Return a checked drive that has a period."""
+def checked_system(system: Any) -> System:
+    """Return a system, or raise TypeError."""
+    if not isinstance(system, System):
+        raise TypeError(f"system must be a system such as LatoLato, got {system!r}")
+    return system
+
+
+def periodic_drive(system: System, drive: Any) -> Drive:
+    """Return a checked drive that has a period, and one that can be followed in a short time."""
     found = checked_drive(drive)
-    drive_period(found)
+    ratio = math.tau / drive_period(found) / checked_system(system).natural_frequency
+    if ratio < SLOWEST_RATIO:
+        raise ValueError(
+            f"drive_frequency must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, "
+            f"got {ratio:.3g}; raise drive_frequency"
+        )
     return found
 
 

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.analysis.flow import checked_system
 from latolato.analysis.registry import analyses, labelled
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import Quantity
+from latolato.quantities import POSITIVE, Quantity
+from latolato.registry import checked_number
 from latolato.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
@@ -42,7 +44,7 @@ def lyapunov_spectrum(
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
     duration: float = 1000.0,
-    transient: float = 100.0,
+    transient: float | None = None,
     contact: str | None = "exact",
     tolerance: float = 1e-9,
     rest_speed: float = DEFAULT_REST_SPEED,
@@ -59,7 +61,8 @@ def lyapunov_spectrum(
     initial_angle, initial_angular_velocity, initial_offset
         The start, as of `latolato.simulate`.
     duration, transient : float
-        Time that is followed, and how much of it is left out at the beginning [s].
+        Time that is followed, and how much of it is left out at the beginning [s]; by default a
+        tenth, at most 100 s.
     contact : str, optional
         ``exact`` or ``none``.
     tolerance : float
@@ -100,6 +103,9 @@ def lyapunov_spectrum(
     """
     from latolato.sweep import sweep
 
+    checked_system(system)
+    if transient is None:
+        transient = min(100.0, 0.1 * checked_number("duration", duration, POSITIVE, "s"))
     law = checked_contact(contact, system)
     driven = checked_drive(drive)
     start = checked_start(

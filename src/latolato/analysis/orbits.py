@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
-from latolato.physics.contacts import REST
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
 from latolato.start import checked_start
 
@@ -55,6 +55,15 @@ class Orbit:
     def rests(self) -> bool:
         """Whether balls rest on each other at some time, so that the past is forgotten."""
         return REST in self.passage.contact_kinds or not self.passage.matrix.any()
+
+    @property
+    def stays(self) -> bool:
+        """Whether balls rest on each other all the time."""
+        low, high = self.flow.walls
+        place = self.start[0] if self.flow.size == 2 else self.start[0] - self.start[2]
+        still = bool(np.all(self.start[1::2] == 0.0)) or self.flow.size == 4
+        moves = np.isin(self.passage.contact_kinds, (BOTTOM, TOP, RELEASE)).any()
+        return self.rests and still and not moves and min(place - low, high - place) <= 1e-12
 
     @property
     def slowest_impact(self) -> float:

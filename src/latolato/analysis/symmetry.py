@@ -86,9 +86,9 @@ def pair_symmetry(
     Notes
     -----
     Without drag no departure from a regular motion can die out, the rate is at least zero then. It
-    is a rate of *small* departures along one motion; a finite push may lead elsewhere. Roundings
-    grow as well: the rate is measured until departures would have grown by e^23, also within the
-    transient, and the largest angle is that of balls that are no mirror images any more. A toy at
+    is a rate of *small* departures along one motion; a finite push may lead elsewhere. The
+    computed motion is kept symmetric: it is the one-ball model's, also where that is not what two
+    balls do. A toy at
     rest swings under its pivot as one pendulum: in the tongue around the ratio 2 it leaves
     symmetry without a single impact.
 

@@ -230,6 +230,9 @@ def make_pair_trajectory(
 
         while strikes or t < held_until or (t < stop and done < most_steps and rows < room):
             done += 1
+            if settings.mirrored != 0:  # an unstable symmetry would be lost to roundings
+                x, v = 0.5 * (q[0, X] - q[1, X]), 0.5 * (q[0, V] - q[1, V])
+                q[0, X], q[0, V], q[1, X], q[1, V] = x, v, -x, -v
             if strikes:
                 strikes = False
                 before = (q[0, V], q[1, V])

@@ -150,12 +150,13 @@ def settings_values(
     offsets: tuple[float, float] = (0.0, 0.0),
     follows_tension: bool,
     follows_ledger: bool = False,
+    mirrored: bool = False,
 ) -> tuple[Any, ...]:
     """Return the content of a `SETTINGS` record, numbers or arrays."""
     sag = 0.5 * (step * rate) ** 2
     return (
         gravity, *walls, restitution, rest_speed, step, lift_bound, *offsets, sag,
-        int(follows_tension), int(follows_ledger),
+        int(follows_tension), int(follows_ledger), int(mirrored),
     )  # fmt: skip
 
 

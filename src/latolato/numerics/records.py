@@ -82,6 +82,7 @@ SETTINGS = np.dtype(
         ("sag", "f8"),  # relative dip of the tension within a step that is looked for
         ("follows_tension", "i8"),
         ("follows_ledger", "i8"),
+        ("mirrored", "i8"),  # keep two equal balls mirror images of each other
     ]
 )
 

@@ -95,6 +95,9 @@ class Observable:
         How many angles the system must have; 0 if any number will do.
     plain : set of str
         The variables that do not have that dimension.
+    mirrored : bool
+        Whether it belongs to the mirror-symmetric motion of two equal balls; roundings are kept
+        from breaking the symmetry then.
     is_joint : bool
         Whether the variables belong to both balls of a pair together; those of the first count.
     """
@@ -108,6 +111,7 @@ class Observable:
     tangent: ClassVar[Callable[..., None] | None] = None
     dimension: ClassVar[str] = ""
     angles: ClassVar[int] = 0
+    mirrored: ClassVar[bool] = False
     plain: ClassVar[frozenset[str]] = frozenset()
     is_joint: ClassVar[bool] = False
 

@@ -129,11 +129,12 @@ class _Exponents(Observable):
 
     @staticmethod
     def residual(slots: Any) -> Any:
-        """Return by how much the sum of all exponents misses the mean divergence [1/s]."""
+        """Return by how much the sum of all exponents misses the mean divergence [1/s].
+
+        NaN where the motion loses its past: both are minus infinity there.
+        """
         total = slots[_SUMS : _SUMS + STATE].sum(axis=0)
-        # Both are minus infinity where the motion loses its past.
-        missed = np.where(total == slots[_SPREAD], 0.0, total - slots[_SPREAD])
-        return missed / slots[_TIME]
+        return (total - slots[_SPREAD]) / slots[_TIME]
 
 
 @observables.register("lyapunov_exponent")
@@ -189,35 +190,23 @@ class SumRuleResidual(_Exponents):
         return {"sum_rule_residual": self.residual(slots)}
 
 
-# Slots of `TransverseExponent` behind the vector: its growth and the time it took, and by how much
-# roundings of the mirrored motion may have grown, as logarithms.
-_GROWTH, _GROWTH_TIME, _ROUNDINGS = 2, 3, 4
-# Roundings of 1e-16 are then 1e-6: from here on the balls are no mirror images any more.
-_MOST_GROWTH = 23.0
-
-
 @formula
 def _cross(acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any) -> None:
     """Stretch the departure from mirror symmetry, in which both balls deviate alike."""
-    if acc[i + _ROUNDINGS * n] > _MOST_GROWTH:
-        return
     angle, velocity = acc[i], acc[i + n]
     x = (jacobian[0, 0] + jacobian[0, 2]) * angle + (jacobian[0, 1] + jacobian[0, 3]) * velocity
     v = (jacobian[1, 0] + jacobian[1, 2]) * angle + (jacobian[1, 1] + jacobian[1, 3]) * velocity
     length = math.sqrt(x * x + v * v)
-    grown = math.log(length) if length > 0.0 else -math.inf
-    acc[i + _GROWTH * n] += grown
-    acc[i + _GROWTH_TIME * n] += time
-    acc[i + _ROUNDINGS * n] = max(acc[i + _ROUNDINGS * n] + grown, 0.0)
+    acc[i + 2 * n] += math.log(length) if length > 0.0 else -math.inf
+    acc[i + 3 * n] += time
     acc[i], acc[i + n] = (x / length, v / length) if length > 0.0 else (0.0, 0.0)
 
 
 @formula
 def _cross_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
-    """Forget the growth, unless symmetry is lost: it was measured before then."""
-    if acc[i + _ROUNDINGS * n] <= _MOST_GROWTH:
-        acc[i + _GROWTH * n] = 0.0
-        acc[i + _GROWTH_TIME * n] = 0.0
+    """Forget the growth."""
+    acc[i + 2 * n] = 0.0
+    acc[i + 3 * n] = 0.0
 
 
 @observables.register("transverse_exponent")
@@ -227,8 +216,7 @@ class TransverseExponent(Observable):
 
     The mean angle S of both obeys ``S'' + gamma S' + (g + y0'')/l cos(angle) S = 0`` along the
     mirrored motion (linear drag); impacts leave it alone. Where the rate is negative the one-ball
-    model describes the pair. It is measured until a departure would have grown to e^23 times its
-    size: roundings make an end of the computed symmetry then.
+    model describes the pair. The computed motion is kept symmetric, whatever roundings would do.
     """
 
     variables: ClassVar[Any] = {
@@ -240,11 +228,12 @@ class TransverseExponent(Observable):
     restart: ClassVar[Any] = staticmethod(_cross_again)
     is_joint: ClassVar[bool] = True
     angles: ClassVar[int] = 2
+    mirrored: ClassVar[bool] = True
 
     def initial(self, angle: Any) -> list[Any]:
         """Return a unit vector and empty sums."""
-        return [1.0, 0.0, 0.0, 0.0, 0.0]
+        return [1.0, 0.0, 0.0, 0.0]
 
     def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
         """Return the rate."""
-        return {"transverse_exponent": slots[_GROWTH] / slots[_GROWTH_TIME]}
+        return {"transverse_exponent": slots[2] / slots[3]}

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from latolato.numerics import records
 from latolato.numerics.integrate import (
+    Start,
     body_rows,
     choose_step,
     choose_stepper,
@@ -340,6 +341,8 @@ def _objects(
             f"the transient must be shorter than the duration {plan.duration:g} s, "
             f"got {transient:g} s"
         )
+    if any(o.mirrored for o in plan.observables):
+        _check_mirrored(system, start)
     if isinstance(plan.contact, Clamp):
         step = plan.contact.step
     else:
@@ -350,6 +353,17 @@ def _objects(
             "duration, loosen the tolerance or slow the motion"
         )
     return system, drive, start, walls, step
+
+
+def _check_mirrored(system: System, start: Start) -> None:
+    """Raise ValueError unless two equal balls begin as mirror images of each other."""
+    right, left = system.balls
+    images = all(a == -b for a, b in (start.angles, start.velocities))
+    if right != left or not images:
+        raise ValueError(
+            "transverse_exponent belongs to two equal balls that begin as mirror images: give both "
+            "the same properties, and the left one the opposite angle and angular velocity"
+        )
 
 
 def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[float, ...]:
@@ -400,6 +414,7 @@ def _from_objects(
             rate=fastest_rate(system, drive, start),
             offsets=offsets,
             follows_tension=_follows_tension(plan),
+            mirrored=any(o.mirrored for o in plan.observables),
         )
         x[:, k], v[:, k] = start.angles, start.velocities
         if known is None or known[0] is not drive:

@@ -25,6 +25,7 @@ MARKS = {
     "torus": ("^", style.INK),
     "grazing": ("v", style.GREY),
     "lift_off": ("P", style.BLUE),
+    "rest_ends": ("X", style.BLUE),
 }
 _DASHES = (0, (3.0, 2.0))
 # A ratio of moduli beyond which they are drawn on a logarithmic scale, and its lowest decade.
