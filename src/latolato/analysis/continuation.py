@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.analysis.flow import Floats, Flow, drive_period, periodic_drive, value_of, varied
-from latolato.analysis.orbits import (
-    CLOSED,
-    LONGEST,
-    Orbit,
-    checked_guess,
-    confined,
-    find_orbit,
-    gap_of,
-    scale_of,
-)
+from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
+from latolato.analysis.flow import Floats, Flow, periodic_drive, value_of
+from latolato.analysis.orbits import CLOSED, LONGEST, checked_guess, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -38,267 +29,10 @@ QUANTITIES = {
     "special_value": Quantity("1", "", "where it happens"),
     "special_angle": Quantity("rad", r"\theta_{max}", "largest angle there"),
 }
-KINDS = (
-    "fold", "period_doubling", "symmetry_breaking", "torus", "grazing", "lift_off", "rest_ends",
-)  # fmt: skip
-# Length of a step along the branch, in units of the range of the parameter and of radians.
-_FIRST, _LONGEST, _SHORTEST = 1e-3, 2e-2, 1e-7
+# Length of the first and of the shortest step along the branch.
+_FIRST, _SHORTEST = 1e-3, 1e-7
 # A branch that cannot go on this near to an end of the range, as a share of it, has reached it.
 _AT_END = 1e-6
-_NEWTON = 8
-# Beside a wall steps are cut, and the map jumps by the error of a step: this much is enough then.
-_CLOSE = 1e-9
-_DIFFERENCE = 1e-6  # of the parameter's range, for its derivative
-_BISECTIONS = 60
-# How far beyond the end of a branch the reason is looked for, in lengths of steps.
-_BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
-# Below this singular value branches cross: the one that is followed turns round in a pitchfork.
-_CROSSING = 1e-3
-
-
-@dataclass(frozen=True)
-class Place:
-    """A point of a branch.
-
-    Attributes
-    ----------
-    orbit : Orbit
-        The motion, begun `shift` of its duration after time zero.
-    value : float
-        Of the parameter.
-    tangent : ndarray
-        Direction of the branch, of state and parameter, in the branch's units.
-    rank : float
-        Smallest singular value of what determines the tangent: zero where branches cross.
-    """
-
-    orbit: Orbit
-    value: float
-    tangent: Floats
-    shift: float
-    rank: float
-
-    @property
-    def tests(self) -> dict[str, float]:
-        """Functions whose sign changes at special points of the branch."""
-        matrix = self.orbit.passage.matrix
-        unit = np.eye(len(matrix))
-        moduli = np.abs(self.orbit.multipliers)
-        turning = np.abs(self.orbit.multipliers.imag) > 1e-9
-        return {
-            "fold": float(self.tangent[-1]),
-            "period_doubling": float(np.linalg.det(matrix + unit)),
-            "symmetry_breaking": float(np.linalg.det(matrix - unit)),
-            "torus": float(np.max(np.where(turning, moduli, 0.0), initial=0.0)) - 1.0,
-        }
-
-    @property
-    def marks(self) -> dict[str, float]:
-        """Whole numbers whose change is a special point."""
-        return {
-            "lift_off": float(self.orbit.stays),
-            "rest_ends": float(self.orbit.rests),
-            "grazing": float(self.orbit.passage.impacts) if not self.orbit.rests else -1.0,
-        }
-
-
-class Branch:
-    """Follows one branch; made by `continue_orbit`."""
-
-    def __init__(self, flow: Flow, parameter: str, span: tuple[float, float], period: int) -> None:
-        self.flow, self.parameter, self.span, self.period = flow, parameter, span, period
-        self.scale = np.append(scale_of(flow.system), span[1] - span[0])
-        # When orbits begin, as a share of their duration: not at an impact, where they jump.
-        self.shift = 0.0
-
-    def at(self, value: float) -> tuple[Flow, float]:
-        """Return the flow at a value of the parameter, and the duration of the orbit."""
-        system, drive = varied(self.flow.system, self.flow.drive, self.parameter, value)
-        turned: Any = drive
-        phase = math.fmod(turned.drive_phase + math.tau * self.period * self.shift, math.tau)
-        drive = replace(turned, drive_phase=phase)
-        return self.flow.with_law(system, drive), self.period * drive_period(drive)
-
-    def place(self, orbit: Orbit, value: float, like: Floats) -> Place:
-        """Return a point of the branch that points like a vector."""
-        matrix = (orbit.passage.matrix - np.eye(orbit.flow.size)) * self.scale[:-1]
-        matrix /= self.scale[:-1, None]
-        system = np.column_stack([matrix, self.slope(orbit.start, value, orbit.turns)])
-        _, sizes, rows = np.linalg.svd(system)
-        tangent: Floats = rows[-1] if rows[-1] @ like >= 0.0 else -rows[-1]
-        return Place(orbit, value, tangent, self.shift, float(sizes[-1]))
-
-    def begin_between_contacts(self, place: Place) -> Place | None:
-        """Return the same point begun in the longest time without contact, or None."""
-        orbit = place.orbit
-        times = np.sort(orbit.passage.contact_times)
-        if not times.size:
-            return None
-        ends = np.append(times[1:], times[0] + orbit.duration)
-        longest = int(np.argmax(ends - times))
-        later = math.fmod(0.5 * (times[longest] + ends[longest]), orbit.duration)
-        if later == 0.0:
-            return None
-        moved = orbit.flow.follow(orbit.start, later).end
-        self.shift = math.fmod(self.shift + later / orbit.duration, 1.0)
-        flow, _ = self.at(place.value)
-        again = find_orbit(flow, moved, self.period, settles=False)
-        if not again.defect <= CLOSED:
-            return None
-        like = np.zeros(flow.size + 1)
-        like[-1] = place.tangent[-1]
-        return self.place(again, place.value, like)
-
-    def at_time_zero(self, place: Place) -> Floats:
-        """Return the state of a point at time zero."""
-        orbit = place.orbit
-        if place.shift == 0.0:
-            return orbit.start
-        end = orbit.flow.follow(orbit.start, (1.0 - place.shift) * orbit.duration).end
-        if orbit.turns:
-            end[0::2] -= math.tau * orbit.turns
-        return np.asarray(end)
-
-    def slope(self, start: Floats, value: float, turns: int) -> Floats:
-        """Return how the gap changes with the parameter, scaled, by differences.
-
-        Central, or to one side where the parameter cannot be larger or smaller.
-        """
-        gaps, shares = [], []
-        for share in (1.0, -1.0, 0.0):
-            try:
-                flow, duration = self.at(value + share * _DIFFERENCE * self.scale[-1])
-            except ValueError:
-                continue
-            x = confined(flow, start)
-            gaps.append(gap_of(flow, x, flow.follow(x, duration).end, turns))
-            shares.append(share)
-            if len(gaps) == 2:
-                break
-        slope = (gaps[0] - gaps[1]) / ((shares[0] - shares[1]) * _DIFFERENCE)
-        return np.asarray(slope / self.scale[:-1])
-
-    def correct(self, place: Place, length: float) -> Place | None:
-        """Return the point of the branch at a distance along the tangent, or None."""
-        begin = np.append(place.orbit.start, place.value) / self.scale
-        guess = begin + length * place.tangent
-        point, column = guess, None
-        turns = place.orbit.turns
-        for trial in range(_NEWTON):
-            value = float(point[-1] * self.scale[-1])
-            try:
-                flow, duration = self.at(value)
-            except ValueError:  # beyond what the parameter may be
-                return None
-            x = confined(flow, point[:-1] * self.scale[:-1])
-            passage = flow.follow(x, duration)
-            gap = gap_of(flow, x, passage.end, turns)
-            missed = np.append(gap / self.scale[:-1], place.tangent @ (point - guess))
-            size = float(np.linalg.norm(missed))
-            if not passage.is_complete or not math.isfinite(size):
-                return None
-            if size <= (0.5 * CLOSED if trial < _NEWTON - 1 else _CLOSE):
-                orbit = Orbit(flow, x, passage, duration, turns, size)
-                return self.place(orbit, value, place.tangent)
-            if column is None:
-                column = self.slope(x, value, turns)
-            matrix = (passage.matrix - np.eye(flow.size)) * self.scale[:-1] / self.scale[:-1, None]
-            bordered = np.vstack([np.column_stack([matrix, column]), place.tangent])
-            try:
-                move = np.linalg.solve(bordered, -missed)
-            except np.linalg.LinAlgError:
-                return None
-            if np.linalg.norm(move) > 10.0 * _LONGEST:
-                return None
-            point = point + move
-        return None
-
-    def specials(self, old: Place, new: Place, length: float) -> list[tuple[str, Place]]:
-        """Return the special points between two neighbours, located along the branch."""
-        found = []
-        before, after = old.tests, new.tests
-        both_move = not (old.orbit.rests or new.orbit.rests)
-        if both_move and old.marks == new.marks:
-            for test in KINDS[:4]:
-                kind = test
-                # At a fold a multiplier is one as well: that is no other branch.
-                if kind == "symmetry_breaking" and before["fold"] * after["fold"] < 0.0:
-                    continue
-                if before[kind] * after[kind] < 0.0:
-                    if kind == "torus" and min(before[kind], after[kind]) == -1.0:
-                        continue  # two real multipliers meet: nothing crosses the unit circle
-                    there = self._locate(old, new, length, _sign_of(kind, before))
-                    if kind == "fold" and there.rank < _CROSSING:
-                        kind = "symmetry_breaking"
-                        there = self._vertex(old, new, length, there)
-                    found.append((kind, there))
-        elif before["fold"] * after["fold"] < 0.0:
-            found.append(("fold", self._locate(old, new, length, _sign_of("fold", before))))
-        return found + [
-            (kind, self._locate(old, new, length, _same(kind, old)))
-            for kind in KINDS[4:]
-            if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
-        ]
-
-    def obstacles(self, place: Place) -> list[tuple[str, Place]]:
-        """Return which contact appears or vanishes just beyond the end of a branch."""
-        here = np.append(place.orbit.start, place.value) / self.scale
-        for length in _BEYOND:
-            beyond = (here + length * place.tangent) * self.scale
-            try:
-                flow, duration = self.at(float(beyond[-1]))
-            except ValueError:  # beyond what the parameter may be
-                return []
-            passage = flow.follow(confined(flow, beyond[:-1]), duration)
-            marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks
-            for kind in KINDS[4:]:
-                if marks[kind] != place.marks[kind]:
-                    return [(kind, place)]
-        return []
-
-    def _vertex(self, old: Place, new: Place, length: float, there: Place) -> Place:
-        """Return a crossing at the vertex of the parabola that the parameter describes.
-
-        Newton's method is singular at the crossing itself; beside it the branch is symmetric.
-        """
-        for share in (0.5, 0.3, 0.7):
-            middle = self.correct(old, share * length)
-            if middle is not None:
-                s, values = [0.0, share, 1.0], [old.value, middle.value, new.value]
-                bend, slope, _ = np.polyfit(s, values, 2)
-                vertex = -0.5 * slope / bend
-                return replace(there, value=float(np.polyval(np.polyfit(s, values, 2), vertex)))
-        return there
-
-    def _locate(
-        self, old: Place, new: Place, length: float, is_before: Callable[[Place], bool]
-    ) -> Place:
-        """Return the first point found where a condition no longer holds, by bisection."""
-        low, high, place = 0.0, length, new
-        for _ in range(_BISECTIONS):
-            # Where branches cross Newton's method may fail at one place and not beside it.
-            for share in (0.5, 0.4, 0.6, 0.3, 0.7):
-                middle = low + share * (high - low)
-                trial = self.correct(old, middle)
-                if trial is not None:
-                    break
-            if trial is None or high - low < 1e-11:
-                break
-            if is_before(trial):
-                low = middle
-            else:
-                high, place = middle, trial
-        return place
-
-
-def _sign_of(kind: str, before: dict[str, float]) -> Callable[[Place], bool]:
-    """Return whether a test function still has its sign."""
-    return lambda place: place.tests[kind] * before[kind] > 0.0
-
-
-def _same(kind: str, old: Place) -> Callable[[Place], bool]:
-    """Return whether a whole number is still the same."""
-    return lambda place: place.marks[kind] == old.marks[kind]
 
 
 @analyses.register("continue_orbit")
@@ -451,7 +185,7 @@ def _follow(
             continue
         specials += branch.specials(place, new, length)
         places.append(new)
-        stepped, length = length, min(1.5 * length, _LONGEST)
+        stepped, length = length, min(1.5 * length, LONGEST_STEP)
         if not low <= new.value <= high:
             places[-1] = _end(branch, place, stepped)
             return "end of range"
@@ -467,7 +201,7 @@ def _end(branch: Branch, old: Place, length: float) -> Place:
     """Return the point where the branch leaves the range, by bisection along the branch."""
     low, high = branch.span
     inside, outside, place = 0.0, length, old
-    for _ in range(_BISECTIONS):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (inside + outside)
         trial = branch.correct(old, middle)
         if trial is None or outside - inside < 1e-11:
