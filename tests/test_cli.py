@@ -518,7 +518,6 @@ def test_a_run_without_pictures_does_not_load_matplotlib():
 
 def test_the_installed_command_runs_main():
     script = Path(sys.executable).with_name("latolato.exe" if os.name == "nt" else "latolato")
-    if not script.exists():
-        pytest.skip("the package is not installed beside this Python")
+    assert script.exists(), "install the package beside this Python, as `make test` does"
     done = subprocess.run([script, "--version"], capture_output=True, text=True, check=True)
     assert done.stdout == f"latolato {ll.__version__}\n"

@@ -27,14 +27,14 @@ def _no_device(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def _compiler():
-    """Skip where CUDA's compiler libraries are missing."""
+    """Say what to install where CUDA's compiler libraries are missing."""
     import cuda.pathfinder as pathfinder
 
     for library in ("nvvm", "nvrtc"):
         try:
             pathfinder.load_nvidia_dynamic_lib(library)
         except pathfinder.DynamicLibNotFoundError:
-            pytest.skip(f"CUDA's lib{library} is not installed: pip install 'latolato[cuda]'")
+            pytest.fail(f"CUDA's lib{library} is not installed: pip install 'latolato[cuda]'")
 
 
 @pytest.mark.slow
