@@ -142,6 +142,20 @@ QUANTITIES: dict[str, Quantity] = {
     "noise_interval": Quantity("s", "t_n", "time between velocity kicks"),
     "noise_seed": Quantity("1", "s_n", "seed of the velocity kicks"),
     "noise_stream": Quantity("1", "k_n", "random stream of the velocity kicks"),
+    # track tables
+    "frame": Quantity("1", "n", "number of the decoded frame"),
+    "pivot_x": Quantity("m", "x_0", "pivot to the right of its mean"),
+    "pivot_y": Quantity("m", "y_0", "pivot above its mean"),
+    "ball_1_x": Quantity("m", "x_1", "right ball to the right of the mean pivot"),
+    "ball_1_y": Quantity("m", "y_1", "right ball above the mean pivot"),
+    "ball_2_x": Quantity("m", "x_2", "left ball to the right of the mean pivot"),
+    "ball_2_y": Quantity("m", "y_2", "left ball above the mean pivot"),
+    "angle_1": Quantity("rad", r"\theta_1", "angle of the right ball"),
+    "angle_2": Quantity("rad", r"\theta_2", "angle of the left ball"),
+    "angle_sigma_1": Quantity("rad", r"\sigma_1", "standard deviation of the right ball's angle"),
+    "angle_sigma_2": Quantity("rad", r"\sigma_2", "standard deviation of the left ball's angle"),
+    "flag_1": Quantity("1", "", "what the right ball's sample is"),
+    "flag_2": Quantity("1", "", "what the left ball's sample is"),
 }
 
 

@@ -1,0 +1,1 @@
+"""From video to physics: track tables, imports, fits, trials and comparison."""

@@ -1,0 +1,407 @@
+"""The track table: what was measured in every frame of a video, one ball or two.
+
+One row per decoded frame, in SI units, with the origin at the mean pivot, x to the right and y up.
+Every part of the experiment chain reads and writes tables through this module.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.quantities import QUANTITIES
+from latolato.registry import suggest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# What a sample can be: seen; balls in contact; hidden; carried on by physics; given up.
+FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
+SUFFIXES = (".csv", ".parquet", ".nc")
+# The columns in their order; those in curly brackets come with a second ball only.
+COLUMNS = (
+    "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "{ball_2_x}", "{ball_2_y}",
+    "angle_1", "{angle_2}", "angle_sigma_1", "{angle_sigma_2}", "flag_1", "{flag_2}",
+)  # fmt: skip
+_KIND = "track"
+# One column of a text file as its header describes it.
+_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
+
+
+def column_names(balls: int) -> tuple[str, ...]:
+    """Return the names of a table's columns in their order, for one ball or two."""
+    kept = COLUMNS if balls == 2 else [name for name in COLUMNS if name[0] != "{"]
+    return tuple(name.strip("{}") for name in kept)
+
+
+def track_table(
+    columns: Mapping[str, Any], attributes: Mapping[str, Any] | None = None
+) -> xr.Dataset:
+    """Return a track table made of columns.
+
+    Parameters
+    ----------
+    columns : mapping of str to array_like, shape (frame,)
+        Named as in `COLUMNS`, in SI units. `time` is needed; `frame` counts from 0 if it is left
+        out; any ``_2`` makes it a table of two balls. Numbers that are left out are NaN; a flag
+        that is left out is "ok" where its angle is known and "lost" elsewhere.
+    attributes : mapping, optional
+        Numbers and texts that go with the table: ``source``, ``source_sha256``, ``length`` [m],
+        ``radius`` [m], ``metres_per_pixel`` and so on; None is left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimension ``frame``, with ``time`` as a second coordinate.
+
+    Raises
+    ------
+    ValueError
+        For a missing time, unknown names, unequal lengths, no rows, times that do not increase,
+        infinite numbers and unknown flags.
+    TypeError
+        For values that are no numbers, and attributes that are neither numbers nor texts.
+
+    Examples
+    --------
+    >>> table = track_table({"time": [0.0, 0.1], "angle_1": [0.2, 0.1]}, {"length": 0.36})
+    >>> table.flag_1.values.tolist()
+    ['ok', 'ok']
+    """
+    import xarray as xr
+
+    balls = 2 if any(name.strip("{}") in columns for name in COLUMNS if name[0] == "{") else 1
+    names = column_names(balls)
+    for name in columns:
+        if name not in names:
+            raise ValueError(f"a track table has no column '{name}': {suggest(name, list(names))}")
+    if "time" not in columns:
+        raise ValueError("a track table needs the column 'time' [s]")
+    given = {name: _values(name, value) for name, value in columns.items()}
+    count = len(given["time"])
+    if count == 0:
+        raise ValueError("a track table needs rows, got none")
+    for name, values in given.items():
+        if values.shape != (count,):
+            raise ValueError(
+                f"column '{name}' must have {count} rows as time has, got {values.shape}"
+            )
+    given.setdefault("frame", np.arange(count))
+    _check_increasing("time", given["time"])
+    _check_increasing("frame", given["frame"])
+    for ball in range(1, balls + 1):
+        angle = given.setdefault(f"angle_{ball}", np.full(count, np.nan))
+        given.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
+    variables = {
+        name: ("frame", given[name] if name in given else np.full(count, np.nan), about(name))
+        for name in names
+    }
+    table = xr.Dataset(variables, attrs={"table": _KIND, **_attributes(attributes or {})})
+    return table.set_coords("time")
+
+
+def checked_table(table: Any, *needed: str) -> xr.Dataset:
+    """Return a track table, or raise if it is none or a needed column holds no number.
+
+    Raises
+    ------
+    TypeError
+        If it is no dataset.
+    ValueError
+        If it is no track table, or a needed column is missing or empty.
+    """
+    import xarray as xr
+
+    if not isinstance(table, xr.Dataset):
+        raise TypeError(f"a track table must be a dataset, got {type(table).__name__}: read_table")
+    if table.attrs.get("table") != _KIND or "frame" not in table.dims:
+        raise ValueError("the dataset is no track table; make one with track_table or read_table")
+    for name in needed:
+        if name not in table.variables:
+            raise ValueError(f"the track table has no column '{name}'")
+        if not np.any(np.isfinite(table[name].values)):
+            raise ValueError(f"the column '{name}' of the track table holds no number")
+    return table
+
+
+def balls_of(table: xr.Dataset) -> int:
+    """Return how many balls a table is about."""
+    return 2 if "angle_2" in table.variables else 1
+
+
+def about(name: str) -> dict[str, str]:
+    """Return the attributes of a column's variable."""
+    quantity = QUANTITIES[name]
+    return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+
+
+def write_table(table: xr.Dataset, path: str | Path) -> Path:
+    """Write a track table as CSV, Parquet or NetCDF by its suffix and return the path.
+
+    A CSV begins with ``# key: value`` lines of its attributes and one ``# column name [unit]``
+    line for each column. The file appears whole or not at all.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no track table or the suffix is unknown.
+    OSError
+        If the file cannot be written.
+    ModuleNotFoundError
+        For Parquet without the extra `parquet`.
+    """
+    from latolato.files import atomic_path, check_suffix, check_target, save
+
+    checked_table(table)
+    path = Path(path)
+    suffix = check_suffix(path, SUFFIXES, "the name of a track table")
+    check_target(path)
+    if suffix == ".nc":
+        return save(table, path)
+    write = _write_csv if suffix == ".csv" else _write_parquet
+    with atomic_path(path) as unfinished:
+        write(table, unfinished)
+    return path
+
+
+def read_table(path: str | Path) -> xr.Dataset:
+    """Return the track table in a file, checked as `track_table` does.
+
+    Raises
+    ------
+    ValueError
+        For an unknown suffix, an empty file, a file of something else, missing columns, missing or
+        other units, and what `track_table` refuses.
+    OSError
+        If the file cannot be read.
+    """
+    from latolato.files import check_suffix
+
+    path = Path(path)
+    suffix = check_suffix(path, SUFFIXES, "the name of a track table")
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    if path.stat().st_size == 0:
+        raise ValueError(f"'{path}' is empty")
+    read = {".csv": _read_csv, ".parquet": _read_parquet, ".nc": _read_netcdf}[suffix]
+    columns, units, attributes = read(path)
+    if attributes.get("table") != _KIND:
+        raise ValueError(
+            f"'{path}' is no track table: it does not say 'table: track'; "
+            "other tables are read with import_table (`latolato import`)"
+        )
+    try:
+        balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1
+        missing = [name for name in column_names(balls) if name not in columns]
+        if missing:
+            raise ValueError(f"column {', '.join(missing)} is missing")
+        for name in columns:
+            unit = QUANTITIES[name].unit if name in QUANTITIES else units.get(name)
+            if units.get(name) != unit:
+                raise ValueError(
+                    f"the unit of column '{name}' must be [{unit}], got [{units.get(name, '')}]"
+                )
+        attributes = {key: value for key, value in attributes.items() if key != "table"}
+        return track_table(columns, attributes)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"'{path}': {error}") from None
+
+
+def _values(name: str, given: Any) -> Any:
+    """Return a column as an array of its kind."""
+    values = np.asarray(given)
+    if name.startswith("flag_"):
+        values = values.astype(str)
+        for flag in np.unique(values):
+            if flag not in FLAGS:
+                raise ValueError(f"{name} must be one of {', '.join(FLAGS)}, got '{flag}'")
+        return values
+    try:
+        numbers = values.astype(np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"column '{name}' must hold numbers, got {_first_text(values)!r}") from None
+    if np.any(np.isinf(numbers)):
+        raise ValueError(f"column '{name}' must not hold infinite numbers; write NaN for unknown")
+    if name == "frame":
+        if not np.all(numbers == np.floor(numbers)):
+            raise ValueError("column 'frame' must hold whole numbers")
+        return numbers.astype(np.int64)
+    return numbers
+
+
+def _first_text(values: Any) -> Any:
+    """Return the first value that is no number."""
+    for value in values.ravel().tolist():
+        try:
+            float(value)
+        except (TypeError, ValueError):
+            return value
+    return values.ravel()[0] if values.size else ""
+
+
+def _check_increasing(name: str, values: Any) -> None:
+    """Raise ValueError unless each value is known and larger than the one before."""
+    if not np.all(np.isfinite(values)):
+        row = int(np.argmin(np.isfinite(values)))
+        raise ValueError(f"{name} must be known in every row, got nothing in row {row + 1}")
+    falls = np.flatnonzero(np.diff(values) <= 0)
+    if falls.size:
+        i = int(falls[0])
+        raise ValueError(
+            f"{name} must increase strictly, got {values[i + 1]:g} after {values[i]:g} in row "
+            f"{i + 2}; sort the rows and remove repeats"
+        )
+
+
+def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as plain numbers and texts, without those that are None."""
+    found: dict[str, Any] = {}
+    for key, value in given.items():
+        plain = value.item() if hasattr(value, "item") else value
+        if plain is None:
+            continue
+        if not isinstance(plain, (bool, int, float, str)):
+            raise TypeError(f"attribute '{key}' must be a number or a text, got {value!r}")
+        found[str(key)] = int(plain) if isinstance(plain, bool) else plain
+    return found
+
+
+def _write_csv(table: xr.Dataset, path: Path) -> None:
+    """Write the columns below a header of ``# key: value`` lines."""
+    names = column_names(balls_of(table))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for key, value in table.attrs.items():
+            file.write(f"# {key}: {_as_text(value)}\n")
+        for name in names:
+            meaning = table[name].attrs
+            file.write(f"# column {name} [{meaning['units']}]: {meaning['long_name']}\n")
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(names)
+        rows.writerows(zip(*(table[name].values.tolist() for name in names), strict=True))
+
+
+def _as_text(value: Any) -> str:
+    """Return an attribute as a header line holds it; texts that look like others are quoted."""
+    if not isinstance(value, str):
+        return json.dumps(value)
+    try:
+        json.loads(value)
+    except ValueError:
+        if value == value.strip() and value.isprintable():
+            return value
+    return json.dumps(value)
+
+
+def _as_value(text: str) -> Any:
+    """Return an attribute from what `_as_text` wrote."""
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    return value if isinstance(value, (int, float, str)) else text
+
+
+Parts = tuple[dict[str, Any], dict[str, str], dict[str, Any]]
+
+
+def _read_csv(path: Path) -> Parts:
+    """Return the columns, their units and the attributes of a file written by `_write_csv`."""
+    attributes: dict[str, Any] = {}
+    units: dict[str, str] = {}
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text") from None
+    count = 0
+    for line in lines:
+        if not line.startswith("#"):
+            break
+        count += 1
+        told = line[1:].strip()
+        column = _COLUMN.fullmatch(told)
+        if column:
+            units[column["name"]] = column["units"]
+        else:
+            key, _, value = told.partition(":")
+            attributes[key.strip()] = _as_value(value.strip())
+    rows = [row for row in csv.reader(lines[count:]) if row]
+    if not rows:
+        raise ValueError(f"'{path}' holds no columns")
+    names, body = [name.strip() for name in rows[0]], rows[1:]
+    for i, row in enumerate(body):
+        if len(row) != len(names):
+            raise ValueError(
+                f"'{path}': row {i + 1} has {len(row)} cells below {len(names)} column names"
+            )
+    cells = zip(*body, strict=True) if body else [()] * len(names)
+    found = {
+        name: list(values) if name.startswith("flag_") else [value or "nan" for value in values]
+        for name, values in zip(names, cells, strict=True)
+    }
+    return found, units, attributes
+
+
+def _write_parquet(table: xr.Dataset, path: Path) -> None:
+    """Write the columns, their units with each field."""
+    import pyarrow
+    import pyarrow.parquet
+
+    names = column_names(balls_of(table))
+    arrays = [pyarrow.array(table[name].values) for name in names]
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(name, array.type, metadata=about(name))
+            for name, array in zip(names, arrays, strict=True)
+        ],
+        metadata={key: json.dumps(value) for key, value in table.attrs.items()},
+    )
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+
+
+def _read_parquet(path: Path) -> Parts:
+    """Return the columns, their units and the attributes of a Parquet file."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
+        ) from None
+    try:
+        stored = pyarrow.parquet.read_table(path)
+    except pyarrow.ArrowInvalid as error:
+        raise ValueError(f"'{path}' is no Parquet file: {error}") from None
+    attributes = {}
+    for key, value in (stored.schema.metadata or {}).items():
+        if not key.startswith((b"ARROW:", b"pandas")):
+            attributes[key.decode()] = _as_value(value.decode())
+    units = {}
+    for name in stored.column_names:
+        meaning = stored.schema.field(name).metadata or {}
+        units[name] = meaning.get(b"units", b"").decode()
+    columns = {name: stored[name].to_pandas().to_numpy() for name in stored.column_names}
+    return columns, units, attributes
+
+
+def _read_netcdf(path: Path) -> Parts:
+    """Return the columns, their units and the attributes of a NetCDF file."""
+    from latolato.files import load
+
+    table = load(path)
+    units = {str(name): str(v.attrs.get("units", "")) for name, v in table.variables.items()}
+    columns = {str(name): variable.values for name, variable in table.variables.items()}
+    attributes = {
+        str(key): value
+        for key, value in table.attrs.items()
+        if not (isinstance(value, float) and math.isnan(value))
+    }
+    return columns, units, attributes
