@@ -1,0 +1,199 @@
+"""What a synthetic video shows and how it is filmed: options with units, ranges and meanings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
+from latolato.registry import check_fields, checked_count
+
+BACKGROUNDS = ("plain", "gradient", "texture", "wood")
+ROTATIONS = (0, 90, 180, 270)
+# H.264 takes even sizes only; larger pictures than this are refused.
+SIZES = (64, 4096)
+
+
+def _number(
+    default: float, unit: str, description: str, allowed: Range = NON_NEGATIVE, **options: Any
+) -> Any:
+    """Return a field that holds one number with its unit and range."""
+    quantity = Quantity(unit, "", description)
+    metadata = {"quantity": quantity, "range": allowed, "description": description}
+    return field(default=default, metadata=metadata, **options)
+
+
+def _text(default: str, description: str, choices: tuple[str, ...] = ()) -> Any:
+    """Return a field that holds a word or a colour ``#rrggbb`` (sRGB)."""
+    return field(default=default, metadata={"description": description, "choices": choices})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """What stands in front of the camera; lengths in m, positions from the mean pivot, y up.
+
+    A length of the mechanism given as 0 leaves that part out.
+    """
+
+    ball_colour: str = _text("#e8590c", "colour of the ball, or of the right one of two")
+    left_ball_colour: str = _text("", "colour of the left ball; empty for the same")
+    ball_radius: float = _number(0.0, "m", "radius of a ball where the run names none; 0: l/15")
+    ambient: float = _number(0.35, "1", "light from everywhere; 1 draws flat discs", UNIT_INTERVAL)
+    gloss: float = _number(0.25, "1", "strength of the highlight", UNIT_INTERVAL)
+    metal: float = _number(0.0, "1", "1 for a ball that mirrors its surroundings", UNIT_INTERVAL)
+    pattern: float = _number(0.0, "1", "width of a band around the ball over its diameter",
+                             Range(0.0, 1.0))  # fmt: skip
+    pattern_colour: str = _text("#f4f1e8", "colour of the band")
+    light_x: float = _number(-0.45, "1", "direction to the light: right", Range(-1.0, 1.0))
+    light_y: float = _number(0.6, "1", "direction to the light: up", Range(-1.0, 1.0))
+    rod_width: float = _number(0.004, "m", "width of rods; strings have about 0.001")
+    rod_colour: str = _text("#4a4d52", "colour of rods or strings")
+    block_width: float = _number(0.05, "m", "width of the block that carries the pivot")
+    block_height: float = _number(0.03, "m", "height of the block")
+    block_colour: str = _text("#8d939c", "colour of the block")
+    bolt_radius: float = _number(0.006, "m", "radius of the hinge bolt")
+    bolt_colour: str = _text("#1c1e22", "colour of the hinge bolt")
+    rail_width: float = _number(0.018, "m", "width of the rail that guides the block")
+    rail_colour: str = _text("#c3c7cc", "colour of the rail")
+    background: str = _text("plain", "what the wall looks like", BACKGROUNDS)
+    wall_colour: str = _text("#d9d6ce", "colour of the wall")
+    contrast: float = _number(0.5, "1", "strength of gradient, texture or wood", UNIT_INTERVAL)
+    shadow_darkness: float = _number(0.0, "1", "light that the shadow takes", UNIT_INTERVAL)
+    shadow_x: float = _number(0.03, "m", "shift of the shadow to the right", Range())
+    shadow_y: float = _number(-0.03, "m", "shift of the shadow upwards", Range())
+    shadow_softness: float = _number(0.008, "m", "width of the shadow's edge", POSITIVE)
+    post_width: float = _number(0.0, "m", "width of a vertical post in front")
+    post_x: float = _number(0.06, "m", "where the post stands", Range())
+    post_colour: str = _text("#3b6b4c", "colour of the post")
+    hand_radius: float = _number(0.0, "m", "size of a hand that passes in front")
+    hand_time: float = _number(3.0, "s", "when the hand is below the pivot")
+    hand_speed: float = _number(0.25, "m/s", "speed of the hand to the right", Range())
+    hand_depth: float = _number(0.8, "1", "how far down it passes, over the length", Range())
+    hand_colour: str = _text("#c98d6b", "colour of the hand")
+    parked_x: float = _number(0.0, "m", "where a second ball is parked; with y = 0: none", Range())
+    parked_y: float = _number(0.0, "m", "where a second ball is parked", Range())
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for name in (f for f in self.__dataclass_fields__ if f.endswith("_colour")):
+            value = getattr(self, name)
+            if name != "left_ball_colour" or value != "":
+                linear_colour(name, value)
+        _check_choice("background", self.background, BACKGROUNDS)
+
+    @property
+    def is_parked(self) -> bool:
+        """Whether a second ball is parked aside."""
+        return self.parked_x != 0.0 or self.parked_y != 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """How the scene is filmed; pixels count from the left upper corner of the picture shown.
+
+    The time stamp of a frame is the middle of the exposure of its row `stamp_row`. With a
+    `row_time` row i of the stored picture is exposed ``(i - stamp_row (rows - 1)) row_time``
+    later. A point at distance r from the picture's middle appears at ``r (1 + k1 q^2 + k2 q^4)``,
+    q = r/`focal_length`.
+    """
+
+    width: int = field(default=1280, metadata={"description": "width as shown [pixel]"})
+    height: int = field(default=960, metadata={"description": "height as shown [pixel]"})
+    fps: float = _number(60.0, "1/s", "mean frame rate", Range(1.0, 1000.0))
+    jitter: float = _number(0.0, "1", "scatter of time stamps, in frame times", Range(0.0, 0.3))
+    drop: float = _number(0.0, "1", "fraction of frames that are missing", Range(0.0, 0.9))
+    pixels_per_metre: float = _number(0.0, "1/m", "scale; 0: the motion fills the picture")
+    pivot_u: float = _number(-1.0, "pixel", "mean pivot from the left; -1: fitted", Range())
+    pivot_v: float = _number(-1.0, "pixel", "mean pivot from the top; -1: fitted", Range())
+    roll: float = _number(0.0, "rad", "turn of the scene in the picture, counter-clockwise",
+                          Range(-3.2, 3.2))  # fmt: skip
+    rotation: int = field(
+        default=0,
+        metadata={
+            "description": "turn that a player applies, clockwise [deg]",
+            "choices": ROTATIONS,
+        },
+    )
+    row_time: float = _number(0.0, "s", "time from row to row of a rolling shutter")
+    stamp_row: float = _number(0.0, "1", "row that the time stamp is of: 0 first, 1 last",
+                               UNIT_INTERVAL)  # fmt: skip
+    k1: float = _number(0.0, "1", "radial lens coefficient", Range(-0.5, 0.5))
+    k2: float = _number(0.0, "1", "second radial lens coefficient", Range(-0.5, 0.5))
+    focal_length: float = _number(0.0, "pixel", "focal length; 0: half the diagonal")
+    exposure: float = _number(0.25, "1", "part of the frame time that is exposed",
+                              Range(0.0, 1.0, open_low=True))  # fmt: skip
+    sub_exposures: int = field(
+        default=8, metadata={"description": "moments averaged at least in an exposure"}
+    )
+    blur: float = _number(0.7, "pixel", "standard deviation of the optical blur", Range(0.0, 20.0))
+    brightness: float = _number(1.0, "1", "light that reaches the sensor", Range(0.0, 4.0, True))
+    electrons: float = _number(12000.0, "1", "electrons of a white pixel; few make shot noise",
+                               POSITIVE)  # fmt: skip
+    read_noise: float = _number(8.0, "1", "read noise [electrons]")
+    vignetting: float = _number(0.08, "1", "light lost in the corners", UNIT_INTERVAL)
+    crf: int = field(
+        default=18, metadata={"description": "compression of H.264: 0 none, 51 strongest"}
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for name in ("width", "height", "sub_exposures"):
+            object.__setattr__(self, name, checked_count(name, getattr(self, name)))
+        low, high = SIZES
+        for name in ("width", "height"):
+            size = getattr(self, name)
+            if size % 2 or not low <= size <= high:
+                raise ValueError(f"{name} must be even and in [{low}, {high}] pixels, got {size}")
+        if self.sub_exposures > 1000:
+            raise ValueError(f"sub_exposures must be at most 1000, got {self.sub_exposures}")
+        if self.rotation not in ROTATIONS:
+            raise ValueError(f"rotation must be one of 0, 90, 180, 270 deg, got {self.rotation!r}")
+        if isinstance(self.crf, bool) or not (self.crf == int(self.crf) and 0 <= self.crf <= 51):
+            raise ValueError(f"crf must be a whole number in [0, 51], got {self.crf!r}")
+        if self.row_time * self.rows * self.fps > 1.0:
+            raise ValueError(
+                f"row_time must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} "
+                f"s, got {self.row_time:g}; give at most {1.0 / self.fps / self.rows:.3g} s"
+            )
+
+    @property
+    def rows(self) -> int:
+        """Rows of the stored picture."""
+        return self.width if self.rotation in (90, 270) else self.height
+
+    @property
+    def lens_scale(self) -> float:
+        """Distance from the middle at which q = 1 [pixel]."""
+        half_diagonal: float = 0.5 * (self.width**2 + self.height**2) ** 0.5
+        return self.focal_length or half_diagonal
+
+    @property
+    def has_lens(self) -> bool:
+        """Whether the lens distorts."""
+        return self.k1 != 0.0 or self.k2 != 0.0
+
+
+def linear_colour(name: str, text: str) -> tuple[float, float, float]:
+    """Return the linear red, green and blue in [0, 1] of an sRGB colour ``#rrggbb``.
+
+    Source: IEC 61966-2-1.
+
+    Examples
+    --------
+    >>> linear_colour("ball_colour", "#ff0000")
+    (1.0, 0.0, 0.0)
+    """
+    try:
+        if len(text) != 7 or text[0] != "#":
+            raise ValueError
+        codes = [int(text[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a colour such as '#e8590c', got {text!r}") from None
+    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in codes)
+    return red, green, blue
+
+
+def _check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
+    """Raise ValueError unless a word is one of those known."""
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(choices)}, got {value!r}")

@@ -1,0 +1,471 @@
+"""Synthetic videos: a run filmed by a camera whose every property is known, with the true table."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.encode import TICKS, import_av, write_video
+from latolato.experiment.picture import Studio, View, moments_needed
+from latolato.experiment.render import Floats
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.table import about, track_table
+from latolato.files import atomic_path, check_folder, check_suffix
+from latolato.registry import describe
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUFFIXES = (".mp4",)
+# The motion between two instants of the dense run is taken as straight: at 30 m/s^2 and 1 m this
+# is wrong by at most 4e-8 m.
+_DENSE = 1e-4
+MOST_FRAMES = 100_000
+# The motion and its surroundings fill this part of a picture whose scale is not given.
+_FILLED = 0.86
+# A ball of which more is hidden counts as occluded.
+_OCCLUDED = 0.02
+# Balls this near to the contact angle touch [rad].
+_TOUCHING = 1e-6
+# Frames that are painted ahead of the encoder.
+_AHEAD = 4
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A run between whose dense samples one may interpolate.
+
+    Parameters
+    ----------
+    time : ndarray, shape (time,)
+        Evenly spaced [s].
+    heights : ndarray, shape (time,)
+        Of the pivot above its mean over the frames [m].
+    angles : ndarray, shape (ball, time)
+        Of the right ball and, if there is one, the left one [rad].
+    lengths, radii : tuple of float
+        Of the balls [m].
+    contacts : ndarray
+        Times of contact [s].
+    separation : float
+        Angle between touching balls [rad]; NaN for one ball.
+    """
+
+    time: Floats
+    heights: Floats
+    angles: Floats
+    lengths: tuple[float, ...]
+    radii: tuple[float, ...]
+    contacts: Floats
+    separation: float
+
+    def at(self, times: Floats) -> tuple[Floats, list[Floats]]:
+        """Return heights [m] and angles [rad] at instants [s] of any shape."""
+        height = np.interp(times, self.time, self.heights)
+        return height, [np.interp(times, self.time, angle) for angle in self.angles]
+
+
+def synthesise_video(
+    run: xr.Dataset,
+    path: str | Path,
+    scene: Scene | None = None,
+    camera: Camera | None = None,
+    *,
+    seed: int = 0,
+    truth: str | Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Write a video of a run as H.264 in MP4 and return the track table that is true of it.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What `latolato.simulate` or `latolato.load` returned: a `Pendulum`, `LatoLato` or
+        `BallPair` under any drive. Its whole duration is filmed.
+    path : str or Path
+        A name ending in ``.mp4``.
+    scene, camera : Scene, Camera, optional
+        What is seen and how.
+    seed : int
+        Of texture, noise and time stamps; the same seed gives the same frames.
+    truth : str or Path, optional
+        Where the table is written: ``.csv``, ``.parquet`` or ``.nc``.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    xarray.Dataset
+        A track table (`latolato.experiment.table`) without noise, and on ``frame`` also
+        ``covered_1`` (part of the ball that is hidden) and ``is_contact`` (balls touch during the
+        exposure). The attributes hold the scale, the clicks of pivot and balls in the first frame
+        as shown (``pivot_pixel_u`` and so on), and all parameters.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a dataset that is no run, one that stops early, and one that is too short.
+    ModuleNotFoundError
+        Without the extra `video`.
+    OSError
+        If a file cannot be written; nothing is left of it.
+
+    Notes
+    -----
+    Light is added up in linear values: covered parts of pixels, moments of the exposure (more
+    where things move by over 0.45 pixel between two), a Gaussian blur; then come shot and read
+    noise, the sRGB tone curve and BT.709 codes. Video time 0 is half an exposure into the run (and
+    later by what a rolling shutter needs); the attribute ``run_time`` says when exactly.
+    """
+    path = Path(path)
+    check_target(path, truth)
+    take = prepare(run, scene, camera, seed=seed)
+    camera = take.camera
+    with atomic_path(path) as unfinished:
+        write_video(
+            unfinished,
+            _frames(take, progress),
+            fps=camera.fps,
+            crf=camera.crf,
+            rotation=camera.rotation,
+        )
+    table = take.truth()
+    table.attrs.update(source=path.name, source_sha256=_digest(path), seed=seed)
+    if truth is not None:
+        from latolato.experiment.table import write_table
+
+        write_table(table, truth)
+    return table
+
+
+@dataclass(frozen=True)
+class Take:
+    """A video before it is encoded.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What is filmed, in dense samples.
+    motion : Motion
+        The same, ready to be interpolated.
+    studio : Studio
+        What paints the frames.
+    stamps : ndarray, shape (frame,)
+        Time stamps [tick].
+    begin : float
+        The run's time at video time 0 [s].
+    hands : list
+        Where the hand is in each frame [m], or None.
+    """
+
+    run: xr.Dataset
+    motion: Motion
+    studio: Studio
+    stamps: Any
+    begin: float
+    hands: list[float | None]
+
+    @property
+    def camera(self) -> Camera:
+        """The camera with its scale and pivot."""
+        return self.studio.camera
+
+    @property
+    def times(self) -> Floats:
+        """Time of each frame [s], shape (frame,)."""
+        return np.asarray(self.stamps / TICKS)
+
+    def states(self, number: int) -> Floats:
+        """Return u, v of pivot and balls in a frame's exposure, shape (moment, line, 6)."""
+        time = self.begin + float(self.times[number])
+        return exposure_states(self.motion, self.camera, self.studio.view, time)
+
+    def frame(self, number: int) -> Any:
+        """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
+        return self.studio.frame(number, self.states(number), self.hands[number])
+
+    def picture(self, number: int) -> Any:
+        """Return a frame as shown in linear light, without noise, shape (height, width, 3)."""
+        return self.studio.picture(self.states(number), self.hands[number])
+
+    def truth(self) -> xr.Dataset:
+        """Return the track table that is true of the video."""
+        return _true_table(self)
+
+
+def prepare(
+    run: xr.Dataset, scene: Scene | None = None, camera: Camera | None = None, *, seed: int = 0
+) -> Take:
+    """Return the video of a run before it is encoded; see `synthesise_video`."""
+    scene, camera = scene or Scene(), camera or Camera()
+    stamps, begin = frame_stamps(run, camera, seed)
+    times = stamps / TICKS
+    motion, run = filmed_motion(run, begin + times, scene)
+    camera = framed(camera, scene, motion)
+    studio = Studio(
+        scene,
+        camera,
+        View(camera),
+        radii=motion.radii,
+        heights=(float(motion.heights.min()), float(motion.heights.max())),
+        length=max(motion.lengths),
+        seed=seed,
+    )
+    return Take(run, motion, studio, stamps, begin, hand_places(scene, times))
+
+
+def _frames(take: Take, progress: Callable[[float], None] | None) -> Iterator[tuple[int, Any]]:
+    """Yield stamp and planes of every frame, painted by two threads a little ahead."""
+    count = len(take.stamps)
+    with ThreadPoolExecutor(2) as pool:
+        ahead: list[Future[Any]] = []
+        try:
+            for number in range(count + _AHEAD):
+                if number < count:
+                    ahead.append(pool.submit(take.frame, number))
+                done = number - _AHEAD
+                if done >= 0:
+                    yield int(take.stamps[done]), ahead.pop(0).result()
+                    if progress is not None:
+                        progress((done + 1) / count)
+        finally:
+            for waiting in ahead:
+                waiting.cancel()
+
+
+def check_target(path: str | Path, truth: str | Path | None = None) -> None:
+    """Raise before any work if a file cannot be written."""
+    from latolato.experiment import table
+    from latolato.files import check_target as check_result
+
+    check_suffix(path, SUFFIXES, "the name of a synthetic video")
+    check_folder(Path(path))
+    import_av()
+    if truth is not None:
+        check_suffix(truth, table.SUFFIXES, "the name of a track table")
+        check_result(truth)
+
+
+def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float]:
+    """Return time stamps [tick] and the run's time at video time 0 [s].
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no run, or if fewer than two frames fit into it.
+    """
+    if not hasattr(run, "attrs") or "angle" not in run or "scenario" not in run.attrs:
+        raise TypeError("a synthetic video needs a run: what simulate or load returned")
+    pause = 1.0 / camera.fps
+    half = 0.5 * camera.exposure * pause
+    readout = camera.row_time * (camera.rows - 1)
+    begin = half + readout * camera.stamp_row
+    room = float(run["time"][-1]) - begin - half - readout * (1.0 - camera.stamp_row)
+    count = math.floor(room / pause + 1e-9) + 1
+    if count < 2:
+        raise ValueError(
+            f"the run must hold two frames of {pause:g} s, got {float(run['time'][-1]):g} s; "
+            "give a longer duration"
+        )
+    if count > MOST_FRAMES:
+        raise ValueError(
+            f"the video would have {count} frames, more than {MOST_FRAMES}; give a shorter "
+            "duration or lower fps"
+        )
+    random = np.random.default_rng([seed, 2])
+    times = pause * np.arange(count)
+    if camera.jitter > 0.0:
+        late = camera.jitter * np.clip(random.standard_normal(count), -1.5, 1.5)
+        times[1:-1] += pause * late[1:-1]
+    if camera.drop > 0.0:
+        kept = random.uniform(size=count) >= camera.drop
+        kept[0] = kept[-1] = True
+        times = times[kept]
+    stamps = np.round(times * TICKS).astype(np.int64)
+    # The last stamp may round up beyond the run's end.
+    stamps[-1] = min(stamps[-1], math.floor(max(room, 0.0) * TICKS))
+    return stamps, begin
+
+
+def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion, xr.Dataset]:
+    """Return the motion, run again with dense samples, and that run without its samples.
+
+    Raises
+    ------
+    ValueError
+        If the run stops before the last frame.
+    """
+    from latolato.scenario import Scenario
+
+    tables = json.loads(run.attrs["scenario"])
+    end = float(run["time"][-1])
+    dense = np.linspace(0.0, end, max(math.ceil(end / _DENSE), 1) + 1)
+    tables["run"] = {k: v for k, v in tables["run"].items() if k not in ("times", "duration")}
+    again = Scenario.from_dict(tables).simulate(times=dense, duration=end)
+    angle = again["angle"].values
+    mirrored = again.attrs["system"] == "latolato"
+    angles = angle if angle.ndim == 2 else np.stack([angle, -angle] if mirrored else [angle])
+    if not np.all(np.isfinite(angles)):
+        raise ValueError(f"the run must reach its end, got status '{again.attrs['status']}'")
+    prefixes = ("right_", "left_") if angle.ndim == 2 else ("",) * len(angles)
+    attrs = again.attrs
+    lengths = tuple(float(attrs[f"{prefix}length"]) for prefix in prefixes)
+    radii = tuple(
+        float(attrs.get(f"{prefix}radius", 0.0)) or scene.ball_radius or length / 15.0
+        for prefix, length in zip(prefixes, lengths, strict=True)
+    )
+    separation = attrs.get("contact_separation", 2.0 * attrs.get("contact_angle_low", math.nan))
+    heights = again["pivot_height"].values
+    mean = float(np.interp(times, dense, heights).mean())
+    motion = Motion(
+        time=dense,
+        heights=heights - mean,
+        angles=angles,
+        lengths=lengths,
+        radii=radii,
+        contacts=again["contact_time"].values,
+        separation=float(separation) if len(angles) == 2 else math.nan,
+    )
+    return motion, again
+
+
+def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
+    """Return the camera with a scale and a pivot at which the whole motion is seen."""
+    xs = [np.zeros(1)]
+    ys = [np.array([motion.heights.min(), motion.heights.max() + 1.5 * scene.block_height])]
+    margin = max(motion.radii) + 0.01
+    for angle, length in zip(motion.angles, motion.lengths, strict=True):
+        for sign in (-margin, margin):
+            xs.append(length * np.sin(angle) + sign)
+            ys.append(motion.heights - length * np.cos(angle) + sign)
+    if scene.is_parked:
+        xs.append(scene.parked_x + np.array([-margin, margin]))
+        ys.append(scene.parked_y + np.array([-margin, margin]))
+    low_x, high_x = (float(f(f(x) for x in xs)) for f in (min, max))
+    low_y, high_y = (float(f(f(y) for y in ys)) for f in (min, max))
+    corners = np.array([(x, y) for x in (low_x, high_x) for y in (low_y, high_y)])
+    c, s = math.cos(camera.roll), math.sin(camera.roll)
+    u = c * corners[:, 0] - s * corners[:, 1]
+    v = -s * corners[:, 0] - c * corners[:, 1]
+    scale = camera.pixels_per_metre or _FILLED * min(
+        camera.width / np.ptp(u), camera.height / np.ptp(v)
+    )
+    pivot_u, pivot_v = camera.pivot_u, camera.pivot_v
+    if pivot_u == -1.0:
+        pivot_u = 0.5 * (camera.width - 1) - scale * 0.5 * (u.min() + u.max())
+    if pivot_v == -1.0:
+        pivot_v = 0.5 * (camera.height - 1) - scale * 0.5 * (v.min() + v.max())
+    return replace(
+        camera, pixels_per_metre=float(scale), pivot_u=float(pivot_u), pivot_v=float(pivot_v)
+    )
+
+
+def exposure_states(motion: Motion, camera: Camera, view: View, time: float) -> Floats:
+    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, 6)."""
+    rows = camera.rows if camera.row_time > 0.0 else 1
+    late = camera.row_time * (np.arange(rows) - camera.stamp_row * (rows - 1))
+    half = 0.5 * camera.exposure / camera.fps
+    ends = _states(motion, view, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
+    # Twice the larger half, for the motion may turn round.
+    halves = [moments_needed(camera, ends[i : i + 2]) for i in (0, 1)]
+    count = max(2 * max(halves) if max(halves) > camera.sub_exposures else 0, camera.sub_exposures)
+    moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
+    return _states(motion, view, time + late + moments[:, None])
+
+
+def _states(motion: Motion, view: View, times: Floats) -> Floats:
+    """Return undistorted u, v of pivot and balls at instants, shape (..., 6)."""
+    height, angles = motion.at(times)
+    states = np.zeros((*times.shape, 6))
+    states[..., 0], states[..., 1] = view.flat(np.zeros_like(height), height)
+    for ball, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
+        x, y = length * np.sin(angle), height - length * np.cos(angle)
+        states[..., 2 + 2 * ball], states[..., 3 + 2 * ball] = view.flat(x, y)
+    return states
+
+
+def hand_places(scene: Scene, times: Floats) -> list[float | None]:
+    """Return where the hand is in each frame [m], or None where there is none."""
+    if scene.hand_radius <= 0.0:
+        return [None] * len(times)
+    return [float(x) for x in scene.hand_speed * (times - scene.hand_time)]
+
+
+def _true_table(take: Take) -> xr.Dataset:
+    """Return the track table of what was filmed, with the clicks as attributes."""
+    motion, run, studio, begin = take.motion, take.run, take.studio, take.begin
+    camera, view, times, hands = take.camera, studio.view, take.times, take.hands
+    height, angles = motion.at(begin + times)
+    columns: dict[str, Any] = {"time": times, "pivot_x": np.zeros_like(times), "pivot_y": height}
+    half = 0.5 * camera.exposure / camera.fps
+    moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
+    touches = _touches(motion, moments)
+    extra = {}
+    clicks: dict[str, float] = {}
+    u, v = view.shown(0.0, height[0])
+    clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
+    for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
+        x, y = length * np.sin(angle), height - length * np.cos(angle)
+        columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
+        columns[f"angle_{i + 1}"] = angle
+        columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
+        places = zip(*view.flat(x, y), hands, strict=True)
+        hidden = np.array([studio.covered(a, b, i, hand) for a, b, hand in places])
+        flags = np.where(touches, "collision", "ok")
+        columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
+        extra[f"covered_{i + 1}"] = hidden
+        u, v = view.shown(x[0], y[0])
+        clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
+    if studio.scene.is_parked:
+        u, v = view.shown(studio.scene.parked_x, studio.scene.parked_y)
+        clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
+    attributes = {
+        "title": f"truth of a synthetic video of {run.attrs['system']}",
+        "length": max(motion.lengths),
+        "radius": motion.radii[0],
+        "metres_per_pixel": 1.0 / view.scale,
+        "gravity_direction": 0.5 * math.pi - camera.roll,
+        **clicks,
+        "run_time": begin,
+        **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
+        "system": run.attrs["system"],
+        "drive": run.attrs["drive"],
+        "scenario": run.attrs["scenario"],
+        "scene": json.dumps(describe(studio.scene)),
+        "camera": json.dumps(describe(camera)),
+    }
+    table = track_table(columns, attributes)
+    for name, values in extra.items():
+        meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
+        table[name] = ("frame", values, meaning)
+    meaning = {"units": "1", "long_name": "whether balls touch during the exposure", "symbol": ""}
+    table["is_contact"] = ("frame", touches, meaning)
+    assert table["time"].attrs == about("time")
+    return table
+
+
+def _touches(motion: Motion, moments: Floats) -> Any:
+    """Return whether balls touch in each exposure; `moments` has the shape (moment, frame)."""
+    if len(motion.angles) == 1:
+        return np.zeros(moments.shape[1], bool)
+    first = np.searchsorted(motion.contacts, moments[0])
+    last = np.searchsorted(motion.contacts, moments[-1], side="right")
+    _, (right, left) = motion.at(moments)
+    apart = right - left
+    near = np.minimum(apart - motion.separation, 2.0 * math.pi - motion.separation - apart)
+    return (last > first) | (near.min(axis=0) < _TOUCHING)
+
+
+def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    import hashlib
+
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
