@@ -1,0 +1,290 @@
+"""From pixels to angles about the moving pivot: centre of the circle, scale, direction of gravity.
+
+The centre that a template gives lies near the hinge, not on it. Seen from the moving pivot, the
+ball runs on a circle about the hinge, which shows the offset when the arc is wide. A circle fitted
+in the image instead would be biased, for a driven pivot moves in phase with the swing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from latolato.experiment.tracking.follow import Followed
+
+# Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
+_WIDE_ARC = math.radians(60.0)
+_NEAR, _NEAR_SHARE = 3.0, 0.02
+# Residual of the circle above which lens or perspective are suspected [pixels, arm].
+_ROUND, _ROUND_SHARE = 0.35, 1.2e-3
+# Stroke of the pivot from which its axis is taken as vertical [pixels].
+_STROKE = 6.0
+# Difference of declared and measured radius that is told.
+_RADIUS_TOLERANCE = 0.03
+
+
+@dataclass(frozen=True, kw_only=True)
+class Optics:
+    """What is declared of the camera.
+
+    Parameters
+    ----------
+    row_time : float
+        Time between the exposures of two rows of a rolling shutter [s]; a frame's time stamp is
+        that of its first row.
+    lens_k1, lens_k2 : float
+        Radial distortion: an undistorted distance ``s`` from the middle of the picture, in units of
+        half its diagonal, is seen at ``s (1 + k1 s^2 + k2 s^4)``.
+    """
+
+    row_time: float = 0.0
+    lens_k1: float = 0.0
+    lens_k2: float = 0.0
+
+
+@dataclass
+class Calibration:
+    """Geometry of a clip.
+
+    Attributes
+    ----------
+    angles, sigmas : numpy.ndarray, shape (frame, ball)
+        Angles from gravity's direction [rad].
+    pivots, centres : numpy.ndarray, shape (frame, [ball,] 2)
+        Undistorted positions (column, row) [pixels], the pivot at its hinge.
+    arm : float
+        Distance from hinge to ball [pixels].
+    offset : numpy.ndarray, shape (2,)
+        From the clicked pivot to the hinge [pixels].
+    tilt : float
+        Direction of gravity from straight down in the image, positive to the right [rad].
+    tilt_source : str
+        ``"drive axis"``, ``"rest position"`` or ``"image"``.
+    arc : float
+        Range of angles seen [rad].
+    circle_residual : float
+        Root mean square distance from the circle [pixels].
+    warnings : list of str
+        What the user should know.
+    """
+
+    angles: np.ndarray
+    sigmas: np.ndarray
+    pivots: np.ndarray
+    centres: np.ndarray
+    arm: float
+    offset: np.ndarray
+    tilt: float
+    tilt_source: str
+    arc: float
+    circle_residual: float
+    warnings: list[str] = field(default_factory=list)
+
+
+def calibrate(
+    seen: Followed, size: tuple[int, int], rotation: int, optics: Optics | None = None
+) -> Calibration:
+    """Return angles about the hinge from positions in the image.
+
+    Parameters
+    ----------
+    seen : Followed
+        Raw positions.
+    size : tuple of int
+        Width and height of the picture as displayed [pixels].
+    rotation : int
+        Clockwise turn between sensor and display [degrees].
+    optics : Optics
+        What is declared of the camera.
+    """
+    optics = optics or Optics()
+    pivots = undistorted(seen.pivots, size, optics)
+    centres = undistorted(seen.centres, size, optics)
+    balls = centres.shape[1]
+    if optics.row_time:
+        delay_pivot = optics.row_time * _sensor_row(seen.pivots, size, rotation)
+        delay_ball = optics.row_time * _sensor_row(seen.centres, size, rotation)
+        about = np.stack(
+            [
+                _moved(seen.times + delay_pivot, pivots, seen.times + delay_ball[:, b])
+                for b in range(balls)
+            ],
+            axis=1,
+        )
+        pivots = _moved(seen.times + delay_pivot, pivots, seen.times)
+    else:
+        about = np.repeat(pivots[:, None], balls, axis=1)
+    is_measured = np.isin(seen.flags, ("ok", "collision", "occluded")) & np.isfinite(seen.angles)
+    is_clean = seen.flags == "ok"
+    away = centres - about
+    use = is_clean if is_clean.sum() >= 20 else is_measured
+    offset, arm, arc, residual, warnings = _hinge(away[use], seen.sigmas[use], seen.angles[use])
+    raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
+    angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
+    if optics.row_time:
+        for b in range(balls):
+            angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
+                :, 0
+            ]
+    tilt, source = _gravity(pivots, angles, is_clean)
+    if source == "image":
+        warnings.append(
+            "gravity's direction is unknown (the pivot rests and no free decay was seen): "
+            "angles are from straight down in the picture"
+        )
+    return Calibration(
+        angles - tilt,
+        seen.sigmas.copy(),
+        pivots + offset,
+        centres,
+        arm,
+        offset,
+        tilt,
+        source,
+        arc,
+        residual,
+        warnings,
+    )
+
+
+def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
+    """Return positions as a lens without distortion would show them [pixels]."""
+    if not (optics.lens_k1 or optics.lens_k2):
+        return places
+    middle = (np.array(size) - 1.0) / 2.0
+    unit = 0.5 * math.hypot(*size)
+    seen = (places - middle) / unit
+    distance = np.linalg.norm(seen, axis=-1, keepdims=True)
+    true = distance.copy()
+    for _ in range(30):  # a contraction for the distortions of usable lenses
+        true = distance / (1.0 + optics.lens_k1 * true**2 + optics.lens_k2 * true**4)
+    straight: np.ndarray = middle + seen * (true / np.maximum(distance, 1e-12)) * unit
+    return straight
+
+
+def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:
+    """Return the sensor's row of displayed positions."""
+    x, y = places[..., 0], places[..., 1]
+    width, height = size
+    if rotation == 90:
+        return np.asarray(width - 1.0 - x)
+    if rotation == 180:
+        return np.asarray(height - 1.0 - y)
+    return np.asarray(x) if rotation == 270 else np.asarray(y)
+
+
+def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Return values (time, component) at nearby instants; NaN stays NaN."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    out = np.full_like(values, np.nan)
+    ok = np.isfinite(values).all(axis=1) & np.isfinite(times)
+    if ok.sum() < 3:
+        return out
+    curve = Akima1DInterpolator(times[ok], values[ok], axis=0, extrapolate=True)
+    target = ok & np.isfinite(wanted)
+    out[target] = curve(wanted[target])
+    return out
+
+
+def _hinge(
+    away: np.ndarray, sigmas: np.ndarray, angles: np.ndarray
+) -> tuple[np.ndarray, float, float, float, list[str]]:
+    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings."""
+    from scipy.optimize import least_squares
+
+    warnings: list[str] = []
+    distance = np.hypot(away[:, 0], away[:, 1])
+    arm = float(np.median(distance)) if len(distance) else math.nan
+    turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
+    arc = float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
+    none = np.zeros(2)
+    if len(away) < 20:
+        return none, arm, arc, math.nan, warnings
+
+    def rest(p: np.ndarray) -> np.ndarray:
+        return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
+
+    fit = least_squares(rest, [0.0, 0.0, arm], loss="soft_l1", f_scale=0.3)
+    offset, found = fit.x[:2], float(fit.x[2])
+    residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
+    as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
+    if arc < _WIDE_ARC:
+        return none, arm, arc, as_clicked, warnings
+    # Lenses and perspective make an oval: its second harmonic beside the circle.
+    direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
+    waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
+    oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
+    limit = max(_ROUND, _ROUND_SHARE * found)
+    too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
+    if residual > limit or oval > 1.5 * limit or too_far:
+        warnings.append(
+            f"the ball does not run on a circle about the pivot (centre off by "
+            f"{np.hypot(*offset):.1f} pixels, residual {max(residual, oval):.2f} pixels): lens or "
+            "perspective; the pivot is used as clicked"
+        )
+        return none, arm, arc, as_clicked, warnings
+    return offset, found, arc, residual, warnings
+
+
+def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tuple[float, str]:
+    """Return gravity's direction from straight down in the image, and where it comes from."""
+    ok = np.isfinite(pivots).all(axis=1)
+    centred = pivots[ok] - pivots[ok].mean(axis=0)
+    _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
+    stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
+    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0]:
+        axis = axes[0] * np.sign(axes[0][1])
+        return float(math.atan2(axis[0], axis[1])), "drive axis"
+    if stroke < 0.25 * _STROKE:
+        rest = _rest_position(angles, is_clean)
+        if rest is not None:
+            return rest, "rest position"
+    return 0.0, "image"
+
+
+def _rest_position(angles: np.ndarray, is_clean: np.ndarray) -> float | None:
+    """Return the angle about which free swings decay, from three successive extremes each.
+
+    ``(a1 + 2 a2 + a3)/4`` of successive extremes is the rest position up to second order of the
+    decrement, whatever the amplitude. Two balls of equal frequency have it in the mean of their
+    angles, which impacts between equal balls do not change.
+    """
+    swings = [angles[:, b] for b in range(angles.shape[1])]
+    clean = [is_clean[:, b] for b in range(angles.shape[1])]
+    moves = [np.nanstd(s) > 0.01 for s in swings]
+    if len(swings) == 2 and all(moves):
+        swing, ok = 0.5 * (swings[0] + swings[1]), np.isfinite(swings[0] + swings[1])
+        if np.nanstd(swing) < 0.02:
+            return float(np.nanmedian(swing))
+    elif any(moves):
+        b = moves.index(True)
+        swing, ok = swings[b], clean[b] & np.isfinite(swings[b])
+    else:
+        return None
+    extremes = _extremes(swing[ok])
+    if len(extremes) < 4:
+        return None
+    middles = 0.25 * (extremes[:-2] + 2.0 * extremes[1:-1] + extremes[2:])
+    # Only swings below a right angle all the way have no other rest position beside.
+    return float(np.median(middles)) if np.max(np.abs(extremes)) < 2.0 else None
+
+
+def _extremes(swing: np.ndarray) -> np.ndarray:
+    """Return successive extremes of a swing, each from a parabola through its top."""
+    middle = float(np.median(swing))
+    side = np.sign(swing - middle)
+    changes = np.flatnonzero(np.diff(side) != 0) + 1
+    found = []
+    for begin, end in zip(changes[:-1], changes[1:]):
+        part = swing[begin:end] - middle
+        if len(part) < 5:
+            continue
+        k = int(np.argmax(np.abs(part)))
+        a, b = max(0, k - max(2, len(part) // 6)), min(len(part), k + max(2, len(part) // 6) + 1)
+        t = np.arange(a, b) - k
+        c2, c1, c0 = np.polyfit(t, part[a:b], 2)
+        found.append(middle + (c0 - c1 * c1 / (4.0 * c2) if c2 != 0.0 else part[k]))
+    return np.array(found)

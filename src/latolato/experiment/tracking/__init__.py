@@ -1,0 +1,1 @@
+"""Finds pivot and balls in the frames of a video."""

@@ -1,0 +1,266 @@
+"""What balls and background look like: learned from a sample of frames before tracking."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking.sample import median_planes
+from latolato.experiment.video import Frame, Video
+
+# Angles tried around the circle per radius of the ball.
+_FINENESS = 2.5
+# First steps take residuals this much larger for what they are, to be drawn from farther away.
+_TOLERANT = 4.0
+# Largest number of samples along the path of a smeared ball.
+_MOST_SAMPLES = 48
+
+
+@dataclass
+class Colours:
+    """Turns coded planes into linear light."""
+
+    table: np.ndarray
+    mix: np.ndarray
+
+    @classmethod
+    def of(cls, video: Video) -> Colours:
+        """Return the conversion that a video's tags ask for."""
+        mix = kernels.colour_coefficients(video.matrix, video.is_full_range)
+        return cls(kernels.linear_light(), mix)
+
+    def window(
+        self,
+        planes: tuple[np.ndarray, ...],
+        corner: tuple[int, int],
+        shape: tuple[int, int],
+        stride: int = 1,
+    ) -> np.ndarray:
+        """Return the colours of a window, shape (row, column, 3); NaN outside the frame."""
+        out = np.empty((*shape, 3), np.float32)
+        kernels.window(*planes, corner[0], corner[1], stride, self.table, self.mix, out)
+        return out
+
+
+@dataclass
+class Appearance:
+    """The layers of the image: balls that move in front of a background that does not.
+
+    Attributes
+    ----------
+    radius, blur : float
+        Radius of the balls and softness of their edge [pixels].
+    paint : numpy.ndarray, shape (row, column, 3)
+        Linear colour of a ball about its centre.
+    behind : numpy.ndarray, shape (row, column, 3)
+        Linear colour of the background from `corner` on; NaN where it was never seen.
+    weight : numpy.ndarray, shape (3, 3)
+        Inverse covariance of the background's residuals (noise, shadows, compression).
+    scale : float
+        Whitened residual beyond which a pixel belongs to something else.
+    exposure : float
+        Share of the frame interval in which light is collected.
+    """
+
+    colours: Colours
+    radius: float
+    blur: float
+    paint: np.ndarray
+    behind: np.ndarray
+    corner: np.ndarray
+    weight: np.ndarray
+    scale: float
+    exposure: float = 0.0
+    gain: float = 0.5
+    _buffers: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
+
+    def ball(self, path: np.ndarray, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+        """Return one ball's layer in a window, averaged over the centres in `path`."""
+        layer = np.zeros((*shape, 4))
+        kernels.cover(
+            path, self.radius, self.blur, self.paint, int(corner[0]), int(corner[1]), layer
+        )
+        return layer
+
+    def background(self, corner: np.ndarray, shape: tuple[int, int], stride: int = 1) -> np.ndarray:
+        """Return the background of a window; NaN beyond the part that was learned."""
+        x, y = np.asarray(corner) - self.corner
+        height, width = self.behind.shape[:2]
+        rows, columns = shape
+        if x >= 0 and y >= 0 and x + stride * columns <= width and y + stride * rows <= height:
+            return self.behind[y : y + stride * rows : stride, x : x + stride * columns : stride]
+        out = np.full((rows, columns, 3), np.nan, np.float32)
+        i, j = x + stride * np.arange(columns), y + stride * np.arange(rows)
+        inside_i, inside_j = (i >= 0) & (i < width), (j >= 0) & (j < height)
+        out[np.ix_(inside_j, inside_i)] = self.behind[np.ix_(j[inside_j], i[inside_i])]
+        return out
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Balls fitted to one frame.
+
+    Attributes
+    ----------
+    shift : numpy.ndarray, shape (ball, 2)
+        What is to be added to the expected centres [pixels].
+    covariance : numpy.ndarray, shape (2 ball, 2 ball)
+        Of the shifts, from the residuals.
+    explained, hidden : numpy.ndarray, shape (ball,)
+        Shares of a ball's pixels that look like a ball, and like the background instead.
+    cost : float
+        Mean bounded squared residual per pixel.
+    """
+
+    shift: np.ndarray
+    covariance: np.ndarray
+    explained: np.ndarray
+    hidden: np.ndarray
+    cost: float
+
+
+def fit_balls(
+    look: Appearance,
+    planes: tuple[np.ndarray, ...],
+    paths: list[np.ndarray],
+    pivot: np.ndarray,
+    prior: float = 0.0,
+    rounds: int = 5,
+) -> Fit:
+    """Move balls from where they are expected until they explain a frame (Gauss-Newton).
+
+    Parameters
+    ----------
+    look : Appearance
+        What to expect.
+    planes : tuple of numpy.ndarray
+        The frame.
+    paths : list of numpy.ndarray, shape (sample, 2)
+        Centres of each ball within the exposure; the fit shifts them as a whole.
+    pivot : numpy.ndarray
+        Pivot (column, row), from which rods run.
+    prior : float
+        Inverse variance [1/pixel^2] that keeps the balls where they are expected; 0 does not.
+    rounds : int
+        Most steps.
+    """
+    balls = len(paths)
+    margin = look.radius + 2.0 * look.blur + 0.35 * look.radius + 3.0
+    everything = np.concatenate(paths)
+    low = np.floor(everything.min(axis=0) - margin).astype(int)
+    high = np.ceil(everything.max(axis=0) + margin).astype(int)
+    shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
+    seen = look.colours.window(planes, (int(low[0]), int(low[1])), shape)
+    behind = look.background(low, shape)
+    shift = np.zeros((balls, 2))
+    matrix, vector = np.empty((2 * balls, 2 * balls)), np.empty(2 * balls)
+    tally = np.empty((balls, 3))
+    cost = 0.0
+    for round_ in range(rounds):
+        layers = np.stack([look.ball(p + s, low, shape) for p, s in zip(paths, shift)])
+        centres = np.stack([p.mean(axis=0) + s for p, s in zip(paths, shift)])
+        cost = kernels.normal_equations(
+            seen,
+            behind,
+            layers,
+            centres,
+            pivot,
+            look.radius,
+            low.astype(float),
+            look.weight,
+            look.scale * (_TOLERANT if round_ < 2 < rounds else 1.0),
+            matrix,
+            vector,
+            tally,
+        )
+        matrix += np.eye(2 * balls) * (prior + 1e-9)
+        vector -= prior * shift.ravel()
+        if round_ == rounds - 1:
+            break
+        step = np.linalg.solve(matrix, vector).reshape(balls, 2)
+        length = np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-12)
+        step *= np.minimum(1.0, 0.3 * look.radius / length)[:, None]
+        shift += step
+        if round_ > 1 and np.max(np.abs(step)) < 5e-3:
+            break
+    pixels = np.maximum(tally[:, 0], 1.0)
+    covariance = np.linalg.inv(matrix)
+    return Fit(
+        shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost / (shape[0] * shape[1])
+    )
+
+
+def arc(pivots: np.ndarray, angles: np.ndarray, arm: float, radius: float) -> np.ndarray:
+    """Return centres of a ball for pivots (sample, 2) and angles from straight down (sample,)."""
+    return pivots + arm * np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+
+
+def samples_for(length: float) -> int:
+    """Return how many samples make a smear of some pixels smooth."""
+    return int(min(max(1, math.ceil(length / 1.5)), _MOST_SAMPLES))
+
+
+def best_angles(
+    look: Appearance, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return where on the circle balls are most likely, and how much they explain there.
+
+    Angles are from straight down in the image, to the right positive, shape (ball,); with two
+    balls they are the pair at least a diameter apart with the largest sum.
+    """
+    count = int(2.0 * math.pi * arm / look.radius * _FINENESS)
+    angles = np.arange(count) * (2.0 * math.pi / count) - math.pi
+    gain = gains_at(look, planes, pivot, arm, angles)
+    if balls == 1:
+        best = int(np.argmax(gain))
+        return angles[[best]], gain[[best]]
+    apart = 2.0 * math.asin(min(0.97 * look.radius / arm, 1.0))
+    likely = np.argsort(gain)[-min(count, 60) :]
+    one, two = np.meshgrid(likely, likely, indexing="ij")
+    gap = np.abs((angles[one] - angles[two] + math.pi) % (2.0 * math.pi) - math.pi)
+    total = np.where(gap >= apart, gain[one] + gain[two], -np.inf)
+    first, second = np.unravel_index(int(np.argmax(total)), total.shape)
+    chosen = likely[[first, second]]
+    return angles[chosen], gain[chosen]
+
+
+def gains_at(
+    look: Appearance,
+    planes: tuple[np.ndarray, ...],
+    pivot: np.ndarray,
+    arm: float,
+    angles: np.ndarray,
+    stride: int = 2,
+) -> np.ndarray:
+    """Return how much better a ball at each angle explains a frame than the background does."""
+    centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm, look.radius)
+    low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
+    size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
+    shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
+    seen = look.colours.window(planes, (int(low[0]), int(low[1])), shape, stride)
+    behind = look.background(low, shape, stride)
+    out = np.empty(len(angles))
+    kernels.gains(
+        seen,
+        behind,
+        low.astype(float),
+        stride,
+        centres,
+        look.radius,
+        look.paint,
+        look.weight,
+        look.scale,
+        out,
+    )
+    return out
+
+
+def median_background(
+    frames: list[Frame], colours: Colours, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
+    """Return the linear colours of the median frame between two corners."""
+    shape = (int(high[1] - low[1]), int(high[0] - low[0]))
+    return colours.window(median_planes(frames), (int(low[0]), int(low[1])), shape)

@@ -1,0 +1,344 @@
+"""Follows pivot and balls through all frames of a clip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.experiment.tracking.appearance import (
+    Fit,
+    arc,
+    best_angles,
+    fit_balls,
+    gains_at,
+    samples_for,
+)
+from latolato.experiment.tracking.learn import Scene
+from latolato.experiment.tracking.predict import Prediction, Predictor
+from latolato.experiment.video import Frame, Video
+
+# Share of a ball's pixels that must look like one to be measured, and to be measured as whole.
+_MEASURED, _WHOLE = 0.4, 0.8
+# Time after which a ball that was not seen is lost [s].
+_PATIENCE = 0.3
+# Least gain at which a ball that was lost is believed to be found.
+_BELIEVED = 0.3
+# Error of a centre that residuals do not show [pixels].
+_FLOOR = 0.03
+# How far from the circle a centre may lie, as a share of the ball's radius.
+_OFF_CIRCLE = 0.4
+
+
+@dataclass
+class Followed:
+    """Raw positions in the image.
+
+    Attributes
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    pivots : numpy.ndarray, shape (frame, 2)
+        Pivot (column, row) [pixels].
+    centres : numpy.ndarray, shape (frame, ball, 2)
+        Centres of the balls [pixels]; NaN where lost.
+    angles : numpy.ndarray, shape (frame, ball)
+        Unwrapped angles from straight down in the image [rad].
+    sigmas : numpy.ndarray, shape (frame, ball)
+        Standard deviations of the angles [rad].
+    flags : numpy.ndarray of str, shape (frame, ball)
+        ok, collision, occluded, predicted or lost.
+    """
+
+    times: np.ndarray
+    pivots: np.ndarray
+    centres: np.ndarray
+    angles: np.ndarray
+    sigmas: np.ndarray
+    flags: np.ndarray
+
+
+def follow(
+    video: Video,
+    scene: Scene,
+    interval: float,
+    count: int,
+    stiffness: float,
+    starts: np.ndarray,
+    progress: Callable[[float], None] | None = None,
+) -> Followed:
+    """Return where pivot and balls are in every frame.
+
+    Parameters
+    ----------
+    video, scene : Video, Scene
+        The clip and what was learned of it.
+    interval : float
+        Typical time between frames [s].
+    count : int
+        Number of frames.
+    stiffness : float
+        Gravity over length [1/s^2], 0 if unknown.
+    starts : numpy.ndarray, shape (ball,)
+        Angles in the first frame from straight down in the image [rad], right ball first.
+    """
+    balls = scene.balls
+    out = Followed(
+        np.empty(count),
+        np.empty((count, 2)),
+        np.full((count, balls, 2), np.nan),
+        np.full((count, balls), np.nan),
+        np.full((count, balls), np.nan),
+        np.full((count, balls), "lost", "U9"),
+    )
+    follower = _Follower(scene, interval, stiffness, starts)
+    for frame in video.frames():
+        n = frame.number
+        if n >= count:  # the file has grown since
+            break
+        out.times[n] = frame.time
+        out.pivots[n] = follower.pivot_in(frame)
+        out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = follower.balls_in(frame)
+        if progress and n % 16 == 0:
+            progress(n / count)
+    return out
+
+
+class _Follower:
+    """State carried from frame to frame."""
+
+    def __init__(self, scene: Scene, interval: float, stiffness: float, starts: np.ndarray) -> None:
+        self.scene, self.interval = scene, interval
+        gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
+        self.predictor = Predictor(stiffness, gap)
+        self.starts = starts
+        self.pivots: list[tuple[float, np.ndarray]] = []
+        self.unseen = np.zeros(scene.balls)
+        self.is_begun = False
+
+    def pivot_in(self, frame: Frame) -> np.ndarray:
+        """Return the pivot's place in a frame."""
+        tracker = self.scene.pivot
+        guess, velocity = None, np.zeros(2)
+        if len(self.pivots) >= 2:
+            (t0, p0), (t1, p1) = self.pivots[-2:]
+            speed = (p1 - p0) / (t1 - t0)
+            if len(self.pivots) >= 3:
+                t_, p_ = self.pivots[-3]
+                before = (p0 - p_) / (t0 - t_)
+                speed = speed + (speed - before) * 0.5
+                guess = p1 + (2.0 * speed - (p1 - p0) / (t1 - t0)) * (frame.time - t1)
+                velocity = (2.0 * speed - (p1 - p0) / (t1 - t0)) * self.interval
+        shift, cost = tracker.locate(frame.luma, None, velocity)
+        if guess is not None and np.max(np.abs(shift - guess)) > 6.0:
+            near, near_cost = tracker.locate(frame.luma, guess, velocity)
+            if near_cost < 1.5 * cost + 0.05:
+                shift = near
+        self.pivots = [*self.pivots[-3:], (frame.time, shift)]
+        place: np.ndarray = tracker.origin + shift
+        return place
+
+    def _pivot_motion(self, instants: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return the pivot's places at instants near the last frame, and its upward acceleration.
+
+        The acceleration is in pixels per second squared.
+        """
+        origin = self.scene.pivot.origin
+        time, place = self.pivots[-1]
+        if len(self.pivots) < 3:
+            return np.broadcast_to(origin + place, (len(instants), 2)), 0.0
+        (t0, p0), (t1, p1), (t2, p2) = self.pivots[-3:]
+        early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
+        acceleration = 2.0 * (late - early) / (t2 - t0)
+        velocity = late + 0.5 * acceleration * (t2 - t1)
+        passed = (instants - time)[:, None]
+        places = origin + place + velocity * passed + 0.5 * acceleration * passed**2
+        return places, float(-acceleration[1])
+
+    def balls_in(self, frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return centres, angles, sigmas and flags of the balls in a frame."""
+        scene, predictor = self.scene, self.predictor
+        pivot = scene.pivot.origin + self.pivots[-1][1]
+        if not self.is_begun:
+            predictor.start(frame.time, self.starts, 0.5 * scene.look.radius / scene.arm)
+            self.is_begun = True
+        exposure = scene.look.exposure * self.interval
+        speed = float(np.max(np.abs(predictor.velocities), initial=0.0))
+        count = samples_for(speed * exposure * scene.arm)
+        instants = frame.time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
+        places, lift = self._pivot_motion(instants)
+        expected = predictor.predict(frame.time, instants, lift / scene.arm)
+        if np.any(self.unseen > _PATIENCE):
+            self._search(frame, pivot, expected)
+        angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+        bad = self._is_bad(angles, sigmas, fits, expected)
+        if bad.any() and self._retry(frame, pivot, expected, bad):
+            angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+            bad = self._is_bad(angles, sigmas, fits, expected)
+        predictor.accept(frame.time, expected)
+        return self._verdict(frame, pivot, angles, sigmas, fits, bad, expected)
+
+    def _measure(
+        self, frame: Frame, pivot: np.ndarray, places: np.ndarray, expected: Prediction
+    ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float, float]]]:
+        """Fit the balls from where they are expected."""
+        scene, balls = self.scene, self.scene.balls
+        paths = [arc(places, expected.path[:, b], scene.arm, 0.0) for b in range(balls)]
+        groups = [[b] for b in range(balls)]
+        if balls == 2:
+            apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
+            if apart < 3.3 * scene.look.radius:
+                groups = [[0, 1]]
+        angles, sigmas = np.empty(balls), np.empty(balls)
+        fits: list[tuple[np.ndarray, float, float]] = [(np.zeros(2), 0.0, 0.0)] * balls
+        for group in groups:
+            fit: Fit = fit_balls(scene.look, frame[2:], [paths[b] for b in group], pivot)
+            for k, b in enumerate(group):
+                # The exposure's path moves as a whole; the state is that of its middle.
+                middle = pivot + scene.arm * np.array(
+                    [math.sin(expected.angles[b]), math.cos(expected.angles[b])]
+                )
+                centre = middle + fit.shift[k]
+                away = centre - pivot
+                angle = math.atan2(away[0], away[1])
+                angles[b] = expected.angles[b] + math.remainder(
+                    angle - expected.angles[b], 2.0 * math.pi
+                )
+                across = np.array([away[1], -away[0]]) / np.hypot(*away)
+                own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
+                sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
+                fits[b] = (centre, float(fit.explained[k]), float(fit.hidden[k]))
+        return angles, sigmas, fits
+
+    def _is_bad(
+        self,
+        angles: np.ndarray,
+        sigmas: np.ndarray,
+        fits: list[tuple[np.ndarray, float, float]],
+        expected: Prediction,
+    ) -> np.ndarray:
+        """Return which balls were not measured: hidden, off the circle, or not where they can be."""
+        scene = self.scene
+        pivot = scene.pivot.origin + self.pivots[-1][1]
+        bad = np.zeros(scene.balls, bool)
+        for b, (centre, explained, _) in enumerate(fits):
+            off = abs(np.hypot(*(centre - pivot)) - scene.arm)
+            spread = math.sqrt(expected.covariance[b, 0, 0])
+            jump = abs(angles[b] - expected.angles[b])
+            bad[b] = (
+                explained < _MEASURED
+                or off > _OFF_CIRCLE * scene.look.radius
+                or jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm
+            )
+        if scene.balls == 2:
+            between = angles[0] - angles[1]
+            slack = 0.3 * self.predictor.gap
+            if not self.predictor.gap - slack < between < 2 * math.pi - self.predictor.gap + slack:
+                bad[:] = True
+        return bad
+
+    def _retry(
+        self, frame: Frame, pivot: np.ndarray, expected: Prediction, bad: np.ndarray
+    ) -> bool:
+        """Move the expectation of badly fitted balls to the best place nearby."""
+        scene = self.scene
+        moved = False
+        for b in np.flatnonzero(bad):
+            spread = 4.0 * math.sqrt(expected.covariance[b, 0, 0])
+            reach = min(max(spread, 2.0 * scene.look.radius / scene.arm), math.pi)
+            count = 2 * math.ceil(reach * scene.arm / scene.look.radius * 2.5) + 1
+            trials = expected.angles[b] + np.linspace(-reach, reach, count)
+            if scene.balls == 2:
+                trials = trials[self._allowed(trials, int(b), expected)]
+            if not len(trials):
+                continue
+            gain = gains_at(scene.look, frame[2:], pivot, scene.arm, trials)
+            best = int(np.argmax(gain))
+            if gain[best] > _BELIEVED:
+                shift = trials[best] - expected.angles[b]
+                expected.path[:, b] += shift
+                expected.angles[b] += shift
+                moved = True
+        return moved
+
+    def _allowed(self, trials: np.ndarray, ball: int, expected: Prediction) -> np.ndarray:
+        """Return which angles do not put a ball into or beyond the other one."""
+        between = (trials - expected.angles[1 - ball]) * (1.0 if ball == 0 else -1.0)
+        gap = 0.9 * self.predictor.gap
+        allowed: np.ndarray = (between > gap) & (between < 2.0 * math.pi - gap)
+        return allowed
+
+    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
+        """Look for balls that were lost on the whole circle."""
+        scene = self.scene
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls)
+        if scene.balls == 1:
+            if gain[0] > _BELIEVED:
+                near = math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
+                self._restart(expected, 0, expected.angles[0] + near)
+            return
+        if gain.min() < _BELIEVED:
+            return
+        lost = self.unseen > _PATIENCE
+        if lost.all():
+            # Nothing tells who is who but their order from right to left.
+            order = np.argsort(angles)[::-1]
+            for b in range(2):
+                self._restart(expected, b, angles[order[b]])
+            return
+        kept = int(np.flatnonzero(~lost)[0])
+        apart = [abs(math.remainder(a - expected.angles[kept], 2.0 * math.pi)) for a in angles]
+        other = angles[int(np.argmax(apart))]
+        base = expected.angles[kept]
+        between = (other - base) % (2.0 * math.pi)
+        self._restart(expected, 1 - kept, base + (between if kept == 1 else between - 2 * math.pi))
+
+    def _restart(self, expected: Prediction, ball: int, angle: float) -> None:
+        """Expect a ball somewhere else, with unknown velocity."""
+        expected.path[:, ball] += angle - expected.angles[ball]
+        expected.angles[ball] = angle
+        expected.velocities[ball] = 0.0
+        speed = max(2.0 * math.sqrt(self.predictor.stiffness), 3.0)
+        expected.covariance[ball] = np.diag(
+            [(self.scene.look.radius / self.scene.arm) ** 2, speed**2]
+        )
+
+    def _verdict(
+        self,
+        frame: Frame,
+        pivot: np.ndarray,
+        angles: np.ndarray,
+        sigmas: np.ndarray,
+        fits: list[tuple[np.ndarray, float, float]],
+        bad: np.ndarray,
+        expected: Prediction,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Correct the state by what was measured; return the frame's row."""
+        scene, predictor = self.scene, self.predictor
+        balls = scene.balls
+        centres, flags = np.full((balls, 2), np.nan), np.full(balls, "lost", "U9")
+        half = max(0.5 * scene.look.exposure, 0.25) * self.interval
+        is_contact = any(abs(t - frame.time) <= half for t in expected.contact_times)
+        for b, (centre, explained, _) in enumerate(fits):
+            if not bad[b]:
+                self.unseen[b] = 0.0
+                centres[b] = centre
+                predictor.correct(b, float(angles[b]), float(sigmas[b]))
+                if explained < _WHOLE:
+                    flags[b] = "occluded"
+                else:
+                    flags[b] = "collision" if is_contact else "ok"
+                continue
+            self.unseen[b] += self.interval
+            if self.unseen[b] <= _PATIENCE:
+                flags[b] = "predicted"
+                angles[b] = expected.angles[b]
+                sigmas[b] = math.sqrt(expected.covariance[b, 0, 0])
+                centres[b] = pivot + scene.arm * np.array(
+                    [math.sin(angles[b]), math.cos(angles[b])]
+                )
+            else:
+                angles[b] = sigmas[b] = np.nan
+        return centres, angles, sigmas, flags

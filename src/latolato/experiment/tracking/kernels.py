@@ -1,0 +1,409 @@
+"""Compiled inner loops of the tracker: colours of windows, moving layers, normal equations.
+
+Positions are (column, row) with whole numbers at the centres of pixels. Colours are linear light,
+red, green and blue between 0 and 1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+
+_jit: Any = numba.njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"}
+)
+
+# Steps of the table that turns a coded value between 0 and 255 into linear light.
+_FINENESS = 4
+# Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
+_ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
+
+
+def linear_light() -> np.ndarray:
+    """Return linear light for coded values 0 to 255 in quarter steps (IEC 61966-2-1, sRGB)."""
+    coded = np.arange(255 * _FINENESS + 2) / (255.0 * _FINENESS)
+    curve = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+    return curve.astype(np.float32)
+
+
+def colour_coefficients(matrix: str, is_full_range: bool) -> np.ndarray:
+    """Return (luma gain, luma offset, red, green of blue, green of red, blue) for 8-bit planes."""
+    kr, kb = (0.2126, 0.0722) if matrix == "bt709" else (0.299, 0.114)
+    kg = 1.0 - kr - kb
+    gain, offset, chroma = (1.0, 0.0, 1.0) if is_full_range else (255 / 219, 16.0, 255 / 224)
+    red, blue = 2.0 * (1.0 - kr) * chroma, 2.0 * (1.0 - kb) * chroma
+    return np.array([gain, offset, red, -kb * blue / kg, -kr * red / kg, blue], np.float32)
+
+
+@_jit
+def _linear(value: float, table: np.ndarray) -> float:
+    """Look up the linear light of a coded value."""
+    at = min(max(value, 0.0), 255.0) * _FINENESS
+    return table[int(at + 0.5)]
+
+
+@_jit
+def _chroma(plane: np.ndarray, column: float, row: float) -> float:
+    """Interpolate a chroma plane at a luma position (columns cosited, rows between)."""
+    height, width = plane.shape
+    u = min(max(0.5 * column, 0.0), width - 1.0)
+    v = min(max(0.5 * row - 0.25, 0.0), height - 1.0)
+    i, j = int(u), int(v)
+    i1, j1 = min(i + 1, width - 1), min(j + 1, height - 1)
+    a, b = u - i, v - j
+    top = (1.0 - a) * plane[j, i] + a * plane[j, i1]
+    low = (1.0 - a) * plane[j1, i] + a * plane[j1, i1]
+    return (1.0 - b) * top + b * low - 128.0
+
+
+@_jit
+def window(
+    luma: np.ndarray,
+    blue: np.ndarray,
+    red: np.ndarray,
+    left: int,
+    top: int,
+    stride: int,
+    table: np.ndarray,
+    mix: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Write the linear colours of a window into `out`, shape (row, column, 3).
+
+    Positions outside the frame become NaN.
+    """
+    rows, columns = out.shape[0], out.shape[1]
+    for j in range(rows):
+        y = top + stride * j
+        for i in range(columns):
+            x = left + stride * i
+            if x < 0 or y < 0 or x >= luma.shape[1] or y >= luma.shape[0]:
+                out[j, i, 0] = out[j, i, 1] = out[j, i, 2] = np.nan
+                continue
+            light = mix[0] * (luma[y, x] - mix[1])
+            b, r = _chroma(blue, x, y), _chroma(red, x, y)
+            out[j, i, 0] = _linear(light + mix[2] * r, table)
+            out[j, i, 1] = _linear(light + mix[3] * b + mix[4] * r, table)
+            out[j, i, 2] = _linear(light + mix[5] * b, table)
+
+
+@_jit
+def cover(
+    path: np.ndarray,
+    radius: float,
+    blur: float,
+    paint: np.ndarray,
+    left: int,
+    top: int,
+    out: np.ndarray,
+) -> None:
+    """Add a moving disc, averaged over `path`, to `out`, shape (row, column, 4).
+
+    `path` holds centres, shape (sample, 2). The last channel of `out` is the share of the exposure
+    in which the disc covers a pixel, the others its premultiplied colour; `paint`, shape
+    (2 m + 1, 2 m + 1, 3), is the disc's colour about its centre.
+    """
+    rows, columns = out.shape[0], out.shape[1]
+    half = (paint.shape[0] - 1) // 2
+    weight = 1.0 / path.shape[0]
+    reach = radius + 2.0 * blur
+    for k in range(path.shape[0]):
+        cx, cy = path[k, 0] - left, path[k, 1] - top
+        for j in range(max(0, int(cy - reach)), min(rows, int(cy + reach) + 2)):
+            for i in range(max(0, int(cx - reach)), min(columns, int(cx + reach) + 2)):
+                dx, dy = i - cx, j - cy
+                depth = (radius - math.sqrt(dx * dx + dy * dy)) / blur
+                if depth <= -2.0:
+                    continue
+                # A smooth edge close to the integral of a bell of standard deviation `blur`.
+                share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
+                share *= weight
+                u = min(max(dx + half, 0.0), 2.0 * half - 1e-3)
+                v = min(max(dy + half, 0.0), 2.0 * half - 1e-3)
+                p, q = int(u), int(v)
+                a, b = u - p, v - q
+                for c in range(3):
+                    colour = (1.0 - b) * (
+                        (1.0 - a) * paint[q, p, c] + a * paint[q, p + 1, c]
+                    ) + b * ((1.0 - a) * paint[q + 1, p, c] + a * paint[q + 1, p + 1, c])
+                    out[j, i, c] += share * colour
+                out[j, i, 3] += share
+
+
+@_jit
+def normal_equations(
+    seen: np.ndarray,
+    behind: np.ndarray,
+    layers: np.ndarray,
+    centres: np.ndarray,
+    pivot: np.ndarray,
+    radius: float,
+    corner: np.ndarray,
+    weight: np.ndarray,
+    scale: float,
+    matrix: np.ndarray,
+    vector: np.ndarray,
+    tally: np.ndarray,
+) -> float:
+    """Fill the normal equations of shifts of the layers; return the robust cost.
+
+    The image is ``behind (1 - sum of shares) + sum of layers``. `layers` has shape (ball, row,
+    column, 4). `weight` whitens colours; residuals beyond `scale` count less and less (Geman and
+    McClure). `tally`, shape (ball, 3): pixels of each ball, those explained, those that look like
+    what is behind.
+    """
+    balls, rows, columns = layers.shape[0], layers.shape[1], layers.shape[2]
+    matrix[:] = 0.0
+    vector[:] = 0.0
+    tally[:] = 0.0
+    cost = 0.0
+    size = 2 * balls
+    slope = np.zeros((size, 3))
+    white = np.zeros((size, 3))
+    for j in range(1, rows - 1):
+        for i in range(1, columns - 1):
+            if not (seen[j, i, 0] >= 0.0 and behind[j, i, 0] >= 0.0):
+                continue
+            x, y = corner[0] + i, corner[1] + j
+            if _is_rod(x, y, centres, pivot, radius):
+                continue
+            shares = 0.0
+            for b in range(balls):
+                shares += layers[b, j, i, 3]
+            covered = min(shares, 1.0)
+            r0 = seen[j, i, 0] - (1.0 - covered) * behind[j, i, 0]
+            r1 = seen[j, i, 1] - (1.0 - covered) * behind[j, i, 1]
+            r2 = seen[j, i, 2] - (1.0 - covered) * behind[j, i, 2]
+            for b in range(balls):
+                r0 -= layers[b, j, i, 0]
+                r1 -= layers[b, j, i, 1]
+                r2 -= layers[b, j, i, 2]
+            w0 = weight[0, 0] * r0 + weight[0, 1] * r1 + weight[0, 2] * r2
+            w1 = weight[1, 0] * r0 + weight[1, 1] * r1 + weight[1, 2] * r2
+            w2 = weight[2, 0] * r0 + weight[2, 1] * r1 + weight[2, 2] * r2
+            square = r0 * w0 + r1 * w1 + r2 * w2
+            limit = scale * scale
+            robust = 1.0 / (1.0 + square / limit)
+            cost += square * robust
+            factor = robust * robust
+            if shares > 0.7:
+                for b in range(balls):
+                    if layers[b, j, i, 3] > 0.7:
+                        tally[b, 0] += 1.0
+                        if square < limit:
+                            tally[b, 1] += 1.0
+                        d0 = seen[j, i, 0] - behind[j, i, 0]
+                        d1 = seen[j, i, 1] - behind[j, i, 1]
+                        d2 = seen[j, i, 2] - behind[j, i, 2]
+                        gap = (
+                            d0 * (weight[0, 0] * d0 + weight[0, 1] * d1 + weight[0, 2] * d2)
+                            + d1 * (weight[1, 0] * d0 + weight[1, 1] * d1 + weight[1, 2] * d2)
+                            + d2 * (weight[2, 0] * d0 + weight[2, 1] * d1 + weight[2, 2] * d2)
+                        )
+                        if gap < square:
+                            tally[b, 2] += 1.0
+            if shares <= 0.0 and not _has_slope(layers, j, i):
+                continue
+            for b in range(balls):
+                for c in range(3):
+                    across = layers[b, j, i + 1, c] - layers[b, j, i - 1, c]
+                    across -= behind[j, i, c] * (layers[b, j, i + 1, 3] - layers[b, j, i - 1, 3])
+                    down = layers[b, j + 1, i, c] - layers[b, j - 1, i, c]
+                    down -= behind[j, i, c] * (layers[b, j + 1, i, 3] - layers[b, j - 1, i, 3])
+                    # The layer moves with its centre: its value falls by its slope.
+                    slope[2 * b, c] = -0.5 * across
+                    slope[2 * b + 1, c] = -0.5 * down
+            for m in range(size):
+                for c in range(3):
+                    white[m, c] = (
+                        weight[c, 0] * slope[m, 0]
+                        + weight[c, 1] * slope[m, 1]
+                        + weight[c, 2] * slope[m, 2]
+                    )
+            for m in range(size):
+                vector[m] += factor * (white[m, 0] * r0 + white[m, 1] * r1 + white[m, 2] * r2)
+                for n in range(m + 1):
+                    matrix[m, n] += factor * (
+                        white[m, 0] * slope[n, 0]
+                        + white[m, 1] * slope[n, 1]
+                        + white[m, 2] * slope[n, 2]
+                    )
+    for m in range(size):
+        for n in range(m):
+            matrix[n, m] = matrix[m, n]
+    return cost
+
+
+@_jit
+def _has_slope(layers: np.ndarray, j: int, i: int) -> bool:
+    """Return whether a neighbour is covered by any layer."""
+    for b in range(layers.shape[0]):
+        if (
+            layers[b, j, i - 1, 3] > 0.0
+            or layers[b, j, i + 1, 3] > 0.0
+            or layers[b, j - 1, i, 3] > 0.0
+            or layers[b, j + 1, i, 3] > 0.0
+        ):
+            return True
+    return False
+
+
+@_jit
+def _is_rod(x: float, y: float, centres: np.ndarray, pivot: np.ndarray, radius: float) -> bool:
+    """Return whether a pixel lies where a rod hides the background beside its ball."""
+    for b in range(centres.shape[0]):
+        ux, uy = pivot[0] - centres[b, 0], pivot[1] - centres[b, 1]
+        norm = math.sqrt(ux * ux + uy * uy)
+        dx, dy = x - centres[b, 0], y - centres[b, 1]
+        along = (dx * ux + dy * uy) / norm
+        across = abs(dx * uy - dy * ux) / norm
+        if along > _ROD_BEGINS * radius and across < _ROD_HALF_WIDTH * radius:
+            return True
+    return False
+
+
+@_jit
+def gains(
+    seen: np.ndarray,
+    behind: np.ndarray,
+    offset: np.ndarray,
+    stride: int,
+    centres: np.ndarray,
+    radius: float,
+    paint: np.ndarray,
+    weight: np.ndarray,
+    scale: float,
+    out: np.ndarray,
+) -> None:
+    """Write how much better a ball at each centre explains the image than the background does.
+
+    `seen` and `behind` are sampled every `stride` pixels from `offset`. The gain is the mean over
+    the disc of the fall of the bounded squared residual, between -1 and 1.
+    """
+    half = (paint.shape[0] - 1) // 2
+    limit = scale * scale
+    for k in range(centres.shape[0]):
+        cx = (centres[k, 0] - offset[0]) / stride
+        cy = (centres[k, 1] - offset[1]) / stride
+        reach = 0.9 * radius / stride
+        total, count = 0.0, 0
+        for j in range(int(cy - reach), int(cy + reach) + 2):
+            for i in range(int(cx - reach), int(cx + reach) + 2):
+                dx, dy = i - cx, j - cy
+                if dx * dx + dy * dy > reach * reach:
+                    continue
+                count += 1
+                if j < 0 or i < 0 or j >= seen.shape[0] or i >= seen.shape[1]:
+                    continue
+                if not (seen[j, i, 0] >= 0.0 and behind[j, i, 0] >= 0.0):
+                    continue
+                p = min(max(int(dx * stride + half + 0.5), 0), 2 * half)
+                q = min(max(int(dy * stride + half + 0.5), 0), 2 * half)
+                as_ball, as_wall = 0.0, 0.0
+                for m in range(3):
+                    for n in range(3):
+                        w = weight[m, n]
+                        as_ball += (
+                            w * (seen[j, i, m] - paint[q, p, m]) * (seen[j, i, n] - paint[q, p, n])
+                        )
+                        as_wall += (
+                            w
+                            * (seen[j, i, m] - behind[j, i, m])
+                            * (seen[j, i, n] - behind[j, i, n])
+                        )
+                total += as_wall / (limit + as_wall) - as_ball / (limit + as_ball)
+        out[k] = total / max(count, 1)
+
+
+@_jit
+def _cubic(s: float) -> tuple[float, float, float, float]:
+    """Return Keys' cubic convolution weights of the four neighbours at `s` between two pixels."""
+    return (
+        ((-0.5 * s + 1.0) * s - 0.5) * s,
+        (1.5 * s - 2.5) * s * s + 1.0,
+        ((-1.5 * s + 2.0) * s + 0.5) * s,
+        (0.5 * s - 0.5) * s * s,
+    )
+
+
+@_jit
+def resample(plane: np.ndarray, left: float, top: float, out: np.ndarray) -> None:
+    """Write the plane's values at (left + column, top + row) into `out`, cubic convolution."""
+    i0, j0 = math.floor(left), math.floor(top)
+    a = _cubic(left - i0)
+    b = _cubic(top - j0)
+    height, width = plane.shape
+    for j in range(out.shape[0]):
+        for i in range(out.shape[1]):
+            total = 0.0
+            for n in range(4):
+                y = min(max(j0 + j + n - 1, 0), height - 1)
+                line = 0.0
+                for m in range(4):
+                    x = min(max(i0 + i + m - 1, 0), width - 1)
+                    line += a[m] * plane[y, x]
+                total += b[n] * line
+            out[j, i] = total
+
+
+@_jit
+def shift_equations(
+    seen: np.ndarray,
+    model: np.ndarray,
+    weight: np.ndarray,
+    limit: float,
+    matrix: np.ndarray,
+    vector: np.ndarray,
+) -> float:
+    """Fill the normal equations of a shift of `model` towards `seen`; return the robust cost."""
+    matrix[:] = 0.0
+    vector[:] = 0.0
+    cost = 0.0
+    for j in range(1, model.shape[0] - 1):
+        for i in range(1, model.shape[1] - 1):
+            if weight[j, i] <= 0.0:
+                continue
+            r = seen[j, i] - model[j, i]
+            robust = 1.0 / (1.0 + weight[j, i] * r * r / limit)
+            cost += weight[j, i] * r * r * robust
+            factor = weight[j, i] * robust * robust
+            sx = -0.5 * (model[j, i + 1] - model[j, i - 1])
+            sy = -0.5 * (model[j + 1, i] - model[j - 1, i])
+            vector[0] += factor * sx * r
+            vector[1] += factor * sy * r
+            matrix[0, 0] += factor * sx * sx
+            matrix[0, 1] += factor * sx * sy
+            matrix[1, 1] += factor * sy * sy
+    matrix[1, 0] = matrix[0, 1]
+    return cost
+
+
+@_jit
+def search_shift(
+    plane: np.ndarray,
+    model: np.ndarray,
+    weight: np.ndarray,
+    corners: np.ndarray,
+    limit: float,
+    out: np.ndarray,
+) -> None:
+    """Write the robust difference between `model` and the plane at each whole-pixel corner."""
+    height, width = plane.shape
+    for k in range(corners.shape[0]):
+        cost, total = 0.0, 0.0
+        for j in range(0, model.shape[0], 2):
+            y = corners[k, 1] + j
+            for i in range(0, model.shape[1], 2):
+                x = corners[k, 0] + i
+                if weight[j, i] <= 0.0:
+                    continue
+                total += weight[j, i]
+                if x < 0 or y < 0 or x >= width or y >= height:
+                    cost += weight[j, i]
+                    continue
+                r = plane[y, x] - model[j, i]
+                cost += weight[j, i] * r * r / (limit + weight[j, i] * r * r)
+        out[k] = cost / max(total, 1e-12)

@@ -1,0 +1,234 @@
+"""Where the pivot is in each frame: a template learned from the video, moved to fit each frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from latolato.experiment.tracking import kernels
+from latolato.experiment.video import Frame
+
+# Residuals beyond this many standard deviations count little.
+_LIMIT = 16.0
+# Shifts smaller than this are noise: the pivot rests [pixels].
+_STILL = 0.2
+# Half sides of templates that are tried [pixels], and the margin at which one will do.
+_SIZES = (6, 9, 13, 19, 27, 38, 54)
+_DISTINCT = 0.25
+# Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
+_SIDEWAYS, _TILT = 3.0, 0.15
+
+
+@dataclass
+class PivotTracker:
+    """Follows a template of the pivot.
+
+    Attributes
+    ----------
+    origin : numpy.ndarray, shape (2,)
+        Position of the pivot in the first frame (column, row) [pixels].
+    template, weight : numpy.ndarray, shape (row, column)
+        Luma around the pivot and its inverse variance; 0 where rods or the wall are seen.
+    reach : numpy.ndarray, shape (2, 2)
+        Least and largest shift seen in the sample (column, row) [pixels].
+    exposure : float
+        Share of the frame interval in which light is collected.
+    is_still : bool
+        Whether the pivot rests.
+    """
+
+    origin: np.ndarray
+    template: np.ndarray
+    weight: np.ndarray
+    reach: np.ndarray
+    exposure: float = 0.0
+    is_still: bool = False
+    sigma: float = 0.05
+    _gap: np.ndarray = field(default_factory=lambda: np.zeros(2))
+
+    @property
+    def half(self) -> int:
+        """Half the template's side [pixels]."""
+        return (self.template.shape[0] - 1) // 2
+
+    def locate(
+        self, luma: np.ndarray, guess: np.ndarray | None, velocity: np.ndarray
+    ) -> tuple[np.ndarray, float]:
+        """Return the pivot's shift from the origin [pixels] and how badly the template fits.
+
+        Parameters
+        ----------
+        luma : numpy.ndarray
+            The frame's luma.
+        guess : numpy.ndarray or None
+            Expected shift; None searches the whole reach.
+        velocity : numpy.ndarray
+            Pixels per frame interval, by which the template is smeared.
+        """
+        if self.is_still:
+            return np.zeros(2), 0.0
+        smear = velocity * self.exposure
+        model = self._smeared(smear)
+        start = self._search(luma, guess, model)
+        return self._refine(luma, start, model)
+
+    def margin(self, luma: np.ndarray) -> float:
+        """Return how much worse the template fits anywhere else than at its best place."""
+        corners, cost = self._costs(luma, None, self.template)
+        away = np.abs(corners - corners[np.argmin(cost)]).max(axis=1)
+        far = cost[away > max(3, self.half // 3)]
+        return float(far.min() - cost.min()) if len(far) else 0.0
+
+    def _smeared(self, smear: np.ndarray) -> np.ndarray:
+        """Return the template averaged along a motion within the exposure."""
+        length = float(np.hypot(*smear))
+        if length < 0.3:
+            return self.template
+        count = int(np.ceil(length)) + 1
+        total = np.zeros_like(self.template)
+        part = np.empty_like(self.template)
+        for share in (np.arange(count) + 0.5) / count - 0.5:
+            kernels.resample(self.template, -share * smear[0], -share * smear[1], part)
+            total += part
+        return total / count
+
+    def _costs(
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return corners by whole pixels and how badly the template fits there."""
+        low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
+        if guess is not None:
+            low, high = np.rint(guess) - 2, np.rint(guess) + 2
+        columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
+        shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        # The pivot moves up and down: sideways as far as a tilted camera shows it.
+        shifts = shifts[np.abs(shifts[:, 0]) <= _SIDEWAYS + _TILT * np.abs(shifts[:, 1])]
+        corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
+        cost = np.empty(len(corners))
+        kernels.search_shift(luma, model, self.weight, corners, _LIMIT, cost)
+        return corners, cost
+
+    def _search(self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray) -> np.ndarray:
+        """Return the best shift by whole pixels."""
+        corners, cost = self._costs(luma, guess, model)
+        best: np.ndarray = corners[np.argmin(cost)] + self.half - self.origin
+        return best
+
+    def _refine(
+        self, luma: np.ndarray, shift: np.ndarray, model: np.ndarray
+    ) -> tuple[np.ndarray, float]:
+        """Return the shift to a fraction of a pixel (Gauss-Newton), and the mean cost."""
+        size = model.shape[0]
+        moved = np.empty_like(model)
+        matrix, vector = np.empty((2, 2)), np.empty(2)
+        shift = shift.astype(float)
+        cost = np.inf
+        for _ in range(6):
+            corner = self.origin - self.half + shift
+            whole = np.rint(corner).astype(int)
+            rest = corner - whole
+            x0, y0 = whole
+            if x0 < 0 or y0 < 0 or x0 + size > luma.shape[1] or y0 + size > luma.shape[0]:
+                return shift, np.inf
+            kernels.resample(model, -rest[0], -rest[1], moved)
+            seen = luma[y0 : y0 + size, x0 : x0 + size]
+            cost = kernels.shift_equations(seen, moved, self.weight, _LIMIT, matrix, vector)
+            matrix += np.eye(2) * (1e-9 + 1e-6 * np.trace(matrix))
+            step = np.linalg.solve(matrix, vector)
+            step = np.clip(step, -1.0, 1.0)
+            shift = shift + step
+            if np.max(np.abs(step)) < 2e-3:
+                break
+        return shift, cost / max(float(np.count_nonzero(self.weight)), 1.0)
+
+
+def learn_pivot(
+    frames: list[Frame], behind: np.ndarray, click: np.ndarray, arm: float
+) -> tuple[PivotTracker, np.ndarray]:
+    """Return a tracker of the pivot and its shifts in the sample, shape (frame, 2).
+
+    Parameters
+    ----------
+    frames : list of Frame
+        The sample; the click belongs to the first.
+    behind : numpy.ndarray
+        Median of the luma over the sample.
+    click : numpy.ndarray, shape (2,)
+        The pivot in the first frame (column, row) [pixels].
+    arm : float
+        Distance from pivot to ball [pixels], from which the template's size and the largest
+        possible drive amplitude come.
+    """
+    size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
+    room = int(min(*np.minimum(click, size - 1 - click)))
+    if room < 4:
+        raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
+    tracker = _distinct(frames, click.astype(float), arm, room)
+    shifts = np.zeros((len(frames), 2))
+    for round_ in range(4):
+        for k, frame in enumerate(frames):
+            shifts[k], _ = tracker.locate(frame.luma, None, np.zeros(2))
+        spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
+        slack = 3.0 + 0.1 * (spread[1] - spread[0])
+        tracker.reach = spread + np.array([-slack, slack])
+        if round_ == 1:  # the shifts are known: more of what moves with the pivot joins
+            grown = min(2 * tracker.half, int(max(_SIZES)), room)
+            tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
+        _learn(tracker, frames, behind, shifts)
+    middle = np.median(shifts, axis=0)
+    scatter = 1.4826 * np.median(np.abs(shifts - middle), axis=0)
+    if np.max(scatter) < _STILL and np.quantile(np.abs(shifts - middle), 0.9) < 2.0 * _STILL:
+        tracker.is_still = True
+        shifts[:] = 0.0
+    return tracker, shifts
+
+
+def _learn(
+    tracker: PivotTracker,
+    frames: list[Frame],
+    behind: np.ndarray,
+    shifts: np.ndarray,
+) -> None:
+    """Make template and weight anew from the frames, moved onto each other."""
+    half = tracker.half
+    inside = np.hypot(*(np.indices(tracker.template.shape) - half)) <= half + 0.5
+    stack = np.stack(
+        [_patch(f.luma, tracker.origin + shift, half) for f, shift in zip(frames, shifts)]
+    )
+    wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
+    template = np.median(stack, axis=0)
+    own = np.median((stack - template) ** 2, axis=0)
+    as_wall = np.median((stack - wall) ** 2, axis=0)
+    moves = np.ptp(shifts[:, 1]) + np.ptp(shifts[:, 0]) > 4.0
+    is_object = (own < 0.5 * as_wall + 1.0) if moves else np.ones_like(own, bool)
+    is_object &= own < 20.0 * (np.median(own[inside]) + 4.0)
+    tracker.weight = np.where(inside & is_object, 1.0 / (own + 4.0), 0.0)
+    tracker.template = template
+
+
+def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> PivotTracker:
+    """Return the tracker with the smallest template that is found at one place per frame only."""
+    tall, wide = 0.4 * arm, 3.0
+    best: tuple[float, PivotTracker] | None = None
+    for half in sorted({min(size, room) for size in _SIZES}):
+        template = _patch(frames[0].luma, click, half)
+        radius = np.hypot(*(np.indices(template.shape) - half))
+        weight = np.where(radius <= half + 0.5, 1.0 / 49.0, 0.0)
+        reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
+        tracker = PivotTracker(click, template, weight, reach)
+        margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 12)]]
+        margin = float(np.median(margins))
+        if best is None or margin > best[0]:
+            best = (margin, tracker)
+        if margin > _DISTINCT:
+            break
+    assert best is not None
+    return best[1]
+
+
+def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:
+    """Return a square of a plane about a position, interpolated."""
+    out = np.empty((2 * half + 1, 2 * half + 1))
+    kernels.resample(plane, centre[0] - half, centre[1] - half, out)
+    return out

@@ -1,0 +1,142 @@
+"""Where balls will be in the next frame: pendulum and collision physics with its uncertainty."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.physics.pendulum import restoring_sine
+
+# Longest step of the prediction [s]: it bridges frames, it does not simulate.
+_STEP = 2.5e-3
+# Restitution that is assumed, and its uncertainty as a share of the speed of approach.
+_RESTITUTION, _UNSURE = 0.85, 0.15
+# Uncertainty of the angular acceleration, as a share of gravity over length, and at least [1/s^2].
+_UNSURE_FORCE, _LEAST_FORCE = 0.08, 1.0
+
+
+@dataclass
+class Prediction:
+    """Balls at the middle of an exposure.
+
+    Attributes
+    ----------
+    angles, velocities : numpy.ndarray, shape (ball,)
+        Expected state [rad, rad/s].
+    covariance : numpy.ndarray, shape (ball, 2, 2)
+        Of each ball's state.
+    path : numpy.ndarray, shape (sample, ball)
+        Angles at the requested instants.
+    contact_times : list of float
+        Instants of contacts since the last frame [s].
+    """
+
+    angles: np.ndarray
+    velocities: np.ndarray
+    covariance: np.ndarray
+    path: np.ndarray
+    contact_times: list[float]
+
+
+class Predictor:
+    """Carries angles from one frame to the next.
+
+    Parameters
+    ----------
+    stiffness : float
+        Gravity over length [1/s^2]; 0 if unknown, and the motion is taken as uniform.
+    gap : float
+        Smallest angle between two balls [rad]; 0 for one ball.
+    """
+
+    def __init__(self, stiffness: float, gap: float) -> None:
+        self.stiffness = stiffness
+        self.gap = gap
+        self.angles = np.zeros(0)
+        self.velocities = np.zeros(0)
+        self.covariance = np.zeros((0, 2, 2))
+        self.time = 0.0
+
+    def start(self, time: float, angles: np.ndarray, sigma: float) -> None:
+        """Begin at given angles with unknown velocities."""
+        self.time = time
+        self.angles = np.array(angles, float)
+        self.velocities = np.zeros_like(self.angles)
+        speed = max(4.0 * math.sqrt(self.stiffness), 5.0)
+        self.covariance = np.stack([np.diag([sigma**2, speed**2])] * len(angles))
+
+    def predict(self, time: float, instants: np.ndarray, pivot_stiffness: float) -> Prediction:
+        """Return the state at `time` and the angles at `instants`, sorted, around it.
+
+        `pivot_stiffness` is the pivot's acceleration over the length [1/s^2], which adds to
+        gravity's.
+        """
+        force = self.stiffness + pivot_stiffness
+        angles, speeds = self.angles.copy(), self.velocities.copy()
+        stops = np.union1d(instants, [time])
+        path = np.empty((len(instants), len(angles)))
+        now, contacts = self.time, []
+        state = angles.copy(), speeds.copy()
+        for stop in stops:
+            count = max(1, math.ceil(abs(stop - now) / _STEP))
+            h = (stop - now) / count
+            for _ in range(count if h != 0.0 else 0):
+                angles += 0.5 * h * speeds
+                for b in range(len(angles)):
+                    speeds[b] -= h * force * restoring_sine(angles[b])
+                angles += 0.5 * h * speeds
+                now += h
+                if len(angles) == 2 and self._collide(angles, speeds):
+                    contacts.append(now)
+            now = stop
+            path[instants == stop] = angles
+            if stop == time:
+                state = angles.copy(), speeds.copy()
+        return Prediction(*state, self._spread(time - self.time, force, contacts), path, contacts)
+
+    def _collide(self, angles: np.ndarray, speeds: np.ndarray) -> bool:
+        """Reflect two balls that would pass each other, at the bottom or at the top."""
+        between, closing = angles[0] - angles[1], speeds[0] - speeds[1]
+        for wall, sign in ((self.gap, 1.0), (2.0 * math.pi - self.gap, -1.0)):
+            past = sign * (wall - between)
+            if past > 0.0:
+                hits = sign * closing < 0.0
+                shift = sign * past * (1.0 + _RESTITUTION) / 2.0 if hits else sign * past / 2.0
+                angles += np.array([shift, -shift])
+                if hits:
+                    change = -0.5 * (1.0 + _RESTITUTION) * closing
+                    speeds += np.array([change, -change])
+                return bool(hits and abs(closing) > 0.05)
+        return False
+
+    def _spread(self, interval: float, force: float, contacts: list[float]) -> np.ndarray:
+        """Return the covariance after an interval."""
+        noise = max(_UNSURE_FORCE * abs(self.stiffness), _LEAST_FORCE)
+        if self.stiffness == 0.0:
+            noise = 60.0
+        grown = np.empty_like(self.covariance)
+        for b, before in enumerate(self.covariance):
+            move = np.array([[1.0, interval], [-force * math.cos(self.angles[b]) * interval, 1.0]])
+            push = np.array([0.5 * interval**2, interval]) * noise
+            grown[b] = move @ before @ move.T + np.outer(push, push) + np.diag([0.0, 1e-6])
+            if contacts:
+                error = _UNSURE * 2.0 * abs(self.velocities[b]) + 0.1
+                grown[b] += np.diag([(0.5 * error * interval) ** 2, error**2])
+        return grown
+
+    def accept(self, time: float, expected: Prediction) -> None:
+        """Take a prediction as the state."""
+        self.time = time
+        self.angles, self.velocities = expected.angles.copy(), expected.velocities.copy()
+        self.covariance = expected.covariance.copy()
+
+    def correct(self, ball: int, angle: float, sigma: float) -> None:
+        """Draw the state of one ball towards a measured angle (Kalman)."""
+        covariance = self.covariance[ball]
+        gain = covariance[:, 0] / (covariance[0, 0] + sigma**2)
+        change = angle - self.angles[ball]
+        self.angles[ball] += gain[0] * change
+        self.velocities[ball] += gain[1] * change
+        self.covariance[ball] = covariance - np.outer(gain, covariance[0])

@@ -1,0 +1,245 @@
+"""Reads videos: frames in order with the container's time stamps, turned as they are displayed."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# Pixel formats whose planes are luma, then chroma at half resolution.
+_PLANAR = ("yuv420p", "yuvj420p")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What a video may ask for before it is refused: an hour, 4K, a quarter of a million frames."""
+
+    duration: float = 3600.0
+    pixels: int = 4096 * 2304
+    frames: int = 250_000
+
+
+class Frame(NamedTuple):
+    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved)."""
+
+    number: int
+    time: float
+    luma: np.ndarray
+    blue: np.ndarray
+    red: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Video:
+    """A readable video and what its container says about it.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    width, height : int
+        Size as displayed, after its rotation [pixels].
+    rotation : int
+        Clockwise turn that the container asks for [degrees]: 0, 90, 180 or 270.
+    frame_rate : float
+        Mean number of frames per second as declared; 0 if unknown.
+    frame_count : int
+        Number of frames that the container declares; 0 if unknown.
+    matrix : str
+        Which luma coefficients turn planes into colours: ``"bt601"`` or ``"bt709"``.
+    is_full_range : bool
+        Whether luma runs from 0 to 255 instead of 16 to 235.
+    slow_motion : float
+        Factor by which the container's clock is slower than the scene's.
+    """
+
+    path: Path
+    width: int
+    height: int
+    rotation: int
+    frame_rate: float
+    frame_count: int
+    matrix: str
+    is_full_range: bool
+    slow_motion: float
+    limits: Limits
+
+    def frames(self, until: float = float("inf")) -> Iterator[Frame]:
+        """Decode the frames in order.
+
+        Raises
+        ------
+        ValueError
+            If a frame's time stamp is missing or does not increase, or a limit is passed.
+        """
+        last = -float("inf")
+        number = 0
+        with _opened(self.path) as container:
+            stream = container.streams.video[0]
+            stream.thread_type = "AUTO"
+            for picture in _pictures(container, stream, self.path):
+                if picture.pts is None:
+                    raise ValueError(f"{self.path}: frame {number} has no time stamp")
+                time = float(picture.pts * stream.time_base) / self.slow_motion
+                if not time > last:
+                    raise ValueError(
+                        f"{self.path}: time stamps must increase, frame {number} is at {time:.6g} s"
+                        f" after {last:.6g} s; write the file anew, e.g. with ffmpeg -c copy"
+                    )
+                if number >= self.limits.frames:
+                    raise ValueError(
+                        f"{self.path}: more than {self.limits.frames} frames; cut the video or "
+                        "raise the limit"
+                    )
+                if time > until:
+                    return
+                yield Frame(number, time, *_planes(picture, self.rotation))
+                last = time
+                number += 1
+        if number == 0:
+            raise ValueError(f"{self.path}: no frame could be decoded")
+
+
+def open_video(
+    path: str | Path, *, slow_motion: float = 1.0, limits: Limits | None = None
+) -> Video:
+    """Return what a video file is, after its first frame was decoded.
+
+    Parameters
+    ----------
+    path : str or Path
+        The video.
+    slow_motion : float
+        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8.
+    limits : Limits
+        Refuse what is larger.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no video, holds no picture or exceeds a limit.
+    ModuleNotFoundError
+        If PyAV is missing.
+    """
+    path = Path(path)
+    limits = limits or Limits()
+    if path.is_dir():
+        raise ValueError(f"{path} is a folder; name a video")
+    if not path.exists():
+        raise FileNotFoundError(f"{path}: no such video")
+    if path.stat().st_size == 0:
+        raise ValueError(f"{path} is empty")
+    if not slow_motion > 0.0:
+        raise ValueError(f"slow_motion must be positive, got {slow_motion:g}")
+    with _opened(path) as container:
+        if not container.streams.video:
+            raise ValueError(f"{path} holds no video stream, only sound or data")
+        stream = container.streams.video[0]
+        size = stream.codec_context.width * stream.codec_context.height
+        if size == 0:
+            raise ValueError(f"{path}: the size of its frames is unknown; is the file whole?")
+        if size > limits.pixels:
+            raise ValueError(
+                f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
+                f"pixels, at most {limits.pixels} pixels are read; scale the video down"
+            )
+        duration = _duration(container, stream)
+        if duration / slow_motion > limits.duration:
+            raise ValueError(
+                f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut it"
+            )
+        if stream.frames > limits.frames:
+            raise ValueError(
+                f"{path}: {stream.frames} frames, at most {limits.frames} are read; cut it"
+            )
+        picture = next(_pictures(container, stream, path), None)
+        if picture is None:
+            raise ValueError(f"{path}: no frame could be decoded")
+        rotation = round(-picture.rotation / 90.0) % 4 * 90
+        turned = rotation % 180 == 90
+        return Video(
+            path=path,
+            width=picture.height if turned else picture.width,
+            height=picture.width if turned else picture.height,
+            rotation=rotation,
+            frame_rate=float(stream.average_rate or 0.0) * slow_motion,
+            frame_count=int(stream.frames),
+            matrix=_matrix(picture),
+            is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
+            slow_motion=slow_motion,
+            limits=limits,
+        )
+
+
+def with_limits(video: Video, limits: Limits) -> Video:
+    """Return the same video under other limits."""
+    return replace(video, limits=limits)
+
+
+def digest_of(path: str | Path) -> str:
+    """Return the SHA-256 of a file."""
+    with Path(path).open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Open a container, with FFmpeg's reasons in one line."""
+    try:
+        import av
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            'reading videos needs PyAV: pip install "latolato[video]"'
+        ) from None
+    av.logging.set_level(av.logging.PANIC)
+    try:
+        container = av.open(str(path))
+    except av.error.FFmpegError as error:
+        raise ValueError(f"{path} cannot be read as a video: {error.strerror}") from None
+    with container:
+        yield container
+
+
+def _pictures(container: Any, stream: Any, path: Path) -> Iterator[Any]:
+    """Decode one stream, with FFmpeg's reasons in one line."""
+    import av
+
+    try:
+        yield from container.decode(stream)
+    except av.error.FFmpegError as error:
+        raise ValueError(f"{path}: decoding fails ({error.strerror}); is the file whole?") from None
+
+
+def _duration(container: Any, stream: Any) -> float:
+    """Return the length that the container declares [s], 0 if it does not."""
+    if stream.duration is not None and stream.time_base is not None:
+        return float(stream.duration * stream.time_base)
+    return float(container.duration or 0) / 1e6
+
+
+def _matrix(picture: Any) -> str:
+    """Return which luma coefficients the frames carry; untagged ones go by their height."""
+    space = int(picture.colorspace)
+    if space == 1:
+        return "bt709"
+    if space in (5, 6):
+        return "bt601"
+    return "bt709" if min(picture.height, picture.width) >= 720 else "bt601"
+
+
+def _planes(picture: Any, rotation: int) -> tuple[np.ndarray, ...]:
+    """Return luma and chroma planes, turned as displayed."""
+    if picture.format.name not in _PLANAR:
+        picture = picture.reformat(format="yuv420p")
+    planes = []
+    for plane in picture.planes:
+        rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
+        planes.append(np.rot90(rows[:, : plane.width], -rotation // 90))
+    return tuple(planes)
