@@ -337,6 +337,77 @@ def plot(
         print(path)
 
 
+def _synthesise(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None, typer.Option("--from", help="Film the run of a result file.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Video: .mp4.", rich_help_panel="Output", show_default=False),
+    ] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            help="True track table: .csv, .parquet or .nc.",
+            rich_help_panel="Output",
+            show_default=False,
+        ),
+    ] = None,
+    condition: Annotated[
+        str,
+        typer.Option(
+            help="How it is filmed: clean, texture, wood, variable, rotated, tilted, blur, "
+            "lowlight, compressed, steel, occluded, rolling or lens.",
+            rich_help_panel="Filming",
+        ),
+    ] = "clean",
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is seen: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given several '
+            "times.",
+            show_default=False,
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='How the camera is: "fps = 120", "roll = 3 deg". May be given several times.',
+            show_default=False,
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Of texture, noise and time stamps.", rich_help_panel="Filming")
+    ] = 0,
+    as_json: JsonOption = False,
+    **given: Any,
+) -> None:
+    """Film a run with exactly known truth: a video to test tracking with, and its true table.
+
+    Options replace what the scenario says. Existing files are replaced.
+    """
+    from latolato import synthesise_command
+
+    found = synthesise_command.run(
+        run_command.scenario_of(scenario, rerun, given),
+        output,
+        truth,
+        condition=condition,
+        scene=scene or [],
+        camera=camera or [],
+        seed=seed,
+    )
+    print(json.dumps(found) if as_json else synthesise_command.as_text(found))
+
+
+app.command("synthesise", cls=EachOptionOnce)(
+    with_law_options(_synthesise, without=("times", "samples", "frame"))
+)
+
+
 @app.command(cls=EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,

@@ -1,12 +1,15 @@
 """Synthetic videos: what is painted lies where the truth says, and the file says when."""
 
 import dataclasses
+import json
 import math
 
 import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.cli import main
+from latolato.experiment.conditions import conditions
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import prepare, synthesise_video
 from latolato.experiment.table import read_table
@@ -102,3 +105,154 @@ def test_the_truth_is_written_as_a_track_table(run, tmp_path):
     again = read_table(path)
     np.testing.assert_array_equal(again.angle_1, truth.angle_1)
     assert again.attrs["ball_1_pixel_u"] == truth.attrs["ball_1_pixel_u"]
+
+
+@pytest.mark.parametrize("rotation", [0, 90, 180, 270])
+def test_turning_the_stored_pictures_back_shows_the_ball_where_it_was_clicked(
+    run, tmp_path, rotation
+):
+    av = pytest.importorskip("av", reason="needs the extra video")
+    camera = dataclasses.replace(SMALL, rotation=rotation, crf=1)
+    truth = synthesise_video(run, tmp_path / "clip.mp4", ALONE, camera)
+    with av.open(str(tmp_path / "clip.mp4")) as file:
+        frame = next(file.decode(video=0))
+        shown = np.rot90(frame.to_ndarray(format="rgb24"), frame.rotation // 90)
+    assert shown.shape == (240, 320, 3)
+    v, u = np.nonzero(shown[..., 0] > shown[..., 2] + 80.0)  # orange
+    # Means of whole pixels that are orange enough, with chroma of half the resolution.
+    assert u.mean() == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.5)
+    assert v.mean() == pytest.approx(truth.attrs["ball_1_pixel_v"], abs=0.5)
+
+
+@pytest.mark.parametrize("rotation", [0, 90, 180, 270])
+def test_a_rolling_shutter_shows_the_ball_as_it_is_when_its_stored_row_is_read(run, rotation):
+    row_time = 4e-5
+    camera = dataclasses.replace(SMALL, rotation=rotation, row_time=row_time, exposure=0.01)
+    take = prepare(run, ALONE, camera)
+    view, scale = take.studio.view, take.studio.view.scale
+    u, v = true_pixel(take, 14)
+    row = {0: v, 90: camera.width - 1 - u, 180: camera.height - 1 - v, 270: u}[rotation]
+    angle = np.interp(
+        take.begin + take.times[14] + row_time * row, take.motion.time, take.motion.angles[0]
+    )
+    truth = take.truth()
+    x, y = 0.363 * math.sin(angle), float(truth.pivot_y[14]) - 0.363 * math.cos(angle)
+    late_u, late_v = (float(number) for number in view.shown(x, y))
+    assert math.dist((u, v), (late_u, late_v)) > 0.6  # pixel
+    # The pivot moves on by up to 0.2 m/s, and the rows of the ball differ by its diameter.
+    near = scale * 0.2 * row_time * row + 0.3
+    assert centroid(take, 14) == pytest.approx((late_u, late_v), abs=near)
+
+
+def test_a_lens_moves_the_ball_as_its_coefficients_say(run):
+    camera = dataclasses.replace(SMALL, k1=-0.12, k2=0.02, exposure=0.02, pixels_per_metre=450.0)
+    take = prepare(run, ALONE, camera)
+    # The outer half of a ball is shown smaller, which moves the centroid inwards.
+    assert centroid(take, 0) == pytest.approx(true_pixel(take, 0), abs=0.1)
+    view = take.studio.view
+    u, v = view.flat(*(float(take.truth()[f"ball_1_{axis}"][0]) for axis in "xy"))
+    assert abs(float(v) - true_pixel(take, 0)[1]) > 0.5
+    there = view.straightened(*view.distorted(u, v))
+    np.testing.assert_allclose(there, (u, v), atol=1e-9)
+
+
+def test_the_same_seed_gives_the_same_file_and_another_seed_other_noise(run, tmp_path):
+    files = [tmp_path / f"{i}.mp4" for i in range(3)]
+    short = run.isel(time=slice(0, 40))
+    for file, seed in zip(files, (5, 5, 6), strict=True):
+        synthesise_video(short, file, camera=SMALL, seed=seed)
+    one, same, other = (file.read_bytes() for file in files)
+    assert one == same
+    assert one != other
+
+
+def test_balls_that_touch_in_an_exposure_are_flagged_and_the_left_one_mirrors_the_right(pair):
+    take = prepare(pair, Scene(), SMALL)
+    truth = take.truth()
+    half = 0.5 * SMALL.exposure / SMALL.fps
+    for number, time in enumerate(take.begin + take.times):
+        hit = bool(np.any(np.abs(pair.contact_time - time) <= half))
+        assert bool(truth.is_contact[number]) == hit
+        assert str(truth.flag_2[number].values) == ("collision" if hit else "ok")
+    np.testing.assert_array_equal(truth.angle_2, -truth.angle_1)
+    touching = 2.0 * math.asin(0.02 / 0.245)
+    assert float((truth.angle_1 - truth.angle_2).min()) >= touching - 1e-3
+
+
+def test_a_ball_behind_the_post_is_flagged_and_not_seen(run):
+    take = prepare(run, dataclasses.replace(ALONE, post_width=0.1, post_x=0.0), SMALL)
+    truth = take.truth()
+    number = int(np.argmin(np.abs(truth.angle_1.values)))
+    assert float(truth.covered_1[number]) == pytest.approx(1.0)
+    assert str(truth.flag_1[number].values) == "occluded"
+    assert np.abs(take.picture(number) - take.studio.empty()).max() < 0.02
+    assert str(truth.flag_1[0].values) == "ok"
+
+
+@pytest.mark.parametrize("name", conditions)
+def test_every_condition_paints_frames_of_its_size(pair, name):
+    scene, camera = conditions[name].make(camera={"width": 320, "height": 240, "row_time": 0.0})
+    take = prepare(pair, scene, camera, seed=2)
+    planes = take.frame(3)
+    turned = camera.rotation in (90, 270)
+    assert planes.shape == ((480, 240) if turned else (360, 320))
+    assert planes.std() > 3.0  # codes: something is seen
+
+
+def test_the_command_prints_clicks_that_lie_on_the_ball(tmp_path, capsys):
+    video, table = tmp_path / "clip.mp4", tmp_path / "truth.csv"
+    arguments = (
+        f"synthesise fig02 --duration 0.2 --output {video} --truth {table} --condition tilted "
+        "--camera width=320 --camera height=240 --seed 4 --json"
+    )
+    assert main(arguments.split()) == 0
+    found = json.loads(capsys.readouterr().out)
+    truth = read_table(table)
+    assert found["frames"] == truth.sizes["frame"] == 12
+    assert found["ball"][0][0] == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.01)
+    assert video.stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"width": 641}, "width must be even and in [64, 4096] pixels, got 641"),
+        ({"rotation": 45}, "rotation must be one of 0, 90, 180, 270 deg, got 45"),
+        ({"fps": 0.0}, "fps must lie in [1, 1000] 1/s, got 0; give at least 1"),
+        ({"crf": 52}, "crf must be a whole number in [0, 51], got 52"),
+        ({"row_time": 1.0}, "row_time must let 960 rows fit"),
+    ],
+)
+def test_cameras_that_cannot_be_are_refused(given, message):
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the message is compared below
+        Camera(**given)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ("--condition fogg", "unknown condition 'fogg'"),
+        ("--camera fsp=3", "--camera has no 'fsp': did you mean 'fps'?"),
+        ("--scene ball_colour=red", "ball_colour must be a colour such as '#e8590c', got 'red'"),
+        ("--camera crf=x", "crf must be a whole number, got 'x'"),
+        ("--seed -1", "seed must be a whole number of at least 0, got -1"),
+        ("--truth t.txt", "the name of a track table must end in"),
+        ("--camera k1=-0.5", "k1, k2 must not fold the picture"),
+    ],
+)
+def test_bad_options_are_refused_in_one_line_and_nothing_is_written(
+    tmp_path, capsys, options, message
+):
+    video = tmp_path / "clip.mp4"
+    arguments = f"synthesise fig02 --duration 0.1 --output {video} {options}"
+    assert main(arguments.split()) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_no_run_is_refused(run, tmp_path):
+    with pytest.raises(TypeError, match="needs a run"):
+        synthesise_video(run.drop_attrs(), tmp_path / "clip.mp4")

@@ -18,6 +18,8 @@ _MOST_MOMENTS = 400
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
+# How far fingers reach from the palm's middle, and the length of the arm, in palm radii.
+_HAND_REACH, _ARM = 2.3, 60.0
 
 
 class View:
@@ -225,10 +227,12 @@ class Studio:
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
         if hand_x is not None:
-            u, v = view.flat(hand_x, -scene.hand_depth * self.length)
-            size = 4.5 * scene.hand_radius * view.scale
-            low = np.minimum(low, [float(u) - size, float(v) - size])
-            high = np.maximum(high, [float(u) + size, float(v) + size])
+            x = hand_x + _HAND_REACH * scene.hand_radius * np.array([-1.0, 1.0, -1.0, 1.0])
+            top = -scene.hand_depth * self.length + _HAND_REACH * scene.hand_radius
+            y = np.array([top, top, top - _ARM * scene.hand_radius, top - _ARM * scene.hand_radius])
+            corners = np.stack(view.flat(x, y), axis=1)
+            low = np.minimum(low, corners.min(axis=0))
+            high = np.maximum(high, corners.max(axis=0))
         camera = self.camera
         if camera.has_lens:
             edge = np.linspace(0.0, 1.0, 33)
@@ -330,7 +334,7 @@ class Studio:
         gap = np.hypot(x, y) - 1.0
         for lean, reach in ((-0.55, 1.7), (-0.18, 2.0), (0.18, 1.95), (0.6, 1.6)):
             gap = np.minimum(gap, _capsule(x, y, (0.6 * lean, 0.3), (lean, reach), 0.22))
-        gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.8, -6.0), 0.62))
+        gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
         return gap * size
 
     def _cover(self, part: Image, u0: int, v0: int, hand_x: float | None) -> None:

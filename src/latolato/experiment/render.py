@@ -21,7 +21,6 @@ Image = NDArray[np.float32]
 
 # Reflected by a metal ball: what lies below, around and above, and the width of the horizon.
 _FLOOR, _CEILING, _HORIZON = 0.12, 1.0, 0.35
-_HIGHLIGHT_POWER = 40.0
 # A rod is a cylinder: its edges are darker by this much.
 _ROD_EDGE = 0.35
 
@@ -63,13 +62,14 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
         return min(max(0.5 - distance, 0.0), 1.0)
 
     @compile_part
-    def rod_distance(x: float, y: float, px: float, py: float, bx: float, by: float) -> float:
-        """Return the distance of a point from the axis of a rod."""
-        du, dv = bx - px, by - py
-        square = du * du + dv * dv
-        along = ((x - px) * du + (y - py) * dv) / max(square, 1e-12)
-        along = min(max(along, 0.0), 1.0)
-        return math.hypot(x - px - along * du, y - py - along * dv)
+    def rod_square(x: float, y: float, du: float, dv: float, share: float) -> float:
+        """Return the squared distance of a point from an axis; both from one end of it.
+
+        `du` and `dv` lead to the other end, `share` is one over their squared length.
+        """
+        along = min(max((x * du + y * dv) * share, 0.0), 1.0)
+        x, y = x - along * du, y - along * dv
+        return x * x + y * y
 
     @compile_part
     def reach(
@@ -101,9 +101,12 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
         part = min(max(0.5 + 0.5 * up / _HORIZON, 0.0), 1.0)
         mirror = _FLOOR + (_CEILING - _FLOOR) * part * part * (3.0 - 2.0 * part)
         mirror *= 0.55 + 0.45 * n_w
-        norm = math.sqrt(2.0 + 2.0 * look.light_w)
-        half = (facing + n_w) / norm
-        highlight = look.gloss * max(half, 0.0) ** _HIGHLIGHT_POWER
+        half = (facing + n_w) / math.sqrt(2.0 + 2.0 * look.light_w)
+        power = max(half, 0.0) ** 2
+        power *= power  # to the power 32 in all
+        power *= power
+        power *= power
+        highlight = look.gloss * power * power
         return (1.0 - look.metal) * matt + look.metal * mirror, highlight
 
     def paint(
@@ -130,41 +133,75 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
         rows, columns = total.shape[0], total.shape[1]
         lines = states.shape[1]
         radii = (look.radius_1, look.radius_2)
-        block = math.hypot(look.block_u, look.block_v) + 1.0
-        block = max(block, look.bolt + 1.0)
-        whole = axis == 1 or not is_plain
         soft = 0.5 * look.softness + 1.0
+        tilt, lean = abs(look.cosine), abs(look.sine)
+        block_u = max(tilt * look.block_u + lean * look.block_v, look.bolt) + 1.0
+        block_v = max(lean * look.block_u + tilt * look.block_v, look.bolt) + 1.0
+        spans, ends = np.empty((5, 2)), np.empty((2, 2))
+        near_rod, near_soft = (max(look.rod, 0.5) + 0.5) ** 2, (look.rod + soft) ** 2
+        whole = (axis == 1 and lines > 1) or not is_plain
         for moment in range(states.shape[0]):
             for row in range(rows):
                 line = 0
                 if lines > 1 and axis == 0:
                     line = corner_v + row
                     line = lines - 1 - line if flip else line
-                first, last = 0, columns - 1
+                pu, pv = states[moment, line, 0], states[moment, line, 1]
+                for ball in range(balls):
+                    ends[ball, 0] = states[moment, line, 2 + 2 * ball]
+                    ends[ball, 1] = states[moment, line, 3 + 2 * ball]
+                spans[0, 0], spans[0, 1] = 0.0, columns - 1.0
+                count = 1
                 if not whole:
-                    s = states[moment, line]
                     v = float(corner_v + row)
-                    low, high = 1e9, -1e9
-                    if abs(v - s[1]) <= block:
-                        low, high = s[0] - block, s[0] + block
+                    count = 0
+                    if abs(v - pv) <= block_v:
+                        spans[0, 0], spans[0, 1] = pu - block_u, pu + block_u
+                        count = 1
                     for ball in range(balls):
-                        bu, bv = s[2 + 2 * ball], s[3 + 2 * ball]
-                        one, other = reach(v, s[0], s[1], bu, bv, look.rod + 1.0, radii[ball] + 1.0)
-                        low, high = min(low, one), max(high, other)
+                        bu, bv = ends[ball, 0], ends[ball, 1]
+                        low, high = reach(v, pu, pv, bu, bv, look.rod + 1.0, radii[ball] + 1.0)
+                        spans[count, 0], spans[count, 1] = low, high
+                        count += 1
                         if look.shadow > 0.0:
-                            du, dv = look.shadow_u, look.shadow_v
-                            one, other = reach(
-                                v, s[0] + du, s[1] + dv, bu + du, bv + dv,
+                            low, high = reach(
+                                v - look.shadow_v, pu, pv, bu, bv,
                                 look.rod + soft, radii[ball] + soft,
                             )  # fmt: skip
-                            low, high = min(low, one), max(high, other)
-                    first = max(math.floor(low) - corner_u, 0)
-                    last = min(math.ceil(high) - corner_u, columns - 1)
-                for column in range(first, last + 1):
+                            spans[count, 0] = low + look.shadow_u
+                            spans[count, 1] = high + look.shadow_u
+                            count += 1
+                    for i in range(1, count):  # in order from left to right
+                        for j in range(i, 0, -1):
+                            if spans[j, 0] < spans[j - 1, 0]:
+                                for k in range(2):
+                                    one = spans[j, k]
+                                    spans[j, k] = spans[j - 1, k]
+                                    spans[j - 1, k] = one
+                    for i in range(count):
+                        spans[i, 0] -= corner_u
+                        spans[i, 1] -= corner_u
+                seen = 0  # columns to the left of it are done
+                span = -1
+                column = last = -1
+                while True:
+                    column += 1
+                    while column > last:
+                        span += 1
+                        if span == count:
+                            break
+                        column = max(math.floor(max(spans[span, 0], 0.0)), seen)
+                        last = math.ceil(min(spans[span, 1], columns - 1.0))
+                    if span == count:
+                        break
+                    seen = column + 1
                     if lines > 1 and axis == 1:
                         line = corner_u + column
                         line = lines - 1 - line if flip else line
-                    s = states[moment, line]
+                        pu, pv = states[moment, line, 0], states[moment, line, 1]
+                        for ball in range(balls):
+                            ends[ball, 0] = states[moment, line, 2 + 2 * ball]
+                            ends[ball, 1] = states[moment, line, 3 + 2 * ball]
                     x, y = float(corner_u + column), float(corner_v + row)
                     if not is_plain:
                         i, j = corner_v + row, corner_u + column
@@ -172,62 +209,62 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
                     red = old_red = float(wall[row, column, 0])
                     green = old_green = float(wall[row, column, 1])
                     blue = old_blue = float(wall[row, column, 2])
+                    x, y = x - pu, y - pv  # from here on all is seen from the pivot
                     if look.shadow > 0.0:
                         dark = 0.0
                         su, sv = x - look.shadow_u, y - look.shadow_v
                         for ball in range(balls):
-                            bu, bv = s[2 + 2 * ball], s[3 + 2 * ball]
-                            gap = min(
-                                math.hypot(su - bu, sv - bv) - radii[ball],
-                                rod_distance(su, sv, s[0], s[1], bu, bv) - look.rod,
-                            )
-                            part = min(max(0.5 - gap / look.softness, 0.0), 1.0)
+                            bu, bv, reached = ends[ball, 0] - pu, ends[ball, 1] - pv, 1e9
+                            square = rod_square(su, sv, bu, bv, 1.0 / max(bu * bu + bv * bv, 1e-9))
+                            if square < near_soft:
+                                reached = math.sqrt(square) - look.rod
+                            square = (su - bu) ** 2 + (sv - bv) ** 2
+                            if square < (radii[ball] + soft) ** 2:
+                                reached = min(reached, math.sqrt(square) - radii[ball])
+                            part = min(max(0.5 - reached / look.softness, 0.0), 1.0)
                             dark = max(dark, part * part * (3.0 - 2.0 * part))
                         left = 1.0 - look.shadow * dark
                         red, green, blue = red * left, green * left, blue * left
-                    du, dv = x - s[0], y - s[1]
-                    if look.block_u > 0.0 and abs(du) <= block and abs(dv) <= block:
-                        across = look.cosine * du - look.sine * dv
-                        down = look.sine * du + look.cosine * dv
+                    if look.block_u > 0.0 and abs(x) <= block_u and abs(y) <= block_v:
+                        across = look.cosine * x - look.sine * y
+                        down = look.sine * x + look.cosine * y
                         part = ramp(abs(across) - look.block_u) * ramp(abs(down) - look.block_v)
-                        if part > 0.0:
-                            light = 1.0 - 0.25 * down / look.block_v
-                            red += part * (light * colours[BLOCK, 0] - red)
-                            green += part * (light * colours[BLOCK, 1] - green)
-                            blue += part * (light * colours[BLOCK, 2] - blue)
-                    for ball in range(balls):
-                        if look.rod <= 0.0:
-                            break
-                        bu, bv = s[2 + 2 * ball], s[3 + 2 * ball]
-                        away = rod_distance(x, y, s[0], s[1], bu, bv)
-                        # a rod thinner than a pixel never covers one
-                        part = ramp(away - max(look.rod, 0.5)) * min(2.0 * look.rod, 1.0)
-                        if part > 0.0:
+                        light = 1.0 - 0.25 * down / look.block_v
+                        red += part * (light * colours[BLOCK, 0] - red)
+                        green += part * (light * colours[BLOCK, 1] - green)
+                        blue += part * (light * colours[BLOCK, 2] - blue)
+                    if look.rod > 0.0:
+                        for ball in range(balls):
+                            bu, bv = ends[ball, 0] - pu, ends[ball, 1] - pv
+                            square = rod_square(x, y, bu, bv, 1.0 / max(bu * bu + bv * bv, 1e-9))
+                            if square >= near_rod:
+                                continue
+                            away = math.sqrt(square)
+                            # a rod thinner than a pixel never covers one
+                            part = ramp(away - max(look.rod, 0.5)) * min(2.0 * look.rod, 1.0)
                             edge = min(away / max(look.rod, 0.5), 1.0)
                             light = 1.0 - _ROD_EDGE * edge * edge
                             red += part * (light * colours[ROD, 0] - red)
                             green += part * (light * colours[ROD, 1] - green)
                             blue += part * (light * colours[ROD, 2] - blue)
-                    if look.bolt > 0.0 and abs(du) <= look.bolt + 1.0:
-                        part = ramp(math.hypot(du, dv) - look.bolt)
-                        if part > 0.0:
-                            red += part * (colours[BOLT, 0] - red)
-                            green += part * (colours[BOLT, 1] - green)
-                            blue += part * (colours[BOLT, 2] - blue)
+                    square = x * x + y * y
+                    if look.bolt > 0.0 and square < (look.bolt + 0.5) ** 2:
+                        part = ramp(math.sqrt(square) - look.bolt)
+                        red += part * (colours[BOLT, 0] - red)
+                        green += part * (colours[BOLT, 1] - green)
+                        blue += part * (colours[BOLT, 2] - blue)
                     for ball in range(balls):
-                        bu, bv, radius = s[2 + 2 * ball], s[3 + 2 * ball], radii[ball]
+                        bu, bv, radius = ends[ball, 0] - pu, ends[ball, 1] - pv, radii[ball]
                         au, av = x - bu, y - bv
-                        if abs(au) > radius + 1.0 or abs(av) > radius + 1.0:
+                        square = au * au + av * av
+                        if square >= (radius + 0.5) ** 2:
                             continue
-                        part = ramp(math.hypot(au, av) - radius)
-                        if part <= 0.0:
-                            continue
+                        part = ramp(math.sqrt(square) - radius)
                         light, highlight = shade(au / radius, av / radius, look)
                         mix = 0.0
                         if look.pattern > 0.0:
-                            ru, rv = bu - s[0], bv - s[1]
-                            size = max(math.hypot(ru, rv), 1e-9)
-                            along = (au * ru + av * rv) / size
+                            size = math.sqrt(max(bu * bu + bv * bv, 1e-9))
+                            along = (au * bu + av * bv) / size
                             mix = ramp(abs(along) - look.pattern * radius)
                         own = BALL_1 + ball
                         r = (1.0 - mix) * colours[own, 0] + mix * colours[PATTERN, 0]

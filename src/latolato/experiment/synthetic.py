@@ -205,6 +205,8 @@ def prepare(
 ) -> Take:
     """Return the video of a run before it is encoded; see `synthesise_video`."""
     scene, camera = scene or Scene(), camera or Camera()
+    if seed < 0:
+        raise ValueError(f"seed must be a whole number of at least 0, got {seed!r}")
     stamps, begin = frame_stamps(run, camera, seed)
     times = stamps / TICKS
     motion, run = filmed_motion(run, begin + times, scene)

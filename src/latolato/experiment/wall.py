@@ -22,10 +22,12 @@ def make_wall(scene: Scene, shape: tuple[int, int], random: np.random.Generator)
         tint = np.array([1.05, 1.0, 0.93], np.float32) ** np.float32(scene.contrast)
         return np.asarray(wall * light[..., None] * tint, np.float32)
     if scene.background == "texture":
+        strength = 0.22
         sizes = (240.0, 90.0, 30.0, 10.0, 4.0)
         light = sum(_clouds(shape, (s, s), random) * 0.85**i for i, s in enumerate(sizes))
         tint = _clouds(shape, (150.0, 150.0), random)
     else:
+        strength = 0.42
         plank = 140.0
         grain = _clouds(shape, (4.0, 300.0), random) + 0.6 * _clouds(shape, (12.0, 500.0), random)
         warp = 8.0 * _clouds(shape, (60.0, 260.0), random)
@@ -35,8 +37,8 @@ def make_wall(scene: Scene, shape: tuple[int, int], random: np.random.Generator)
         gap = np.abs(v * shape[0] / plank % 1.0 * plank - 1.0) < 1.5
         light = 0.5 * grain + 0.35 * ring + 0.6 * tone - 2.5 * gap
         tint = 0.8 + 0.5 * tone
-    factor = np.exp(0.42 * scene.contrast * light)[..., None]
-    warmth = np.array([0.22, 0.0, -0.35]) * scene.contrast * tint[..., None]
+    factor = np.exp(strength * scene.contrast * light)[..., None]
+    warmth = np.array([0.2, 0.0, -0.3]) * strength * scene.contrast * tint[..., None]
     return np.asarray(np.clip(wall * factor * np.exp(warmth), 0.0, 1.0), np.float32)
 
 
