@@ -43,10 +43,8 @@ def track(
     arm = float(np.mean([np.hypot(*(ball - hinge)) for ball in starts]))
     expected = radius / length * arm if radius and length else None
     scene = learn_scene(video, sample, hinge, starts, expected)
-    angles = np.array([math.atan2(*(ball - hinge)) for ball in starts])
-    order = np.argsort(-angles)
     stiffness = gravity / length if length else 0.0
-    seen = follow(video, scene, sample.interval, len(sample.times), stiffness, angles[order])
+    seen = follow(video, scene, sample.interval, len(sample.times), stiffness)
     measured = calibrate(seen, (video.width, video.height), video.rotation, optics)
     return _table(video, scene, seen, measured, length, radius)
 

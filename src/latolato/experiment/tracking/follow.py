@@ -66,7 +66,6 @@ def follow(
     interval: float,
     count: int,
     stiffness: float,
-    starts: np.ndarray,
     progress: Callable[[float], None] | None = None,
 ) -> Followed:
     """Return where pivot and balls are in every frame.
@@ -81,8 +80,6 @@ def follow(
         Number of frames.
     stiffness : float
         Gravity over length [1/s^2], 0 if unknown.
-    starts : numpy.ndarray, shape (ball,)
-        Angles in the first frame from straight down in the image [rad], right ball first.
     """
     balls = scene.balls
     out = Followed(
@@ -93,7 +90,7 @@ def follow(
         np.full((count, balls), np.nan),
         np.full((count, balls), "lost", "U9"),
     )
-    follower = _Follower(scene, interval, stiffness, starts)
+    follower = _Follower(scene, interval, stiffness)
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
@@ -109,11 +106,10 @@ def follow(
 class _Follower:
     """State carried from frame to frame."""
 
-    def __init__(self, scene: Scene, interval: float, stiffness: float, starts: np.ndarray) -> None:
+    def __init__(self, scene: Scene, interval: float, stiffness: float) -> None:
         self.scene, self.interval = scene, interval
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
         self.predictor = Predictor(stiffness, gap)
-        self.starts = starts
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
         self.is_begun = False
@@ -137,7 +133,7 @@ class _Follower:
             if near_cost < 1.5 * cost + 0.05:
                 shift = near
         self.pivots = [*self.pivots[-3:], (frame.time, shift)]
-        place: np.ndarray = tracker.origin + shift
+        place: np.ndarray = tracker.place(shift)
         return place
 
     def _pivot_motion(self, instants: np.ndarray) -> tuple[np.ndarray, float]:
@@ -145,7 +141,7 @@ class _Follower:
 
         The acceleration is in pixels per second squared.
         """
-        origin = self.scene.pivot.origin
+        origin = self.scene.pivot.place(np.zeros(2))
         time, place = self.pivots[-1]
         if len(self.pivots) < 3:
             return np.broadcast_to(origin + place, (len(instants), 2)), 0.0
@@ -160,9 +156,10 @@ class _Follower:
     def balls_in(self, frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return centres, angles, sigmas and flags of the balls in a frame."""
         scene, predictor = self.scene, self.predictor
-        pivot = scene.pivot.origin + self.pivots[-1][1]
+        pivot = scene.pivot.place(self.pivots[-1][1])
         if not self.is_begun:
-            predictor.start(frame.time, self.starts, 0.5 * scene.look.radius / scene.arm)
+            sigma = 0.5 * scene.look.radius / scene.arm
+            predictor.start(frame.time, scene.starts, scene.speeds / self.interval, sigma)
             self.is_begun = True
         exposure = scene.look.exposure * self.interval
         speed = float(np.max(np.abs(predictor.velocities), initial=0.0))
@@ -198,14 +195,13 @@ class _Follower:
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(
-                    [math.sin(expected.angles[b]), math.cos(expected.angles[b])]
+                    [math.sin(expected.guess[b]), math.cos(expected.guess[b])]
                 )
                 centre = middle + fit.shift[k]
                 away = centre - pivot
                 angle = math.atan2(away[0], away[1])
-                angles[b] = expected.angles[b] + math.remainder(
-                    angle - expected.angles[b], 2.0 * math.pi
-                )
+                turn = math.remainder(angle - expected.guess[b], 2.0 * math.pi)
+                angles[b] = expected.guess[b] + turn
                 across = np.array([away[1], -away[0]]) / np.hypot(*away)
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
                 sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
@@ -221,7 +217,7 @@ class _Follower:
     ) -> np.ndarray:
         """Return which balls were not measured: hidden, off the circle, or not where they can be."""
         scene = self.scene
-        pivot = scene.pivot.origin + self.pivots[-1][1]
+        pivot = scene.pivot.place(self.pivots[-1][1])
         bad = np.zeros(scene.balls, bool)
         for b, (centre, explained, _) in enumerate(fits):
             off = abs(np.hypot(*(centre - pivot)) - scene.arm)
@@ -247,7 +243,8 @@ class _Follower:
         moved = False
         for b in np.flatnonzero(bad):
             spread = 4.0 * math.sqrt(expected.covariance[b, 0, 0])
-            reach = min(max(spread, 2.0 * scene.look.radius / scene.arm), math.pi)
+            missed = 1.0 + self.unseen[b] / self.interval
+            reach = min(max(spread, 2.0 * missed * scene.look.radius / scene.arm), math.pi)
             count = 2 * math.ceil(reach * scene.arm / scene.look.radius * 2.5) + 1
             trials = expected.angles[b] + np.linspace(-reach, reach, count)
             if scene.balls == 2:
@@ -257,15 +254,14 @@ class _Follower:
             gain = gains_at(scene.look, frame[2:], pivot, scene.arm, trials)
             best = int(np.argmax(gain))
             if gain[best] > _BELIEVED:
-                shift = trials[best] - expected.angles[b]
-                expected.path[:, b] += shift
-                expected.angles[b] += shift
+                expected.path[:, b] += trials[best] - expected.guess[b]
+                expected.guess[b] = trials[best]
                 moved = True
         return moved
 
     def _allowed(self, trials: np.ndarray, ball: int, expected: Prediction) -> np.ndarray:
         """Return which angles do not put a ball into or beyond the other one."""
-        between = (trials - expected.angles[1 - ball]) * (1.0 if ball == 0 else -1.0)
+        between = (trials - expected.guess[1 - ball]) * (1.0 if ball == 0 else -1.0)
         gap = 0.9 * self.predictor.gap
         allowed: np.ndarray = (between > gap) & (between < 2.0 * math.pi - gap)
         return allowed
@@ -298,7 +294,7 @@ class _Follower:
     def _restart(self, expected: Prediction, ball: int, angle: float) -> None:
         """Expect a ball somewhere else, with unknown velocity."""
         expected.path[:, ball] += angle - expected.angles[ball]
-        expected.angles[ball] = angle
+        expected.angles[ball] = expected.guess[ball] = angle
         expected.velocities[ball] = 0.0
         speed = max(2.0 * math.sqrt(self.predictor.stiffness), 3.0)
         expected.covariance[ball] = np.diag(

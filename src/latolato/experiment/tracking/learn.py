@@ -17,7 +17,7 @@ from latolato.experiment.tracking.appearance import (
     median_background,
     samples_for,
 )
-from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
+from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot, learn_template, locate_all
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
@@ -45,12 +45,17 @@ class Scene:
         Distance from pivot to ball centre [pixels].
     balls : int
         How many balls are followed.
+    starts, speeds : numpy.ndarray, shape (ball,)
+        Angles in the first frame from straight down in the image [rad], right ball first, and how
+        much they grow per frame interval; NaN if the second frame does not tell.
     """
 
     pivot: PivotTracker
     look: Appearance
     arm: float
     balls: int
+    starts: np.ndarray
+    speeds: np.ndarray
 
 
 @dataclass
@@ -110,7 +115,7 @@ def learn_scene(
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     medians = median_planes(frames)
     tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
-    pivots = tracker.origin + shifts
+    pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
@@ -122,7 +127,8 @@ def learn_scene(
     paint = _first_paint(frames[0], colours, centres, size)
     weight = np.eye(3) / _NOISE**2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
-    scene = Scene(tracker, look, arm, len(balls))
+    starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
+    scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
     for round_ in range(3):
         found = _find(scene, frames, pivots)
         if not found:
@@ -136,8 +142,18 @@ def learn_scene(
             _learn_background(scene, frames, covered)
         if round_ > 0:
             _learn_exposure(scene, frames, found)
+            if not tracker.is_still and tracker.exposure > 0.0:
+                shifts = locate_all(tracker, frames, shifts)
+                learn_template(tracker, frames, medians[0], shifts)
+                shifts = locate_all(tracker, frames, shifts)
+                tracker.anchor = shifts[0].copy()
+                pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / 3)
+    for b, start in enumerate(starts):
+        own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]
+        if own:
+            scene.speeds[b] = own[0].speed
     return scene
 
 
@@ -288,6 +304,10 @@ def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[_Found]
             gap = (turned[:, None] - last[1][None] + np.pi) % (2.0 * np.pi) - np.pi
             nearest = np.argmin(np.abs(gap), axis=1)
             speeds = gap[np.arange(len(turned)), nearest]
+            for one in found:
+                if one.frame == k - 1:
+                    change = (turned - one.angle + np.pi) % (2.0 * np.pi) - np.pi
+                    one.speed = float(change[np.argmin(np.abs(change))])
         last = (frame, turned)
         if look.exposure > 0.0 and np.isfinite(speeds).all():
             for b, centre in enumerate(centres):
@@ -347,9 +367,12 @@ def _learn_edge(scene: Scene, frames: list[Frame], teachers: list[_Found]) -> No
 def _learn_noise(look: Appearance, frames: list[Frame], found: list[_Found]) -> None:
     """Learn the covariance of what the background does not explain around the balls."""
     outer, inner, rest_walls = [], [], []
-    half = int(1.7 * look.radius) + 2
-    side = 2 * half + 1
+    exposure = look.exposure or 0.5
     for one in found[:: max(1, len(found) // 30)]:
+        arm = float(np.hypot(*(one.pivot - one.centre)))
+        smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
+        half = int(1.7 * look.radius + 0.5 * smear) + 2
+        side = 2 * half + 1
         corner = np.rint(one.centre).astype(int) - half
         image = look.colours.window(
             frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
@@ -362,8 +385,8 @@ def _learn_noise(look: Appearance, frames: list[Frame], found: list[_Found]) -> 
         is_rod = (dx * along[0] + dy * along[1] > 0.0) & (
             np.abs(dx * along[1] - dy * along[0]) < 0.5 * look.radius
         )
-        smear = 0.0 if np.isnan(one.speed) else abs(one.speed) * np.hypot(*(one.pivot - one.centre))
-        ring = (away > 1.15 * look.radius + smear) & (away < 1.7 * look.radius) & ~is_rod
+        beyond = away - 0.5 * smear
+        ring = (beyond > 1.15 * look.radius) & (beyond < 1.7 * look.radius) & ~is_rod
         if not np.isfinite(wall[ring]).any():
             continue
         outer.append((image - wall)[ring])

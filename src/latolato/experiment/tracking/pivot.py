@@ -13,9 +13,8 @@ from latolato.experiment.video import Frame
 _LIMIT = 16.0
 # Shifts smaller than this are noise: the pivot rests [pixels].
 _STILL = 0.2
-# Half sides of templates that are tried [pixels], and the margin at which one will do.
-_SIZES = (6, 9, 13, 19, 27, 38, 54)
-_DISTINCT = 0.25
+# Half sides of templates that are tried [pixels].
+_SIZES = (9, 13, 19, 27, 38, 54)
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
 _SIDEWAYS, _TILT = 3.0, 0.15
 
@@ -34,6 +33,8 @@ class PivotTracker:
         Least and largest shift seen in the sample (column, row) [pixels].
     exposure : float
         Share of the frame interval in which light is collected.
+    anchor : numpy.ndarray, shape (2,)
+        Shift that the template has in the first frame, where the pivot was pointed at.
     is_still : bool
         Whether the pivot rests.
     """
@@ -43,14 +44,18 @@ class PivotTracker:
     weight: np.ndarray
     reach: np.ndarray
     exposure: float = 0.0
+    anchor: np.ndarray = field(default_factory=lambda: np.zeros(2))
     is_still: bool = False
-    sigma: float = 0.05
-    _gap: np.ndarray = field(default_factory=lambda: np.zeros(2))
 
     @property
     def half(self) -> int:
         """Half the template's side [pixels]."""
         return (self.template.shape[0] - 1) // 2
+
+    def place(self, shift: np.ndarray) -> np.ndarray:
+        """Return where the pivot is (column, row) for shifts [pixels]."""
+        at: np.ndarray = self.origin + shift - self.anchor
+        return at
 
     def locate(
         self, luma: np.ndarray, guess: np.ndarray | None, velocity: np.ndarray
@@ -167,30 +172,56 @@ def learn_pivot(
     tracker = _distinct(frames, click.astype(float), arm, room)
     shifts = np.zeros((len(frames), 2))
     for round_ in range(4):
-        for k, frame in enumerate(frames):
-            shifts[k], _ = tracker.locate(frame.luma, None, np.zeros(2))
+        shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
         slack = 3.0 + 0.1 * (spread[1] - spread[0])
         tracker.reach = spread + np.array([-slack, slack])
         if round_ == 1:  # the shifts are known: more of what moves with the pivot joins
-            grown = min(2 * tracker.half, int(max(_SIZES)), room)
+            grown = min(max(2 * tracker.half, int(0.1 * arm)), int(max(_SIZES)), room)
             tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
-        _learn(tracker, frames, behind, shifts)
+        learn_template(tracker, frames, behind, shifts)
+    shifts = locate_all(tracker, frames, shifts)
     middle = np.median(shifts, axis=0)
     scatter = 1.4826 * np.median(np.abs(shifts - middle), axis=0)
     if np.max(scatter) < _STILL and np.quantile(np.abs(shifts - middle), 0.9) < 2.0 * _STILL:
         tracker.is_still = True
         shifts[:] = 0.0
+    tracker.anchor = shifts[0].copy()
     return tracker, shifts
 
 
-def _learn(
+def velocities(frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
+    """Return shifts per frame interval in the sample, NaN where no neighbour tells."""
+    speed = np.full((len(frames), 2), np.nan)
+    for k in range(len(frames) - 1):
+        if frames[k + 1].number == frames[k].number + 1:
+            speed[k] = speed[k + 1] = shifts[k + 1] - shifts[k]
+    return speed
+
+
+def locate_all(tracker: PivotTracker, frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
+    """Return the pivot's shifts in the sample, smeared as the last ones tell."""
+    speed = np.nan_to_num(velocities(frames, shifts))
+    found = [tracker.locate(f.luma, None, v)[0] for f, v in zip(frames, speed)]
+    return np.array(found)
+
+
+def learn_template(
     tracker: PivotTracker,
     frames: list[Frame],
     behind: np.ndarray,
     shifts: np.ndarray,
 ) -> None:
-    """Make template and weight anew from the frames, moved onto each other."""
+    """Make template and weight anew from the slower frames, moved onto each other."""
+    speed = np.hypot(*velocities(frames, shifts).T)
+    slow = (
+        speed <= max(1.0, float(np.nanquantile(speed, 0.4)))
+        if np.isfinite(speed).any()
+        else speed == speed
+    )
+    slow = slow if slow.sum() >= 6 else np.ones(len(frames), bool)
+    frames = [frame for frame, is_slow in zip(frames, slow) if is_slow]
+    shifts = shifts[slow]
     half = tracker.half
     inside = np.hypot(*(np.indices(tracker.template.shape) - half)) <= half + 0.5
     stack = np.stack(
@@ -208,7 +239,7 @@ def _learn(
 
 
 def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> PivotTracker:
-    """Return the tracker with the smallest template that is found at one place per frame only."""
+    """Return the tracker with the template that is found most clearly at one place per frame."""
     tall, wide = 0.4 * arm, 3.0
     best: tuple[float, PivotTracker] | None = None
     for half in sorted({min(size, room) for size in _SIZES}):
@@ -221,8 +252,6 @@ def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> 
         margin = float(np.median(margins))
         if best is None or margin > best[0]:
             best = (margin, tracker)
-        if margin > _DISTINCT:
-            break
     assert best is not None
     return best[1]
 

@@ -31,6 +31,8 @@ class Prediction:
         Angles at the requested instants.
     contact_times : list of float
         Instants of contacts since the last frame [s].
+    guess : numpy.ndarray, shape (ball,)
+        Angles from which a fit starts: the expected ones, unless the image says otherwise.
     """
 
     angles: np.ndarray
@@ -38,6 +40,7 @@ class Prediction:
     covariance: np.ndarray
     path: np.ndarray
     contact_times: list[float]
+    guess: np.ndarray
 
 
 class Predictor:
@@ -59,13 +62,15 @@ class Predictor:
         self.covariance = np.zeros((0, 2, 2))
         self.time = 0.0
 
-    def start(self, time: float, angles: np.ndarray, sigma: float) -> None:
-        """Begin at given angles with unknown velocities."""
+    def start(self, time: float, angles: np.ndarray, speeds: np.ndarray, sigma: float) -> None:
+        """Begin at given angles and velocities; NaN where these are unknown."""
         self.time = time
         self.angles = np.array(angles, float)
-        self.velocities = np.zeros_like(self.angles)
+        self.velocities = np.nan_to_num(speeds)
         speed = max(4.0 * math.sqrt(self.stiffness), 5.0)
-        self.covariance = np.stack([np.diag([sigma**2, speed**2])] * len(angles))
+        self.covariance = np.stack(
+            [np.diag([sigma**2, speed**2 if np.isnan(v) else 0.25 * v**2 + 1.0]) for v in speeds]
+        )
 
     def predict(self, time: float, instants: np.ndarray, pivot_stiffness: float) -> Prediction:
         """Return the state at `time` and the angles at `instants`, sorted, around it.
@@ -94,7 +99,8 @@ class Predictor:
             path[instants == stop] = angles
             if stop == time:
                 state = angles.copy(), speeds.copy()
-        return Prediction(*state, self._spread(time - self.time, force, contacts), path, contacts)
+        spread = self._spread(time - self.time, force, contacts)
+        return Prediction(*state, spread, path, contacts, state[0].copy())
 
     def _collide(self, angles: np.ndarray, speeds: np.ndarray) -> bool:
         """Reflect two balls that would pass each other, at the bottom or at the top."""
