@@ -113,25 +113,25 @@ class _Follower:
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
         self.is_begun = False
+        self.pivot_cost = 0.0
 
     def pivot_in(self, frame: Frame) -> np.ndarray:
         """Return the pivot's place in a frame."""
         tracker = self.scene.pivot
         guess, velocity = None, np.zeros(2)
-        if len(self.pivots) >= 2:
-            (t0, p0), (t1, p1) = self.pivots[-2:]
-            speed = (p1 - p0) / (t1 - t0)
-            if len(self.pivots) >= 3:
-                t_, p_ = self.pivots[-3]
-                before = (p0 - p_) / (t0 - t_)
-                speed = speed + (speed - before) * 0.5
-                guess = p1 + (2.0 * speed - (p1 - p0) / (t1 - t0)) * (frame.time - t1)
-                velocity = (2.0 * speed - (p1 - p0) / (t1 - t0)) * self.interval
-        shift, cost = tracker.locate(frame.luma, None, velocity)
-        if guess is not None and np.max(np.abs(shift - guess)) > 6.0:
-            near, near_cost = tracker.locate(frame.luma, guess, velocity)
-            if near_cost < 1.5 * cost + 0.05:
-                shift = near
+        if len(self.pivots) >= 3:
+            (t0, p0), (t1, p1), (t2, p2) = self.pivots[-3:]
+            early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
+            bend = 2.0 * (late - early) / (t2 - t0)
+            passed = frame.time - t2
+            guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
+            velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
+        shift, cost = tracker.locate(frame.luma, guess, velocity)
+        if guess is not None and cost > 2.0 * self.pivot_cost + 0.1:
+            wide, wide_cost = tracker.locate(frame.luma, None, velocity)
+            if wide_cost < 0.7 * cost:
+                shift, cost = wide, wide_cost
+        self.pivot_cost = 0.9 * self.pivot_cost + 0.1 * cost if guess is not None else cost
         self.pivots = [*self.pivots[-3:], (frame.time, shift)]
         place: np.ndarray = tracker.place(shift)
         return place
@@ -169,20 +169,25 @@ class _Follower:
         expected = predictor.predict(frame.time, instants, lift / scene.arm)
         if np.any(self.unseen > _PATIENCE):
             self._search(frame, pivot, expected)
-        angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+        angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(angles, sigmas, fits, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
-            angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+            angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=2)
             bad = self._is_bad(angles, sigmas, fits, expected)
         predictor.accept(frame.time, expected)
         return self._verdict(frame, pivot, angles, sigmas, fits, bad, expected)
 
     def _measure(
-        self, frame: Frame, pivot: np.ndarray, places: np.ndarray, expected: Prediction
+        self,
+        frame: Frame,
+        pivot: np.ndarray,
+        places: np.ndarray,
+        expected: Prediction,
+        tolerant: int,
     ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float, float]]]:
         """Fit the balls from where they are expected."""
         scene, balls = self.scene, self.scene.balls
-        paths = [arc(places, expected.path[:, b], scene.arm, 0.0) for b in range(balls)]
+        paths = [arc(places, expected.path[:, b], scene.arm) for b in range(balls)]
         groups = [[b] for b in range(balls)]
         if balls == 2:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
@@ -191,7 +196,9 @@ class _Follower:
         angles, sigmas = np.empty(balls), np.empty(balls)
         fits: list[tuple[np.ndarray, float, float]] = [(np.zeros(2), 0.0, 0.0)] * balls
         for group in groups:
-            fit: Fit = fit_balls(scene.look, frame[2:], [paths[b] for b in group], pivot)
+            fit: Fit = fit_balls(
+                scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
+            )
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(

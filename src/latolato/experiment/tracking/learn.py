@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.experiment.tracking import kernels
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
@@ -17,7 +18,13 @@ from latolato.experiment.tracking.appearance import (
     median_background,
     samples_for,
 )
-from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot, learn_template, locate_all
+from latolato.experiment.tracking.pivot import (
+    PivotTracker,
+    learn_pivot,
+    learn_template,
+    locate_all,
+    velocities,
+)
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
@@ -27,6 +34,8 @@ _NOISE, _BLUR = 0.03, 0.8
 _OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
 _TEACHES = 0.8
+# Gain at which a place on the circle is taken for a ball.
+_LIKELY = 0.2
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
 _SLOW = 0.4
 
@@ -48,6 +57,8 @@ class Scene:
     starts, speeds : numpy.ndarray, shape (ball,)
         Angles in the first frame from straight down in the image [rad], right ball first, and how
         much they grow per frame interval; NaN if the second frame does not tell.
+    radius : float
+        Radius of the balls by their area [pixels], which neither blur nor smear changes.
     """
 
     pivot: PivotTracker
@@ -56,6 +67,7 @@ class Scene:
     balls: int
     starts: np.ndarray
     speeds: np.ndarray
+    radius: float = math.nan
 
 
 @dataclass
@@ -68,13 +80,15 @@ class _Found:
     angle: float
     speed: float
     explained: float
+    drift: np.ndarray
 
     def path(self, arm: float, exposure: float) -> np.ndarray:
         """Return the ball's centres within the exposure, shape (sample, 2)."""
         smear = 0.0 if math.isnan(self.speed) else self.speed * exposure
-        count = samples_for(abs(smear) * arm)
+        count = samples_for(abs(smear) * arm + exposure * float(np.hypot(*self.drift)))
         angles = self.angle + smear * ((np.arange(count) + 0.5) / count - 0.5)
-        path = arc(np.broadcast_to(self.pivot, (count, 2)), angles, arm, 0.0)
+        steps = exposure * ((np.arange(count) + 0.5) / count - 0.5)
+        path = arc(self.pivot + steps[:, None] * self.drift, angles, arm)
         return path + (self.centre - path.mean(axis=0))
 
 
@@ -113,14 +127,14 @@ def learn_scene(
     for k in range(1, len(centres)):
         centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
-    medians = median_planes(frames)
+    medians = median_planes(frames[::2])
     tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
     low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
-    behind = median_background(frames, colours, low, high)
+    behind = median_background(medians, colours, low, high)
     for centre in centres:
         _uncover(behind, low, frames[0], colours, centre, size)
     behind = _filled(behind)
@@ -129,8 +143,11 @@ def learn_scene(
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
+    found: list[_Found] = []
     for round_ in range(3):
-        found = _find(scene, frames, pivots)
+        if round_ == 0:
+            found = _find(scene, frames, pivots)
+        found = _fit(scene, frames, found, pivots)
         if not found:
             raise ValueError(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
@@ -150,6 +167,7 @@ def learn_scene(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / 3)
+    scene.radius = look.radius
     for b, start in enumerate(starts):
         own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]
         if own:
@@ -283,47 +301,46 @@ def _splatted(
 
 
 def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[_Found]:
-    """Find the balls in every frame of the sample, with their speeds where pairs tell them."""
+    """Find the balls in every frame of the sample, on the whole circle."""
     look, found = scene.look, []
-    last: tuple[Frame, np.ndarray] | None = None
     for k, frame in enumerate(frames):
-        pivot = pivots[k]
-        angles, gain = best_angles(look, frame[2:], pivot, scene.arm, scene.balls)
-        paths = [arc(pivot[None], angles[[b]], scene.arm, look.radius) for b in range(len(angles))]
-        near = scene.balls == 2 and np.hypot(*(paths[0] - paths[1])[0]) < 3.5 * look.radius
-        groups = [paths] if near else [[path] for path in paths]
-        centres, explained = [], []
-        for group in groups:
-            fit = fit_balls(look, frame[2:], group, pivot, rounds=8)
-            for path, shift, share in zip(group, fit.shift, fit.explained):
-                centres.append(path.mean(axis=0) + shift)
-                explained.append(share)
-        turned = np.array([np.arctan2(c[0] - pivot[0], c[1] - pivot[1]) for c in centres])
-        speeds = np.full(len(centres), np.nan)
-        if last is not None and frame.number == last[0].number + 1:
-            gap = (turned[:, None] - last[1][None] + np.pi) % (2.0 * np.pi) - np.pi
-            nearest = np.argmin(np.abs(gap), axis=1)
-            speeds = gap[np.arange(len(turned)), nearest]
-            for one in found:
-                if one.frame == k - 1:
-                    change = (turned - one.angle + np.pi) % (2.0 * np.pi) - np.pi
-                    one.speed = float(change[np.argmin(np.abs(change))])
-        last = (frame, turned)
-        if look.exposure > 0.0 and np.isfinite(speeds).all():
-            for b, centre in enumerate(centres):
-                one = _Found(k, centre, pivot, float(turned[b]), float(speeds[b]), 0.0)
-                path = one.path(scene.arm, look.exposure)
-                if abs(one.speed) * look.exposure * scene.arm > 1.0 and not near:
-                    fit = fit_balls(look, frame[2:], [path], pivot, rounds=6)
-                    centres[b] = centre + fit.shift[0]
-                    explained[b] = float(fit.explained[0])
-        for b, centre in enumerate(centres):
-            off = abs(np.hypot(*(centre - pivot)) - scene.arm)
-            if gain[b] > 0.2 and off < 0.6 * look.radius:
-                found.append(
-                    _Found(k, centre, pivot, float(turned[b]), float(speeds[b]), explained[b])
-                )
+        angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls)
+        for angle, share in zip(angles, gain, strict=True):
+            if share > _LIKELY:
+                centre = arc(pivots[[k]], np.array([angle]), scene.arm)[0]
+                found.append(_Found(k, centre, pivots[k], float(angle), math.nan, 0.0, np.zeros(2)))
     return found
+
+
+def _fit(
+    scene: Scene, frames: list[Frame], found: list[_Found], pivots: np.ndarray
+) -> list[_Found]:
+    """Fit the balls found in each frame together; keep those on the circle, with their speeds."""
+    look, kept = scene.look, []
+    drift = np.nan_to_num(velocities(frames, pivots))
+    for k, frame in enumerate(frames):
+        own = [one for one in found if one.frame == k]
+        far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
+        for group in [[one] for one in own] if far else [own]:
+            paths = [one.path(scene.arm, look.exposure) for one in group]
+            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=3)
+            for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
+                one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
+                away = one.centre - one.pivot
+                one.angle, one.explained = float(np.arctan2(away[0], away[1])), float(share)
+                if abs(np.hypot(*away) - scene.arm) < 0.6 * look.radius:
+                    kept.append(one)
+    for one in kept:
+        one.speed = math.nan
+        for step in (-1, 1):
+            near = [
+                step * ((other.angle - one.angle + np.pi) % (2.0 * np.pi) - np.pi)
+                for other in kept
+                if frames[other.frame].number == frames[one.frame].number + step
+            ]
+            if near:
+                one.speed = float(min(near, key=abs))
+    return kept
 
 
 def _relearn(scene: Scene, frames: list[Frame], found: list[_Found]) -> None:
@@ -347,7 +364,7 @@ def _learn_edge(scene: Scene, frames: list[Frame], teachers: list[_Found]) -> No
 
     def cost() -> float:
         return sum(
-            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1).cost
+            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
             for one, path in zip(teachers, paths)
         )
 
@@ -364,6 +381,34 @@ def _learn_edge(scene: Scene, frames: list[Frame], teachers: list[_Found]) -> No
             setattr(look, name, float(trials[int(np.argmin(costs))]))
 
 
+def _radius_by_area(look: Appearance, frames: list[Frame], found: list[_Found]) -> float:
+    """Return the radius of a disc as large as the balls [pixels]; rods' side is left out."""
+    areas = []
+    half = int(1.5 * look.radius) + 3
+    middle = (look.paint.shape[0] - 1) // 2
+    slow = sorted(
+        (one for one in found if one.explained > _TEACHES), key=lambda one: abs(one.speed)
+    )
+    for one in slow[:12]:
+        corner = np.rint(one.centre).astype(int) - half
+        shape = (2 * half + 1, 2 * half + 1)
+        wall = look.background(corner, shape)
+        seen = look.seen(frames[one.frame][2:], corner, shape)
+        j, i = np.indices(shape)
+        dx, dy = i + corner[0] - one.centre[0], j + corner[1] - one.centre[1]
+        p = np.clip(np.rint(dx).astype(int) + middle, 0, 2 * middle)
+        q = np.clip(np.rint(dy).astype(int) + middle, 0, 2 * middle)
+        gap = look.white_paint[q, p] - wall
+        share = np.sum(gap * (seen - wall), axis=-1) / np.sum(gap * gap, axis=-1)
+        towards = (one.pivot - one.centre) / np.hypot(*(one.pivot - one.centre))
+        away = np.hypot(dx, dy)
+        # Half the disc away from the rod.
+        use = (dx * towards[0] + dy * towards[1] < 0.0) & (away < 1.4 * look.radius)
+        if np.isfinite(share[use]).all():
+            areas.append(2.0 * share[use].sum())
+    return math.sqrt(float(np.median(areas)) / math.pi) if areas else look.radius
+
+
 def _learn_noise(look: Appearance, frames: list[Frame], found: list[_Found]) -> None:
     """Learn the covariance of what the background does not explain around the balls."""
     outer, inner, rest_walls = [], [], []
@@ -377,7 +422,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], found: list[_Found]) -> 
         image = look.colours.window(
             frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
         )
-        wall = look.background(corner, (side, side))
+        wall = look.wall(corner, (side, side))
         j, i = np.indices((side, side))
         dx, dy = i + corner[0] - one.centre[0], j + corner[1] - one.centre[1]
         away = np.hypot(dx, dy)
@@ -468,55 +513,40 @@ def _learn_exposure(scene: Scene, frames: list[Frame], found: list[_Found]) -> N
             if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
                 alone.append(one)
         moving = alone
-    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:12]
+    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:8]
     if len(fastest) < 3:
         return
-    trials = np.linspace(0.0, 1.0, 11)
-    costs = []
-    for share in trials:
-        total = 0.0
-        for one in fastest:
-            path = one.path(scene.arm, float(share))
-            # The window is that of the longest smear, so that costs compare.
-            total += _cost_in_window(look, frames[one.frame], path, one, scene.arm)
-        costs.append(total)
-    best = int(np.argmin(costs))
-    share = trials[best]
-    if 0 < best < len(trials) - 1:
-        a, b, c = costs[best - 1], costs[best], costs[best + 1]
-        share += 0.1 * 0.5 * (a - c) / max(a - 2.0 * b + c, 1e-12)
-    look.exposure = float(share)
-    scene.pivot.exposure = look.exposure
+
+    def cost(share: float) -> float:
+        # The window is that of the longest smear, so that costs compare.
+        return sum(
+            _cost_in_window(look, frames[one.frame], one.path(scene.arm, share), one, scene.arm)
+            for one in fastest
+        )
+
+    middle, step = (look.exposure, 0.1) if look.exposure > 0.0 else (0.5, 0.25)
+    while step > 0.04:
+        trials = np.unique(np.clip(middle + step * np.arange(-2, 3), 0.0, 1.0))
+        costs = [cost(float(share)) for share in trials]
+        middle, step = float(trials[int(np.argmin(costs))]), 0.5 * step
+    look.exposure = scene.pivot.exposure = middle
 
 
 def _cost_in_window(
     look: Appearance, frame: Frame, path: np.ndarray, one: _Found, arm: float
 ) -> float:
     """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
-    fit = fit_balls(look, frame[2:], [path], one.pivot, rounds=4)
+    fit = fit_balls(look, frame[2:], [path], one.pivot)
     reach = abs(one.speed) * arm
     margin = look.radius * 1.35 + 2.0 * look.blur + 3.0
-    ends = np.concatenate([path + fit.shift[0]])
+    ends = path + fit.shift[0]
     low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
     high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    seen = look.colours.window(frame[2:], (int(low[0]), int(low[1])), shape)
-    from latolato.experiment.tracking import kernels
-
-    matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 3))
-    return float(
-        kernels.normal_equations(
-            seen,
-            look.background(low, shape),
-            look.ball(ends, low, shape)[None],
-            ends.mean(axis=0)[None],
-            one.pivot,
-            look.radius,
-            low.astype(float),
-            look.weight,
-            look.scale,
-            matrix,
-            vector,
-            tally,
-        )
-    )
+    matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 4))
+    cost: float = kernels.normal_equations(
+        look.seen(frame[2:], low, shape), look.background(low, shape),
+        look.ball(ends, low, shape)[None], ends.mean(axis=0)[None], one.pivot, look.radius,
+        low.astype(float), look.scale, False, matrix, vector, tally,
+    )  # fmt: skip
+    return cost

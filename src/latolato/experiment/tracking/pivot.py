@@ -15,6 +15,8 @@ _LIMIT = 16.0
 _STILL = 0.2
 # Half sides of templates that are tried [pixels].
 _SIZES = (9, 13, 19, 27, 38, 54)
+# Noise that is assumed at first, as a share of the template's contrast.
+_SHARE = 0.08
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
 _SIDEWAYS, _TILT = 3.0, 0.15
 
@@ -104,11 +106,13 @@ class PivotTracker:
         """Return corners by whole pixels and how badly the template fits there."""
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
-            low, high = np.rint(guess) - 2, np.rint(guess) + 2
+            near = np.rint(np.clip(guess, *self.reach))
+            low, high = near - 3, near + 3
         columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
         shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
-        shifts = shifts[np.abs(shifts[:, 0]) <= _SIDEWAYS + _TILT * np.abs(shifts[:, 1])]
+        fan = _SIDEWAYS + _TILT * np.abs(shifts[:, 1])
+        shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
         corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
         cost = np.empty(len(corners))
         kernels.search_shift(luma, model, self.weight, corners, _LIMIT, cost)
@@ -170,7 +174,7 @@ def learn_pivot(
     if room < 4:
         raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
     tracker = _distinct(frames, click.astype(float), arm, room)
-    shifts = np.zeros((len(frames), 2))
+    shifts = np.array([tracker.locate(frame.luma, None, np.zeros(2))[0] for frame in frames])
     for round_ in range(4):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
@@ -200,10 +204,10 @@ def velocities(frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
 
 
 def locate_all(tracker: PivotTracker, frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
-    """Return the pivot's shifts in the sample, smeared as the last ones tell."""
+    """Return the pivot's shifts in the sample, near and smeared as the last ones tell."""
     speed = np.nan_to_num(velocities(frames, shifts))
-    found = [tracker.locate(f.luma, None, v)[0] for f, v in zip(frames, speed)]
-    return np.array(found)
+    each = zip(frames, shifts, speed, strict=True)
+    return np.array([tracker.locate(frame.luma, near, v)[0] for frame, near, v in each])
 
 
 def learn_template(
@@ -245,11 +249,13 @@ def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> 
     for half in sorted({min(size, room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
         radius = np.hypot(*(np.indices(template.shape) - half))
-        weight = np.where(radius <= half + 0.5, 1.0 / 49.0, 0.0)
+        contrast = float(np.ptp(np.quantile(template, [0.05, 0.95])))
+        noise = min(max(_SHARE * contrast, 1.0), 8.0)
+        weight = np.where(radius <= half + 0.5, 1.0 / noise**2, 0.0)
         reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
         tracker = PivotTracker(click, template, weight, reach)
         margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 12)]]
-        margin = float(np.median(margins))
+        margin = float(np.quantile(margins, 0.25))
         if best is None or margin > best[0]:
             best = (margin, tracker)
     assert best is not None
