@@ -20,7 +20,7 @@ def test_the_pendulum_jumps_up_at_the_left_edge_of_its_tongue_and_dies_at_the_ri
     ratios = np.arange(1.84, 2.16, 0.02)
     found = hysteresis(
         PENDULUM, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0),
-        frequency_ratios=ratios, duration=250.0,
+        frequency_ratio=ratios, duration=250.0,
     )  # fmt: skip
     low, high = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
     # half a step, and as much again: growth just inside an edge takes longer than a step lasts
@@ -36,7 +36,7 @@ def test_the_pendulum_jumps_up_at_the_left_edge_of_its_tongue_and_dies_at_the_ri
 
 def test_the_toy_leaves_the_wall_at_lift_off_only_but_keeps_its_branch_below():
     found = hysteresis(
-        TOY, DRIVE, frequency_ratios=np.arange(2.0, 3.41, 0.05), drive_amplitudes=[0.02, 0.03],
+        TOY, DRIVE, frequency_ratio=np.arange(2.0, 3.41, 0.05), drive_amplitude=[0.02, 0.03],
         duration=40.0,
     )  # fmt: skip
     weak, strong = found.isel(drive_amplitude=0), found.isel(drive_amplitude=1)
@@ -56,7 +56,7 @@ def test_the_toy_leaves_the_wall_at_lift_off_only_but_keeps_its_branch_below():
 
 def test_two_balls_have_the_loop_of_the_mirror_pair():
     pair = ll.BallPair(right=BALL, left=BALL, restitution=0.9)
-    asked = {"frequency_ratios": [2.4, 2.8, 3.2], "duration": 25.0}
+    asked = {"frequency_ratio": [2.4, 2.8, 3.2], "duration": 25.0}
     one, two = (hysteresis(system, DRIVE, **asked) for system in (TOY, pair))
     # another kernel: rounding, damped by the attractor
     np.testing.assert_allclose(two.largest_angle, one.largest_angle, rtol=1e-3)
@@ -85,10 +85,10 @@ def test_a_point_without_an_answer_leaves_the_loop_unknown():
     "system, drive, changed, message",
     [
         (TOY, None, {}, "no drive has no frequency to sweep"),
-        (TOY, DRIVE, {"frequency_ratios": [2.0, 1.0]}, "must be at least two and increase"),
+        (TOY, DRIVE, {"frequency_ratio": [2.0, 1.0]}, "must be two or more and increase"),
         (TOY, DRIVE, {"duration": 0.0}, r"duration must lie in \(0, inf\)"),
         (TOY, DRIVE, {"least_jump": 0.0}, r"least_jump must lie in \(0, inf\)"),
-        (TOY, DRIVE, {"drive_amplitudes": []}, "the list of values is empty"),
+        (TOY, DRIVE, {"drive_amplitude": []}, "the list of values is empty"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "a Mathieu system is linear"),
     ],
 )

@@ -117,7 +117,7 @@ def test_the_interval_of_a_share_is_that_of_wilson(count, total, low, high):
 def test_a_map_agrees_with_single_answers_and_its_shares_sum_to_one():
     ratios = [2.4, 3.0, 5.0]
     found = response_period_map(
-        TOY, drive_amplitudes=[0.02, 0.03], frequency_ratios=ratios, initial_offset=0.2
+        TOY, drive_amplitude=[0.02, 0.03], frequency_ratio=ratios, initial_offset=0.2
     )
     for ratio in ratios:
         one = response_period(TOY, at_ratio(TOY, ratio, 0.03), initial_offset=0.2)

@@ -46,8 +46,8 @@ def hysteresis(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratios: Sequence[float] | None = None,
-    drive_amplitudes: Sequence[float] | None = None,
+    frequency_ratio: Sequence[float] | None = None,
+    drive_amplitude: Sequence[float] | None = None,
     duration: float = 60.0,
     transient: float | None = None,
     least_jump: float = 0.1,
@@ -69,9 +69,9 @@ def hysteresis(
         What moves; of two balls the larger angle counts.
     drive : Harmonic or CrankSlider
         The drive; its frequency is swept.
-    frequency_ratios : sequence of float, optional
+    frequency_ratio : sequence of float, optional
         Driving over natural frequencies [1], increasing; by default 81 from 1.6 to 3.6.
-    drive_amplitudes : sequence of float, optional
+    drive_amplitude : sequence of float, optional
         Amplitudes [m]; by default that of the drive.
     duration : float
         How long each frequency is held [s].
@@ -117,7 +117,7 @@ def hysteresis(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
-    >>> found = hysteresis(toy, drive, frequency_ratios=[2.0, 2.4, 2.8, 3.2], duration=30.0)
+    >>> found = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
     >>> found.status.values.tolist(), found.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
@@ -130,10 +130,10 @@ def hysteresis(
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise ValueError(f"{name} drive has no frequency to sweep: give a Harmonic one")
-    ratios = _listed("frequency_ratio", frequency_ratios, np.linspace(*_DEFAULT_RATIOS))
+    ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise ValueError("frequency_ratios must be at least two and increase; sort them")
-    amplitudes = _listed("drive_amplitude", drive_amplitudes, [drive.drive_amplitude])
+        raise ValueError("the values of frequency_ratio must be two or more and increase; sort them")
+    amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
     held = checked_number("duration", duration, POSITIVE, "s")
     jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
     least = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")

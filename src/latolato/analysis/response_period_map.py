@@ -35,8 +35,8 @@ def response_period_map(
     system: System,
     drive: Drive | None = None,
     *,
-    drive_amplitudes: Sequence[float],
-    frequency_ratios: Sequence[float],
+    drive_amplitude: Sequence[float],
+    frequency_ratio: Sequence[float],
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -54,9 +54,9 @@ def response_period_map(
     ----------
     system, drive
         The laws; amplitude and frequency of the drive are replaced. None is harmonic.
-    drive_amplitudes : sequence of float
+    drive_amplitude : sequence of float
         A0 [m], at least 0.
-    frequency_ratios : sequence of float
+    frequency_ratio : sequence of float
         w/w0 [1], positive.
     initial_angle, initial_angular_velocity, initial_offset, transient_periods, longest, \
 angle_tolerance, tolerance, rest_speed
@@ -89,7 +89,7 @@ angle_tolerance, tolerance, rest_speed
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> found = response_period_map(
-    ...     system, drive_amplitudes=[0.05], frequency_ratios=[1.7, 2.0], initial_angle=0.1
+    ...     system, drive_amplitude=[0.05], frequency_ratio=[1.7, 2.0], initial_angle=0.1
     ... )
     >>> found.response_period.values
     array([[1., 2.]])
@@ -97,8 +97,8 @@ angle_tolerance, tolerance, rest_speed
     given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
     law = checked_periodic(system, given, "a response period")
     transient_periods = checked_transient(transient_periods)
-    amplitudes = positive_values("drive_amplitudes", drive_amplitudes, "m")
-    ratios = positive_values("frequency_ratios", frequency_ratios, "1", POSITIVE)
+    amplitudes = positive_values("drive_amplitude", drive_amplitude, "m")
+    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
     shape = (len(amplitudes), len(ratios))
     w0 = system.natural_frequency
     start: dict[str, Any] = {

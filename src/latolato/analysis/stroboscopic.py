@@ -232,7 +232,8 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
 
 
 def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
-    """Return numbers along an axis, each of them checked."""
-    if isinstance(values, (str, bytes)) or np.ndim(values) != 1 or len(values) == 0:
+    """Return numbers along an axis, each of them checked; one number is an axis of one."""
+    if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
         raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
-    return np.array([checked_number(name, value, allowed, unit) for value in values])
+    several = values if np.ndim(values) else [values]
+    return np.array([checked_number(name, value, allowed, unit) for value in several])
