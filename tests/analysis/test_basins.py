@@ -205,3 +205,14 @@ def test_bad_input_of_the_push_is_refused(options, message):
     given = {"frequency_ratio": [2.4], **options}
     with pytest.raises(ValueError, match=message):
         first_push(TOY, toy_drive(2.4), **given)
+
+
+def test_motion_that_dies_down_slowly_is_no_attractor():
+    slow = ll.Pendulum(length=0.25, mass=0.1, damping=0.0005)
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.4 * slow.natural_frequency)
+    with pytest.warns(RuntimeWarning, match="has not settled after 500 drive periods"):
+        found = basins(slow, drive, angle_points=20, velocity_points=20)
+    assert found.sizes["attractor"] == 0
+    assert found.unresolved_fraction.item() == 1.0
+    assert found.not_settled_fraction.item() > 0.95
+    assert math.isnan(found.basin_entropy.item())

@@ -13,10 +13,9 @@ from latolato.analysis.stroboscopic import (
     QUANTITIES_HERE,
     checked_periodic,
     checked_transient,
-    motion_of,
     octaves,
     positive_values,
-    run_samples,
+    settled_motion,
     wilson,
 )
 from latolato.physics.drives import Drive, Harmonic
@@ -67,9 +66,9 @@ angle_tolerance, tolerance, rest_speed
     xarray.Dataset
         ``response_period``, ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``
         and ``status`` over (drive_amplitude, frequency_ratio), as in `response_period`.
-        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic"): the number of ``cells``,
-        their ``share`` of all cells with an answer and ``active_share`` of those not at rest,
-        with the ends of 95 % intervals, ``share_low`` and so on.
+        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic", "not settled"): the
+        number of ``cells``, their ``share`` of all cells with an answer and ``active_share`` of
+        those not at rest, with the ends of 95 % intervals, ``share_low`` and so on.
 
     Raises
     ------
@@ -109,10 +108,11 @@ angle_tolerance, tolerance, rest_speed
     limits = {"longest": longest, "angle_tolerance": angle_tolerance}
     found: dict[str, NDArray[Any]] = {}
     for part in octaves(ratios):
-        grid = run_samples(
+        _, motion = settled_motion(
             system,
             law,
             {"drive_amplitude": amplitudes, "frequency_ratio": ratios[part]},
+            np.broadcast_to(ratios[part] * w0, (shape[0], len(part))),
             longest=longest,
             angle_tolerance=angle_tolerance,
             transient_periods=transient_periods,
@@ -120,10 +120,6 @@ angle_tolerance, tolerance, rest_speed
             tolerance=tolerance,
             rest_speed=rest_speed,
             **start,
-        )
-        frequency = np.broadcast_to(ratios[part] * w0, (shape[0], len(part)))
-        motion = motion_of(
-            grid, system, frequency, longest=longest, angle_tolerance=angle_tolerance
         )
         for name in (*_MAPPED, "status"):
             values = motion[name].reshape(shape[0], len(part))
@@ -170,7 +166,7 @@ def shares_of(
     masks = {"rest": status == "rest"}
     for p in range(1, longest + 1):
         masks[f"period {p}"] = (status == "periodic") & (period == p)
-    masks |= {name: status == name for name in ("grazing", "aperiodic")}
+    masks |= {name: status == name for name in ("grazing", "aperiodic", "not settled")}
     cells = np.array([int(mask.sum()) for mask in masks.values()])
     shares: dict[str, NDArray[Any]] = {"cells": cells}
     active = np.where(np.arange(len(cells)) == 0, 0, cells)

@@ -38,6 +38,11 @@ QUANTITIES_HERE: dict[str, Quantity] = {
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
 _TRANSIENTS = Range(0.0, 1e7)
+# What becomes smaller while a motion settles; by which factor: twice, or to be looked at again.
+_DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
+_SLOWED, _FALLEN = 0.8, 0.5
+# Motion that always recurs so closely is nearly periodic [rad]; beats fluctuate by less than this.
+_NEARLY, _CALMED = 0.05, 0.3
 
 
 def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic | CrankSlider:
@@ -102,6 +107,95 @@ def run_samples(
     # A hair longer, so that the last mark is inside for every rounding.
     duration = math.tau / slowest * (transient_periods + watched.marks - 1) * (1.0 + 1e-12)
     return sweep(system, drive, axes=axes, duration=duration, observables=[watched], **options)
+
+
+def settled_motion(
+    system: System,
+    drive: Drive,
+    axes: Mapping[str, Any],
+    frequency: Any,
+    *,
+    transient_periods: float,
+    longest: int,
+    angle_tolerance: float,
+    **options: Any,
+) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
+    """Return the sweep of `run_samples` and what `motion_of` tells, settled or not.
+
+    Motion without a period is run again with two and four times the transient, and where it has
+    just slowed down with eight times. It is "not settled" where it has a period then, and where
+    `_settles` says so. `frequency` is as in `motion_of`.
+    """
+    limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
+    grid = run_samples(
+        system, drive, axes, transient_periods=transient_periods, **limits, **options
+    )
+    motion = motion_of(grid, system, frequency, **limits)
+    status = motion["status"]
+    each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
+    left = np.flatnonzero(status == "aperiodic")
+    seen = [{name: motion[name][left] for name in _DECAYING}]
+    waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
+    for times in (1.0, 3.0, 7.0):
+        if not left.size:
+            break
+        some = run_samples(
+            system,
+            drive,
+            _chosen(axes, left),
+            transient_periods=transient_periods + times * waited,
+            **limits,
+            **options,
+        )
+        now = motion_of(some, system, each[left], **limits)
+        found = np.isin(now["status"], PERIODICITY[:-1])
+        keep = now["status"] == "aperiodic"
+        seen.append(now)
+        if len(seen) > 2:
+            settling, fallen = _settles(*seen[-3:])
+            found |= keep & settling
+            keep &= ~settling & fallen
+        status[left[found]] = "not settled"
+        left = left[keep]
+        seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
+    return grid, motion
+
+
+def _settles(
+    first: Mapping[str, Floats], second: Mapping[str, Floats], third: Mapping[str, Floats]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which aperiodic motions are dying down over three looks, and which have begun to.
+
+    Chaos and beats fluctuate, chaos also comes in bursts; so it must go on.
+    """
+    settling = fallen = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
+    for name in _DECAYING:
+        a, b, c = first[name], second[name], third[name]
+        settling = settling | ((b < _SLOWED * a) & (c < _SLOWED * b))
+        if name != "recurrence_residual":
+            fallen = fallen | (c < _FALLEN * b)
+        else:
+            nearly = np.maximum(np.maximum(a, b), c) < _NEARLY
+            settling = settling | (nearly & (c < _CALMED * np.minimum(a, b)))
+    return settling, fallen
+
+
+def _chosen(axes: Mapping[str, Any], places: NDArray[np.int64]) -> dict[str, Any]:
+    """Return one axis with some of the points that axes span, counted in C order."""
+    columns = [
+        {name: np.asarray(each) for name, each in given.items()}
+        if isinstance(given, Mapping)
+        else {axis: np.asarray(given)}
+        for axis, given in axes.items()
+    ]
+    indices = np.unravel_index(places, [len(next(iter(c.values()))) for c in columns])
+    return {
+        "case": {
+            name: values[index]
+            for column, index in zip(columns, indices, strict=True)
+            for name, values in column.items()
+        }
+    }
 
 
 def motion_of(
@@ -178,6 +272,7 @@ def motion_of(
         "mirror_shift": shift,
         "recurrence_residual": residual,
         "largest_angle_watched": either("largest_angle_watched"),
+        "fastest_speed": either("fastest_speed"),
         "status": status,
     }
 

@@ -22,6 +22,7 @@ _CLASSES: dict[str, str] = {
     "longer period": style.GREY,
     "grazing": style.PALE_RED,
     "aperiodic": style.RED,
+    "not settled": style.PAPER,
     "no answer": style.INK,
 }
 
@@ -65,7 +66,7 @@ def _numbers(dataset: xr.Dataset) -> Any:
     names = list(_CLASSES)
     status, period = dataset["status"].values, dataset["response_period"].values
     found = np.full(status.shape, names.index("no answer"))
-    for name in ("rest", "grazing", "aperiodic"):
+    for name in ("rest", "grazing", "aperiodic", "not settled"):
         found[status == name] = names.index(name)
     regular = status == "periodic"
     for p in range(1, 5):
