@@ -30,3 +30,25 @@ def test_one_number_is_an_axis_of_one_value():
     )  # fmt: skip
     assert found.first_push.dims == ("frequency_ratio", "drive_phase")
     assert found.first_push.shape == (1, 1)
+
+
+NEEDED = {
+    "frequency_ratio": 2.4, "drive_amplitude": 0.03, "parameter": "frequency_ratio", "low": 1.0,
+    "high": 2.0, "noise_strength": 0.1,
+}  # fmt: skip
+BALL = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+
+
+@pytest.mark.parametrize("name", sorted(analyses))
+@pytest.mark.parametrize("drive", [5, "harmonic"])
+def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
+    parameters = inspect.signature(analyses[name]).parameters
+    if "drive" not in parameters:
+        pytest.skip("has no drive")
+    system = TOY if name in ("self_start", "pair_symmetry", "impact_map") else BALL
+    asked = {n: v for n, v in NEEDED.items() if n in parameters}
+    asked = {n: v for n, v in asked.items() if parameters[n].default is parameters[n].empty}
+    if "initial_angle" in parameters:
+        asked["initial_angle"] = 0.2
+    with pytest.raises(TypeError, match="drive must be None or one of"):
+        analyses[name](system, drive=drive, **asked)

@@ -18,7 +18,7 @@ from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, Pendulum, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.registry import checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -136,6 +136,7 @@ def hysteresis(
             "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
             "Pendulum"
         )
+    checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise ValueError(f"{name} drive has no frequency to sweep: give a Harmonic one")

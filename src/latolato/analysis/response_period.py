@@ -97,11 +97,12 @@ def response_period(
     are mirrored by exchanging them, and the residual with k = 0 is ``|angle_right + angle_left|``.
     A `LatoLato` is symmetric by construction.
 
-    Motion without a period is run again with twice and with four times the transient. It is "not
-    settled" if it has a period then; if its largest angle, its fastest speed or the distance left
-    falls below 0.8 times its value both times (after eight times, if angle or speed halve only
-    then); or if the distance left is below 0.05 rad always and falls to a third. Chaos hardly does
-    any of this.
+    Motion without a period is run again with twice and four times the transient. It is "not
+    settled" if it has a period then. If its largest angle, its fastest speed or the distance left
+    has fallen below 0.8 times its value twice, or below half once, it is watched for 192 drive
+    periods after eight times the transient, and is "not settled" if angle and speed are below 0.8
+    times all values before, or the distance left, which never exceeded 0.05 rad, is. Chaos, which
+    may come in bursts, hardly ever does so; with calms longer than the transient it may.
 
     What it can miss: motion that settles more slowly than that, and chaos that ends later, count as
     aperiodic, so repeat with a longer transient; a period above `longest`; a pulsation below

@@ -19,7 +19,7 @@ from latolato.physics.pendulum import Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
 from latolato.registry import checked_count, checked_number
 from latolato.simulate import simulate
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -275,6 +275,7 @@ def _drive_of(
     system: System, drive: Drive | None, frequency_ratio: float | None
 ) -> tuple[float, float]:
     """Return amplitude [m] and target frequency [rad/s]."""
+    checked_drive(drive)
     if isinstance(drive, Harmonic):
         amplitude, target = drive.drive_amplitude, drive.drive_frequency
     elif isinstance(drive, FrequencySchedule):

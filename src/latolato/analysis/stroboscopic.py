@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.starts import checked_system
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -20,6 +21,7 @@ from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import LatoLato, Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.registry import checked_number
+from latolato.start import checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -38,11 +40,13 @@ QUANTITIES_HERE: dict[str, Quantity] = {
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
 _TRANSIENTS = Range(0.0, 1e7)
-# What becomes smaller while a motion settles; by which factor: twice, or to be looked at again.
+# What becomes smaller while a motion settles; by which factor: twice, or once.
 _DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
 _SLOWED, _FALLEN = 0.8, 0.5
-# Motion that always recurs so closely is nearly periodic [rad]; beats fluctuate by less than this.
-_NEARLY, _CALMED = 0.05, 0.3
+# Motion that recurs so closely is nearly periodic [rad].
+_NEARLY = 0.05
+# The longest period at the last look, which sets for how long that is.
+_LONGEST = 64
 
 
 def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic | CrankSlider:
@@ -53,17 +57,15 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
     TypeError, ValueError
         For a drive without a period, and for the linearised pendulum.
     """
-    if not isinstance(system, System):
-        raise TypeError(f"system must be a System such as Pendulum or LatoLato, got {system!r}")
+    checked_system(system)
     if isinstance(system, Mathieu):
         raise ValueError(
             f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
             "use Pendulum, or mathieu_growth_rate"
         )
+    checked_drive(drive)
     if drive is None:
         raise ValueError(f"{what} needs a drive with a period, got None; give Harmonic")
-    if not isinstance(drive, Drive):
-        raise TypeError(f"drive must be one of {', '.join(drives)}, got {drive!r}")
     if not isinstance(drive, (Harmonic, CrankSlider)):
         raise ValueError(
             f"{what} needs a drive with a single period, harmonic or crank_slider, got "
@@ -122,62 +124,60 @@ def settled_motion(
 ) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
     """Return the sweep of `run_samples` and what `motion_of` tells, settled or not.
 
-    Motion without a period is run again with two and four times the transient, and where it has
-    just slowed down with eight times. It is "not settled" where it has a period then, and where
-    `_settles` says so. `frequency` is as in `motion_of`.
+    Motion without a period is run again with two and four times the transient, and where it seems
+    to settle with eight times, watched for longer. It is "not settled" where it has a period then,
+    and where it goes on to settle. `frequency` is as in `motion_of`.
     """
     limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
-    grid = run_samples(
-        system, drive, axes, transient_periods=transient_periods, **limits, **options
-    )
-    motion = motion_of(grid, system, frequency, **limits)
+
+    def look(which: Mapping[str, Any], periods: float, at: Any, most: int) -> Any:
+        watched = {**limits, "longest": most}
+        grid = run_samples(system, drive, which, transient_periods=periods, **watched, **options)
+        return grid, motion_of(grid, system, at, **watched)
+
+    grid, motion = look(axes, transient_periods, frequency, longest)
     status = motion["status"]
     each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
     left = np.flatnonzero(status == "aperiodic")
     seen = [{name: motion[name][left] for name in _DECAYING}]
     waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
-    for times in (1.0, 3.0, 7.0):
+    for times, most in ((1.0, longest), (3.0, longest), (7.0, _LONGEST)):
         if not left.size:
             break
-        some = run_samples(
-            system,
-            drive,
-            _chosen(axes, left),
-            transient_periods=transient_periods + times * waited,
-            **limits,
-            **options,
-        )
-        now = motion_of(some, system, each[left], **limits)
-        found = np.isin(now["status"], PERIODICITY[:-1])
-        keep = now["status"] == "aperiodic"
+        periods = transient_periods + times * waited
+        _, now = look(_chosen(axes, left), periods, each[left], most)
+        found = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
+        keep = np.isin(now["status"], PERIODICITY) & ~found
         seen.append(now)
-        if len(seen) > 2:
-            settling, fallen = _settles(*seen[-3:])
-            found |= keep & settling
-            keep &= ~settling & fallen
+        if len(seen) == 3:
+            keep &= _seems_to_settle(*seen)
+        elif len(seen) == 4:
+            found |= keep & _goes_on_to_settle(seen)
         status[left[found]] = "not settled"
         left = left[keep]
         seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
     return grid, motion
 
 
-def _settles(
+def _seems_to_settle(
     first: Mapping[str, Floats], second: Mapping[str, Floats], third: Mapping[str, Floats]
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which aperiodic motions are dying down over three looks, and which have begun to.
-
-    Chaos and beats fluctuate, chaos also comes in bursts; so it must go on.
-    """
-    settling = fallen = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
+) -> NDArray[np.bool_]:
+    """Return which aperiodic motions die down over three looks, as chaos in bursts may do too."""
+    found = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
     for name in _DECAYING:
         a, b, c = first[name], second[name], third[name]
-        settling = settling | ((b < _SLOWED * a) & (c < _SLOWED * b))
-        if name != "recurrence_residual":
-            fallen = fallen | (c < _FALLEN * b)
-        else:
-            nearly = np.maximum(np.maximum(a, b), c) < _NEARLY
-            settling = settling | (nearly & (c < _CALMED * np.minimum(a, b)))
-    return settling, fallen
+        found |= ((b < _SLOWED * a) & (c < _SLOWED * b)) | (c < _FALLEN * b)
+    return found
+
+
+def _goes_on_to_settle(seen: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
+    """Return which motions are less than ever at the last look, or ever nearer to a period."""
+    angle, speed, residual = (
+        row[-1] < _SLOWED * row[:-1].min(axis=0)
+        for row in (np.array([each[name] for each in seen]) for name in _DECAYING)
+    )
+    nearly = np.array([each["recurrence_residual"] for each in seen]).max(axis=0) < _NEARLY
+    return np.asarray((angle & speed) | (residual & nearly))
 
 
 def _chosen(axes: Mapping[str, Any], places: NDArray[np.int64]) -> dict[str, Any]:

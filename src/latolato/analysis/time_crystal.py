@@ -18,7 +18,7 @@ from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -260,6 +260,7 @@ def time_crystal(
     ('locked', '0.500')
     """
     system = checked_system(system)
+    checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise ValueError(f"{name} drive has no single period to count in: give a Harmonic one")
