@@ -21,6 +21,8 @@ _NEAR, _NEAR_SHARE = 3.0, 0.008
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
+# Error of positions that no scatter shows [pixels].
+_SYSTEMATIC = 0.05
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
 
@@ -128,6 +130,7 @@ def calibrate(
             angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
                 :, 0
             ]
+    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, arm)
     tilt, source = _gravity(pivots, angles, is_clean)
     if source == "image":
         warnings.append(
@@ -136,7 +139,7 @@ def calibrate(
         )
     return Calibration(
         angles - tilt,
-        seen.sigmas.copy(),
+        sigmas,
         pivots + offset,
         centres,
         arm,
@@ -187,6 +190,41 @@ def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndar
     target = ok & np.isfinite(wanted)
     out[target] = curve(wanted[target])
     return out
+
+
+def _honest(
+    times: np.ndarray, angles: np.ndarray, sigmas: np.ndarray, is_clean: np.ndarray, arm: float
+) -> np.ndarray:
+    """Return standard deviations that are not below the scatter seen from frame to frame [rad].
+
+    A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
+    nor of the pivot's. The scatter about the quintic through the six neighbours does; its median
+    raises all deviations by one factor.
+    """
+    raised = np.hypot(sigmas, _SYSTEMATIC / arm)
+    for b in range(angles.shape[1]):
+        scatter = _scatter(times, np.where(is_clean[:, b], angles[:, b], np.nan))
+        if math.isfinite(scatter):
+            raised[:, b] *= max(1.0, scatter / float(np.median(raised[is_clean[:, b], b])))
+    return raised
+
+
+def _scatter(times: np.ndarray, values: np.ndarray) -> float:
+    """Return the noise of a smooth series: what neighbours do not foretell (robust)."""
+    if len(values) < 20:
+        return math.nan
+    others = np.array([-3, -2, -1, 1, 2, 3])
+    at = np.arange(3, len(values) - 3)
+    apart = times[at[:, None] + others] - times[at][:, None]
+    weights = np.ones_like(apart)
+    for j in range(6):
+        for k in range(6):
+            if j != k:
+                weights[:, j] *= apart[:, k] / (apart[:, k] - apart[:, j])
+    rest = values[at] - np.sum(weights * values[at[:, None] + others], axis=1)
+    rest = rest / np.sqrt(1.0 + np.sum(weights**2, axis=1))
+    rest = rest[np.isfinite(rest)]
+    return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
 
 
 def _hinge(

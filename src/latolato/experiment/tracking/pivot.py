@@ -178,7 +178,7 @@ def learn_pivot(
     for round_ in range(4):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
-        slack = 3.0 + 0.1 * (spread[1] - spread[0])
+        slack = 4.0 + 0.3 * (spread[1] - spread[0])
         tracker.reach = spread + np.array([-slack, slack])
         if round_ == 1:  # the shifts are known: more of what moves with the pivot joins
             grown = min(max(2 * tracker.half, int(0.1 * arm)), int(max(_SIZES)), room)
