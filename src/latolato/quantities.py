@@ -156,6 +156,20 @@ QUANTITIES: dict[str, Quantity] = {
     "angle_sigma_2": Quantity("rad", r"\sigma_2", "standard deviation of the left ball's angle"),
     "flag_1": Quantity("1", "", "what the right ball's sample is"),
     "flag_2": Quantity("1", "", "what the left ball's sample is"),
+    # fits of measurements
+    "angle_offset": Quantity("rad", r"\theta_g", "direction of gravity in the table"),
+    "centre_length": Quantity("m", "l_c", "pivot to the centre of a solid ball"),
+    "damping_envelope": Quantity("kg*m/s", "C_{env}", "damping coefficient by the envelope"),
+    "decay_rate_envelope": Quantity("1/s", "k_{env}", "amplitude decay rate by the envelope"),
+    "angle_fit": Quantity("rad", r"\theta_{fit}", "fitted angle"),
+    "angle_residual": Quantity("rad", r"\Delta\theta", "measured minus fitted angle"),
+    "is_outlier": Quantity("1", "", "whether a sample was left out"),
+    "swing_time": Quantity("s", "t_n", "time of a turning point"),
+    "swing_angle": Quantity("rad", r"\theta_n", "angle of a turning point"),
+    "swing_angle_fit": Quantity("rad", r"\theta_{n,fit}", "fitted angle of a turning point"),
+    "law": Quantity("1", "", "drag law"),
+    "law_bic": Quantity("1", "BIC", "Schwarz's criterion of a drag law"),
+    "law_aicc": Quantity("1", "AIC_c", "Akaike's corrected criterion of a drag law"),
 }
 
 

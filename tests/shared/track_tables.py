@@ -1,0 +1,33 @@
+"""Track tables with known truth: simulated angles with white or correlated noise."""
+
+import numpy as np
+
+import latolato as ll
+from latolato.experiment.table import track_table
+
+NOISE = 1e-3  # rad
+
+
+def noise(count, seed, correlation=0.0, size=NOISE):
+    """Noise of standard deviation `size`, of first-order autoregression."""
+    generator = np.random.default_rng(seed)
+    errors = generator.normal(size=count)
+    for i in range(1, count):
+        fresh = np.sqrt(1.0 - correlation**2) * errors[i]
+        errors[i] = correlation * errors[i - 1] + fresh
+    return size * errors
+
+
+def decay_table(
+    *, length, mass, damping=0.0, angle=0.6, duration=15.0, held=0.0, seed=0, correlation=0.0,
+    fps=60.0, **more,
+):  # fmt: skip
+    """A free decay as a tracker sees it, after `held` seconds in a hand."""
+    system = ll.Pendulum(length=length, mass=mass, damping=damping, **more)
+    time = np.arange(0.0, held + duration, 1.0 / fps)
+    free = time >= held
+    swing = ll.simulate(system, initial_angle=angle, times=time[free] - time[free][0])
+    angles = np.concatenate([np.full((~free).sum(), angle), swing.angle.values])
+    angles = angles + noise(len(time), seed, correlation)
+    columns = {"time": time, "angle_1": angles, "angle_sigma_1": np.full(len(time), NOISE)}
+    return track_table(columns, {"length": length})
