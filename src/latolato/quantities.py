@@ -170,6 +170,21 @@ QUANTITIES: dict[str, Quantity] = {
     "law": Quantity("1", "", "drag law"),
     "law_bic": Quantity("1", "BIC", "Schwarz's criterion of a drag law"),
     "law_aicc": Quantity("1", "AIC_c", "Akaike's corrected criterion of a drag law"),
+    "crank_ratio": Quantity("1", r"\lambda", "crank over connecting rod, positive: guide above"),
+    "amplitude_drift": Quantity("m/s", r"\dot A_0", "change of the driving amplitude"),
+    "frequency_drift": Quantity("rad/s^2", r"\dot\omega", "change of the driving frequency"),
+    "step_time": Quantity("s", "t_s", "time of the last step of the driving frequency"),
+    "stage_start": Quantity("s", "t_k", "start of each stage of the drive"),
+    "drive_frequencies_sigma": Quantity(
+        "rad/s", r"\sigma_{\omega_k}", "standard deviation of each stage's frequency"
+    ),
+    "harmonic": Quantity("1", "n", "multiple of the driving frequency"),
+    "harmonic_amplitude": Quantity("m", "A_n", "amplitude of a multiple of the driving frequency"),
+    "harmonic_amplitude_sigma": Quantity(
+        "m", r"\sigma_{A_n}", "standard deviation of the amplitude of a multiple"
+    ),
+    "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
+    "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
 }
 
 

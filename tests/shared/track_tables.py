@@ -31,3 +31,12 @@ def decay_table(
     angles = angles + noise(len(time), seed, correlation)
     columns = {"time": time, "angle_1": angles, "angle_sigma_1": np.full(len(time), NOISE)}
     return track_table(columns, {"length": length})
+
+
+def drive_table(drive, *, duration=30.0, fps=60.0, seed=0, correlation=0.0, size=2e-4):
+    """A pivot that moves as `drive`, as a tracker sees it; `size` is the noise in m."""
+    time = np.arange(0.0, duration, 1.0 / fps)
+    still = ll.Pendulum(length=1.0, mass=1.0)
+    height = ll.simulate(still, drive, initial_angle=0.0, times=time).pivot_height.values
+    height = height - height.mean() + noise(len(time), seed, correlation, size)
+    return track_table({"time": time, "pivot_x": 0.0 * time, "pivot_y": height})

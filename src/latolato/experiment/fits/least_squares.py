@@ -139,6 +139,7 @@ def solve(
     correlation: float | None = None,
     kept: NDArray[np.bool_] | None = None,
     jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None = None,
+    limit: int = 4000,
 ) -> Solution:
     """Return the least-squares solution.
 
@@ -159,6 +160,8 @@ def solve(
     jacobian : callable, optional
         Derivatives of the model, shape (sample, name), where something faster than differences
         of the model is known.
+    limit : int
+        Trials after which a fit is given up.
 
     Raises
     ------
@@ -178,7 +181,7 @@ def solve(
     found: Any = None
     for turn in range(rounds):
         minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
-        found = _minimized(minimizer)
+        found = _minimized(minimizer, limit)
         parameters = found.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
@@ -187,7 +190,7 @@ def solve(
             if not np.array_equal(cleaned, mask):
                 mask = cleaned
                 minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
-                found = _minimized(minimizer)
+                found = _minimized(minimizer, limit)
                 parameters = found.params
                 values = parameters.valuesdict()
                 residuals = data.values - model(values)
@@ -249,11 +252,11 @@ def _minimizer(
     return lmfit.Minimizer(errors, parameters, nan_policy="raise", calc_covar=True, **options)
 
 
-def _minimized(minimizer: Any) -> Any:
+def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = minimizer.minimize(method="leastsq")
+        found = minimizer.minimize(method="leastsq", max_nfev=limit)
     if not found.success:
         raise ValueError(f"the fit does not end: {' '.join(str(found.message).split())}")
     return found
