@@ -185,6 +185,8 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
     "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
+    "ball_number": Quantity("1", "", "ball, 1 is the right one"),
+    "window_start": Quantity("s", "t_w", "start of a window"),
 }
 
 

@@ -40,3 +40,17 @@ def drive_table(drive, *, duration=30.0, fps=60.0, seed=0, correlation=0.0, size
     height = ll.simulate(still, drive, initial_angle=0.0, times=time).pivot_height.values
     height = height - height.mean() + noise(len(time), seed, correlation, size)
     return track_table({"time": time, "pivot_x": 0.0 * time, "pivot_y": height})
+
+
+def motion_table(system, drive=None, *, duration=15.0, fps=60.0, seed=0, correlation=0.0, **start):
+    """A system's motion as a tracker sees it; of a `LatoLato` both balls."""
+    time = np.arange(0.0, duration, 1.0 / fps)
+    run = ll.simulate(system, drive, times=time, **start)
+    angles = np.atleast_2d(run.angle.values)
+    if isinstance(system, ll.LatoLato):
+        angles = np.array([angles[0], -angles[0]])
+    columns = {"time": time, "pivot_y": run.pivot_height.values + noise(len(time), seed, 0.0, 2e-4)}
+    for ball, angle in enumerate(angles, 1):
+        columns[f"angle_{ball}"] = angle + noise(len(time), seed + 1000 * ball, correlation)
+        columns[f"angle_sigma_{ball}"] = np.full(len(time), NOISE)
+    return track_table(columns)

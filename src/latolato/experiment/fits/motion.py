@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.experiment.fits.least_squares import Floats
 from latolato.numerics.integrate import Start, choose_stepper, integrate, step_for
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, MeasuredPivot, Static
 from latolato.physics.drives.base import Stretch
 from latolato.physics.pendulum import System
 
@@ -31,8 +31,11 @@ class LaterDrive:
         # Properties of a measured pivot look at every sample: ask once.
         self.fastest_frequency = drive.fastest_frequency
         self.largest_acceleration = drive.largest_acceleration
-        found = drive.stretches(origin + duration)
-        jumps = drive.velocity_jumps(origin + duration)
+        end = origin + duration
+        if isinstance(drive, MeasuredPivot):  # whose last piece holds a moment longer
+            end = min(end, drive.times[-1])
+        found = drive.stretches(end)
+        jumps = drive.velocity_jumps(end)
         begin = max((i for i, (start, _) in enumerate(found) if start <= origin), default=0)
         self._stretches: list[Stretch] = [
             (start - origin, self._shifted(numbers, origin)) for start, numbers in found[begin:]

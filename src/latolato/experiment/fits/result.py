@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.quantities import QUANTITIES
+from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import suggest
 
 if TYPE_CHECKING:
@@ -156,6 +156,15 @@ def load_fit(path: str | Path) -> Fit:
     return Fit(dataset)
 
 
+def quantity_of(name: str) -> Quantity:
+    """Return a quantity by name; of one ball of a pair as in ``right_length``."""
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    side, _, inner = name.partition("_")
+    quantity = QUANTITIES[inner]
+    return replace(quantity, long_name=f"{quantity.long_name}, {side} ball")
+
+
 def make_fit(
     kind: str,
     estimates: Mapping[str, Estimate],
@@ -185,7 +194,7 @@ def make_fit(
 
     variables: dict[str, Any] = {}
     for name, estimate in estimates.items():
-        quantity = QUANTITIES[name]
+        quantity = quantity_of(name)
         shared = {"units": estimate.unit, "symbol": quantity.symbol}
         variables[name] = ((), estimate.value, {**shared, "long_name": quantity.long_name})
         for part, words in _PARTS.items():
