@@ -187,6 +187,12 @@ QUANTITIES: dict[str, Quantity] = {
     "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
     "ball_number": Quantity("1", "", "ball, 1 is the right one"),
     "window_start": Quantity("s", "t_w", "start of a window"),
+    "restitution_each": Quantity("1", "e_k", "restitution of each impact"),
+    "restitution_each_sigma": Quantity(
+        "1", r"\sigma_{e_k}", "standard deviation of each impact's restitution"
+    ),
+    "separation": Quantity("rad", r"\Delta\theta", "angle between the balls, or of the one ball"),
+    "separation_at_contact": Quantity("rad", r"\Theta_k", "angle between the balls at an impact"),
 }
 
 
