@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
     Data,
     Floats,
@@ -140,56 +141,6 @@ def fit_drive(
 
 
 @dataclass(frozen=True)
-class _Shape:
-    """Which parameters the height has."""
-
-    stages: int
-    crank: bool = False
-    ramp: bool = False
-    # The instant about which amplitude and frequency drift [s], None if they do not.
-    drifts_about: float | None = None
-
-    @property
-    def frequencies(self) -> list[str]:
-        """Names of the frequencies."""
-        return ["drive_frequency", *(f"frequency_{i}" for i in range(1, self.stages))]
-
-    @property
-    def times(self) -> list[str]:
-        """Names of the instants of the steps."""
-        return [f"step_{i}" for i in range(1, self.stages)]
-
-    def phase(self, p: Mapping[str, float], times: Floats) -> Floats:
-        """Return the phase at instants, as a `FrequencySchedule` has it."""
-        phase = np.full(len(times), p["drive_phase"])
-        rates = [p[name] for name in self.frequencies]
-        phase += rates[0] * times
-        ramp = p["ramp"] if self.ramp else 0.0
-        for name, old, new in zip(self.times, rates[:-1], rates[1:], strict=True):
-            s = np.maximum(times - p[name], 0.0)
-            rising = np.minimum(s, ramp)
-            gained = 0.5 * rising**2 / ramp if ramp > 0.0 else 0.0
-            phase += (new - old) * (gained + s - rising)
-        if self.drifts_about is not None:
-            phase += 0.5 * p["frequency_drift"] * (times - self.drifts_about) ** 2
-        return phase
-
-    def height(self, p: Mapping[str, float], times: Floats) -> Floats:
-        """Return the height at instants [m]."""
-        phase = self.phase(p, times)
-        shape = np.cos(phase)
-        if self.crank:
-            q = p["crank_ratio"]
-            square = np.sin(phase) ** 2
-            shape -= q * square / (1.0 + np.sqrt(np.maximum(1.0 - q * q * square, 0.0)))
-        amplitude: Any = p["drive_amplitude"]
-        if self.drifts_about is not None:
-            amplitude = amplitude + p["amplitude_drift"] * (times - self.drifts_about)
-        out: Floats = amplitude * shape + p["mean_height"]
-        return out
-
-
-@dataclass(frozen=True)
 class _Overtone:
     """A multiple of the driving frequency in the height: in phase and in quadrature [m]."""
 
@@ -229,10 +180,10 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     return data, zeros
 
 
-def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[_Shape, Solution]:
+def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[Shape, Solution]:
     """Return the model that the criterion is for, and its solution."""
-    shape = _Shape(stages or 1)
-    best = _fit(data, shape, _guesses(data, zeros, shape))
+    shape = Shape(stages or 1)
+    best = _fit(data, shape, guesses_of_passages(data, zeros, shape))
     if shape.stages > 1:
         shape, best = _with_ramp(data, shape, best)
     shape, best = _with_crank(data, shape, best)
@@ -241,9 +192,9 @@ def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[_Shape, Solu
     # What stages must beat: one whose amplitude and frequency drift.
     _, bar = _drifting(data, shape, best)
     for count in range(2, MOST_STAGES + 1):
-        richer = _Shape(count)
+        richer = Shape(count)
         try:
-            trial = _fit(data, richer, _guesses(data, zeros, richer))
+            trial = _fit(data, richer, guesses_of_passages(data, zeros, richer))
             richer, trial = _with_ramp(data, richer, trial)
             richer, trial = _with_crank(data, richer, trial)
         except ValueError:
@@ -255,7 +206,7 @@ def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[_Shape, Solu
     return shape, best
 
 
-def _with_crank(data: Data, shape: _Shape, best: Solution) -> tuple[_Shape, Solution]:
+def _with_crank(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
     """Return the model with the overtones of a crank if that is better."""
     richer = replace(shape, crank=True)
     guesses = _guesses_of(best) | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
@@ -263,7 +214,7 @@ def _with_crank(data: Data, shape: _Shape, best: Solution) -> tuple[_Shape, Solu
     return (richer, trial) if _is_better(trial, best, data) else (shape, best)
 
 
-def _with_ramp(data: Data, shape: _Shape, best: Solution) -> tuple[_Shape, Solution]:
+def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
     """Return the model with a ramp between stages if that is better."""
     plain, richer = best, replace(shape, ramp=True)
     near = np.zeros(len(data), dtype=bool)
@@ -296,7 +247,7 @@ def _is_better(trial: Solution, best: Solution, data: Data) -> bool:
     return bool(gain - max(extra, 0) * math.log(max(count, 2.0)) >= _STRONG)
 
 
-def _is_real(found: Solution, shape: _Shape, data: Data) -> bool:
+def _is_real(found: Solution, shape: Shape, data: Data) -> bool:
     """Return whether every stage lasts two periods and differs from the one before."""
     marks = [float(data.times[0]), *(found.values[n] for n in shape.times), float(data.times[-1])]
     rates = [found.values[name] for name in shape.frequencies]
@@ -310,53 +261,7 @@ def _is_real(found: Solution, shape: _Shape, data: Data) -> bool:
     return long and apart and min(rates) > 0.0
 
 
-def _guesses(data: Data, zeros: Floats, shape: _Shape) -> dict[str, Guess]:
-    """Return guesses from the passages, between which the phase grows by pi each."""
-    phases: Floats = math.pi * np.arange(len(zeros), dtype=np.float64)
-    breaks = _breaks(zeros, phases, shape.stages)
-    design = _hinges(zeros, breaks)
-    slopes, *_ = np.linalg.lstsq(design, phases, rcond=None)
-    rates = np.cumsum(slopes[1:])
-    low, high = np.percentile(data.values, [2.0, 98.0])
-    # At the first passage the cosine goes up (phase -pi/2) or down (phase pi/2).
-    span = zeros[1] - zeros[0]
-    begun = (data.times > zeros[0]) & (data.times < zeros[0] + 0.9 * span)
-    goes_up = np.mean(data.values[begun]) > 0.5 * (low + high)
-    phase = (-0.5 if goes_up else 0.5) * math.pi + float(slopes[0])
-    guesses = {
-        "mean_height": Guess(0.5 * float(low + high)),
-        "drive_amplitude": Guess(0.5 * float(high - low), 0.0),
-        "drive_phase": Guess(phase),
-    }
-    for name, rate in zip(shape.frequencies, rates, strict=True):
-        guesses[name] = Guess(float(rate))
-    for name, instant in zip(shape.times, breaks, strict=True):
-        guesses[name] = Guess(instant, float(data.times[0]), float(data.times[-1]))
-    return guesses
-
-
-def _hinges(zeros: Floats, breaks: list[float]) -> Floats:
-    """Return the basis of continuous piecewise straight lines."""
-    columns = [np.ones(len(zeros)), zeros, *(np.maximum(zeros - b, 0.0) for b in breaks)]
-    return np.column_stack(columns)
-
-
-def _breaks(zeros: Floats, phases: Floats, stages: int) -> list[float]:
-    """Return the instants at which straight pieces of the phase meet best, one after another."""
-    breaks: list[float] = []
-    for _ in range(stages - 1):
-        best = (math.inf, 0.0)
-        for place in zeros[2:-2]:
-            design = _hinges(zeros, sorted([*breaks, float(place)]))
-            found, *_ = np.linalg.lstsq(design, phases, rcond=None)
-            best = min(best, (float(np.sum((phases - design @ found) ** 2)), float(place)))
-        if best[0] == math.inf:
-            raise ValueError(f"the drive is too short for {stages} stages")
-        breaks = sorted([*breaks, best[1]])
-    return breaks
-
-
-def _fit(data: Data, shape: _Shape, guesses: Mapping[str, Guess], **options: Any) -> Solution:
+def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any) -> Solution:
     """Return the least-squares solution of a shape."""
     return solve(lambda p: shape.height(p, data.times), guesses, data, **options)
 
@@ -371,7 +276,7 @@ def _guesses_of(found: Solution) -> dict[str, Guess]:
     }
 
 
-def _estimates(found: Solution, shape: _Shape) -> dict[str, Estimate]:
+def _estimates(found: Solution, shape: Shape) -> dict[str, Estimate]:
     """Return the estimates in the terms of people."""
     told = {}
     for name, unit in (("drive_amplitude", "m"), ("drive_frequency", "rad/s")):
@@ -390,7 +295,7 @@ def _estimates(found: Solution, shape: _Shape) -> dict[str, Estimate]:
     return told
 
 
-def _drifting(data: Data, shape: _Shape, found: Solution) -> tuple[_Shape, Solution]:
+def _drifting(data: Data, shape: Shape, found: Solution) -> tuple[Shape, Solution]:
     """Return the model of one stage whose amplitude and frequency drift, and its solution."""
     drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
     guesses = _guesses_of(found) | {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
@@ -405,7 +310,7 @@ def _drift(drifting: Solution) -> dict[str, Estimate]:
     }
 
 
-def _overtones(data: Data, shape: _Shape, found: Solution) -> list[_Overtone]:
+def _overtones(data: Data, shape: Shape, found: Solution) -> list[_Overtone]:
     """Return the multiples of the driving frequency in the measured height."""
     phase = shape.phase(found.values, data.times)
     columns = [np.ones(len(data))]
@@ -421,7 +326,7 @@ def _overtones(data: Data, shape: _Shape, found: Solution) -> list[_Overtone]:
     ]
 
 
-def _drive(found: Solution, shape: _Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
+def _drive(found: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
     """Return the drive object, and what is said of its overtones."""
     p = found.values
     amplitude, phase = p["drive_amplitude"], math.remainder(p["drive_phase"], math.tau)
@@ -472,7 +377,7 @@ def _drive(found: Solution, shape: _Shape, overtones: list[_Overtone]) -> tuple[
     ), words
 
 
-def _main_words(told: Mapping[str, Estimate], found: Solution, shape: _Shape) -> str:
+def _main_words(told: Mapping[str, Estimate], found: Solution, shape: Shape) -> str:
     """Return amplitude and frequencies in plain words."""
     turns = 1.0 / math.tau
     words = f"The pivot moves with A0 = {told['drive_amplitude'].scaled(1e3, 'mm')} at "

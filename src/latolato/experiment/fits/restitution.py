@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.experiment.fits.flights import (
+    FEWEST,
+    ROUGH,
+    Flights,
+    Pull,
+    drag_step,
+    good_flights,
+    pull_of,
+    widening_of,
+)
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.pivots import given_pivot, measured_pivot
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
@@ -26,18 +33,15 @@ from latolato.registry import checked_number
 if TYPE_CHECKING:
     import xarray as xr
 
-# Time before and after an impact that its velocities are taken from [s], and samples needed there.
-_REACH, _FEWEST = 0.25, 5
+# Time before and after an impact that its velocities are taken from [s].
+_REACH = 0.25
 # A jump of the velocity counts from so many of its standard deviations on, at this closing speed
 # [rad/s], which must itself be this sure: turns are picked where noise looks like a jump.
 _SURE, _SLOWEST, _SURE_SPEED = 6.0, 0.2, 12.0
 # A gap at contact may differ from geometry by this share beside its own uncertainty.
 _OFF = 0.15
-# A flight with so many times the usual sum of squares hides a further impact.
-_ROUGH = 6.0
 # Impacts of two evaluations this close are the same [s].
 _SAME = 0.01
-_Pull = Callable[[float], float]
 
 
 def fit_restitution(
@@ -106,7 +110,7 @@ def fit_restitution(
     gap = angles[0] - angles[1] if two else angles[0]
     first, last = float(time[0]), float(time[-1])
     moving = given_pivot(drive) if drive is not None else measured_pivot(table, length, first, last)
-    pull = _pull(moving.drive, moving.origin, gravity, length)
+    pull = pull_of(moving.drive, moving.origin, gravity, length)
     turns = _turns(time, gap)
     if not turns:
         raise ValueError("no impact is seen: the angle between the balls never turns round")
@@ -114,17 +118,17 @@ def fit_restitution(
     drag = 0.0
     for _ in range(3):
         flights = [
-            [_Flights(time, angles, sigmas, side, instant, pull, drag) for side in pair]
+            [Flights(time, angles, sigmas, side, instant, pull, drag) for side in pair]
             for instant, pair in zip(turns, sides, strict=True)
         ]
-        good = _good([flight for pair in flights for flight in pair])
-        change, drag_sigma = _drag_step(good)
+        good = good_flights([flight for pair in flights for flight in pair])
+        change, drag_sigma = drag_step(good)
         drag = min(max(drag + change, 0.0), 10.0)
     contact = 2.0 * math.asin(min(radius / length, 1.0)) if radius and two else None
     spread = float(np.median([flight.spread for flight in good])) if good else 1.0
-    widen = _widening(good)
+    widen = widening_of(good)
 
-    def seen(others_pull: _Pull, others_drag: float) -> list[_Impact]:
+    def seen(others_pull: Pull, others_drag: float) -> list[_Impact]:
         found = _impacts(
             time, angles, sigmas, turns, sides, others_pull, others_drag, spread, widen
         )
@@ -145,7 +149,7 @@ def fit_restitution(
     shared = _shift(impacts, dragged) ** 2
     deviations = np.hypot(deviations, [_shift([impact], dragged) for impact in impacts])
     for other, weight in moving.others:
-        moved = _pull(other, moving.origin, gravity, length)
+        moved = pull_of(other, moving.origin, gravity, length)
         shared += weight * _shift(impacts, seen(moved, drag)) ** 2
     pooled = Estimate(pooled.value, math.sqrt(pooled.sigma**2 + shared), "1")
     curves = {
@@ -197,35 +201,11 @@ def _series(
     for each in (1, 2) if two else (1,):
         angle = table[f"angle_{each}"].values[chosen].copy()
         angle[table[f"flag_{each}"].values[chosen] != "ok"] = np.nan
-        if np.isfinite(angle).sum() < 2 * _FEWEST:
-            raise ValueError(f"ball {each} has fewer than {2 * _FEWEST} samples flagged ok")
+        if np.isfinite(angle).sum() < 2 * FEWEST:
+            raise ValueError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
         angles.append(angle)
         sigmas.append(filled(table[f"angle_sigma_{each}"].values[chosen]))
     return table["time"].values[chosen], angles, sigmas
-
-
-def _pull(drive: Drive, origin: float, gravity: float, length: float) -> _Pull:
-    """Return what gives (g + y0'')/l at an instant of the table [1/s^2]."""
-    found = drive.stretches(_end_of(drive))
-    starts = [start for start, _ in found]
-    records = [
-        SimpleNamespace(**dict(zip(drive.stretch_fields, numbers, strict=True)))
-        for _, numbers in found
-    ]
-    acceleration = drive.acceleration
-
-    def pull(instant: float) -> float:
-        t = instant - origin
-        place = max(bisect_right(starts, t) - 1, 0)
-        return float((gravity + acceleration(t, records[place])) / length)
-
-    return pull
-
-
-def _end_of(drive: Any) -> float:
-    """Return an instant up to which all stretches of a drive are known [s]."""
-    times = getattr(drive, "times", None)
-    return float(times[-1]) if times is not None and hasattr(drive, "pivot_heights") else 1e9
 
 
 def _turns(time: Floats, gap: Floats) -> list[float]:
@@ -260,154 +240,6 @@ def _sides(
     return np.flatnonzero(left), np.flatnonzero(right)
 
 
-class _Flights:
-    """The free flights of all balls on one side of an instant, fitted there."""
-
-    def __init__(
-        self,
-        time: Floats,
-        angles: Sequence[Floats],
-        sigmas: Sequence[Floats],
-        chosen: NDArray[np.int64],
-        instant: float,
-        pull: _Pull,
-        drag: float,
-        widen: float = 1.0,
-    ) -> None:
-        self.enough = len(chosen) >= _FEWEST
-        self.states: list[Floats] = []
-        self.covariances: list[Floats] = []
-        # Of the shared drag: its curvature and slope once the states have adapted.
-        self.curvature = self.slope = 0.0
-        # Largest reduced sum of squares of a ball.
-        self.spread = 0.0
-        # Of neighbouring errors, and of errors themselves.
-        self.products = self.squares = 0.0
-        self.widen = widen
-        if not self.enough:
-            return
-        # Outwards from the instant, either way.
-        order = np.argsort(np.abs(time[chosen] - instant))
-        own = chosen[order]
-        grid = time[own]
-        pulls = _grid_pulls(instant, grid, pull)
-        for angle, sigma in zip(angles, sigmas, strict=True):
-            self._fit(instant, grid, angle[own], sigma[own], pulls, drag)
-
-    def _fit(
-        self, instant: float, grid: Floats, angle: Floats, sigma: Floats, pulls: Floats, drag: float
-    ) -> None:
-        """Fit one ball's flight."""
-        late = grid - instant
-        line = np.polyfit(late, angle, 2 if len(grid) > 5 else 1)
-        state = np.array([line[-1], line[-2], drag])
-        steps = np.array([1e-5, 1e-4, 1e-3])
-        for _ in range(2):
-            trials = np.column_stack([state, *(state + np.diag(steps))])
-            seen = _carried(instant, grid, trials, pulls)
-            slopes = (seen[:, 1:] - seen[:, :1]) / steps / sigma[:, None]
-            errors = (angle - seen[:, 0]) / sigma
-            change, *_ = np.linalg.lstsq(slopes[:, :2], errors, rcond=None)
-            state[:2] += change
-        errors = errors - slopes[:, :2] @ change
-        inverse = np.linalg.inv(slopes[:, :2].T @ slopes[:, :2])
-        spread = float(errors @ errors) / max(len(grid) - 2, 1)
-        self.spread = max(self.spread, spread)
-        self.products += float(errors[1:] @ errors[:-1])
-        self.squares += float(errors @ errors) * (len(grid) - 1) / len(grid)
-        rest = slopes[:, 2] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2]))
-        self.curvature += float(rest @ rest)
-        self.slope += float(rest @ errors)
-        self.states.append(state[:2])
-        # A few samples tell little of their own scatter.
-        floor = 0.5 if len(grid) < 10 else 0.0
-        self.covariances.append(inverse * self.widen * max(spread, floor))
-
-    @property
-    def gap(self) -> float:
-        """Angle between the balls, or of the one [rad]."""
-        return float(self.states[0][0] - (self.states[1][0] if len(self.states) > 1 else 0.0))
-
-    @property
-    def velocity(self) -> float:
-        """Its rate [rad/s]."""
-        return float(self.states[0][1] - (self.states[1][1] if len(self.states) > 1 else 0.0))
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation of the rate [rad/s]."""
-        return math.sqrt(sum(float(c[1, 1]) for c in self.covariances))
-
-    @property
-    def gap_sigma(self) -> float:
-        """Standard deviation of the angle between the balls [rad]."""
-        return math.sqrt(sum(float(c[0, 0]) for c in self.covariances))
-
-
-def _grid_pulls(instant: float, grid: Floats, pull: _Pull) -> Floats:
-    """Return (g + y0'')/l at the ends and the middle of each step outwards, shape (step, 3)."""
-    ends = np.concatenate([[instant], grid])
-    rows = [[pull(a), pull(0.5 * (a + b)), pull(b)] for a, b in pairwise(ends)]
-    return np.array(rows)
-
-
-def _carried(instant: float, grid: Floats, trials: Floats, pulls: Floats) -> Floats:
-    """Return angles at instants, shape (instant, trial), by classical Runge-Kutta steps.
-
-    A step is the time between two frames: its error is below 1e-6 rad.
-    """
-    angle, velocity, drag = trials.copy()
-    now = instant
-    out = np.empty((len(grid), trials.shape[1]))
-    for i, (then, (k0, k1, k2)) in enumerate(zip(grid, pulls, strict=True)):
-        h = then - now
-
-        def rate(th: Floats, w: Floats, k: float) -> Floats:
-            bent: Floats = -k * np.sin(th) - drag * w
-            return bent
-
-        a1 = rate(angle, velocity, k0)
-        v2 = velocity + 0.5 * h * a1
-        a2 = rate(angle + 0.5 * h * velocity, v2, k1)
-        v3 = velocity + 0.5 * h * a2
-        a3 = rate(angle + 0.5 * h * v2, v3, k1)
-        v4 = velocity + h * a3
-        a4 = rate(angle + h * v3, v4, k2)
-        angle = angle + h / 6.0 * (velocity + 2.0 * v2 + 2.0 * v3 + v4)
-        velocity = velocity + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-        out[i], now = angle, then
-    return out
-
-
-def _good(flights: Sequence[_Flights]) -> list[_Flights]:
-    """Return the flights that are pendulum motion, not several with an impact between them."""
-    known = [flight for flight in flights if flight.enough]
-    if not known:
-        return []
-    typical = float(np.median([flight.spread for flight in known]))
-    return [flight for flight in known if flight.spread <= _ROUGH * typical]
-
-
-def _widening(flights: Sequence[_Flights]) -> float:
-    """Return by how much correlated errors of neighbours widen variances of smooth curves."""
-    long = [flight for flight in flights if flight.squares > 0.0]
-    squares = sum(flight.squares for flight in long)
-    if squares <= 0.0:
-        return 1.0
-    correlation = min(max(sum(flight.products for flight in long) / squares, 0.0), 0.95)
-    return (1.0 + correlation) / (1.0 - correlation)
-
-
-def _drag_step(flights: Sequence[_Flights]) -> tuple[float, float]:
-    """Return the change of the shared drag that all flights ask for and its deviation [1/s]."""
-    curvature = sum(flight.curvature for flight in flights)
-    slope = sum(flight.slope for flight in flights)
-    if curvature <= 0.0:
-        return 0.0, 0.0
-    spread = float(np.median([flight.spread for flight in flights]))
-    return slope / curvature, math.sqrt(spread * _widening(flights) / curvature)
-
-
 def _shift(impacts: Sequence[_Impact], others: Sequence[_Impact]) -> float:
     """Return by how much the mean of the same impacts differs."""
     total = change = 0.0
@@ -425,7 +257,7 @@ def _impacts(
     sigmas: Sequence[Floats],
     turns: Sequence[float],
     sides: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]],
-    pull: _Pull,
+    pull: Pull,
     drag: float,
     spread: float,
     widen: float,
@@ -437,9 +269,9 @@ def _impacts(
         before = after = None
         for _ in range(3):
             before, after = (
-                _Flights(time, angles, sigmas, side, instant, pull, drag, widen) for side in pair
+                Flights(time, angles, sigmas, side, instant, pull, drag, widen) for side in pair
             )
-            rough = max(before.spread, after.spread) > _ROUGH * spread
+            rough = max(before.spread, after.spread) > ROUGH * spread
             if rough or not (before.enough and after.enough):
                 break
             jump = after.velocity - before.velocity
@@ -468,7 +300,7 @@ def _impacts(
     return found
 
 
-def _meets(before: _Flights, after: _Flights) -> bool:
+def _meets(before: Flights, after: Flights) -> bool:
     """Return whether every ball is where it was, as its flights on both sides have it."""
     for i, (one, other) in enumerate(zip(before.states, after.states, strict=True)):
         sigma = math.sqrt(before.covariances[i][0, 0] + after.covariances[i][0, 0])
