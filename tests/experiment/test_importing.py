@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import latolato as ll
 from latolato.experiment.importing import import_table
 
 TIME = np.arange(0.0, 2.0, 0.05)
@@ -73,6 +74,22 @@ def test_a_moving_pivot_is_taken_off_and_its_mean_is_the_origin(tmp_path):
     assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-7)
     assert float(table.pivot_y.mean()) == pytest.approx(0.0, abs=1e-12)
     assert table.pivot_y.values == pytest.approx(height - height.mean(), abs=1e-8)
+
+
+def test_a_phone_that_swings_gives_its_angle_from_its_gyroscope(tmp_path):
+    time = np.arange(0.0, 20.0, 0.01)
+    envelope = 0.5 * np.exp(-0.03 * time)
+    angle = envelope * np.cos(5.0 * time)
+    rate = -0.03 * angle - 5.0 * envelope * np.sin(5.0 * time) + 0.02  # with a bias
+    head = '"Time (s)","Gyroscope x (rad/s)"\n'
+    path = written(tmp_path, head + lines(time, rate))
+    table = import_table(path, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
+    assert table.angle_1.values == pytest.approx(angle, abs=2e-3)
+    found = ll.fit_decay(table, method="envelope", profile=False)
+    assert found["decay_rate_envelope"].value == pytest.approx(0.03, rel=0.02)
+    short = written(tmp_path, head + lines(time[:50], rate[:50]), "short.csv")
+    with pytest.raises(ValueError, match="at least 6 turning points"):
+        import_table(short, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
 
 
 def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):

@@ -33,6 +33,8 @@ _USUAL = {
 # What may be imported: the table's numbers.
 TARGETS = tuple(n for n in column_names(2) if n != "frame" and not n.startswith("flag"))
 _WITH_UNIT = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
+# What a gyroscope measures; it becomes the angle.
+_RATE = "angular_velocity_1"
 # Files beyond this size are taken for mistakes [bytes].
 _LARGEST = 500_000_000
 
@@ -68,7 +70,8 @@ def import_table(
     columns : mapping of str to str, optional
         For each column of the track table the file's: ``{"time": "t [s]", "angle_1":
         "theta [deg]"}``. The unit stands in brackets here or in the file's own names, as in
-        "Time (s)". By default columns called t, theta, x and y are taken.
+        "Time (s)". By default columns called t, theta, x and y are taken. Instead of an angle
+        ``angular_velocity_1`` may stand, a gyroscope's rate about the axis of the swing.
     length, radius : float, optional
         Pivot to ball centre and the ball's radius [m], kept with the table.
     pivot : pair of float, optional
@@ -111,6 +114,10 @@ def import_table(
     if y_axis == "down":
         found = {name: -v if name.endswith("_y") else v for name, v in found.items()}
         pivot = None if pivot is None else (pivot[0], -pivot[1])
+    if _RATE in found:
+        if "angle_1" in found:
+            raise ValueError(f"'{path}': give angle_1 or {_RATE}, not both")
+        found["angle_1"] = _integrated(found["time"], found.pop(_RATE), path)
     _place_angles(found, path, pivot, angle_from)
     if angle_sigma is not None:
         sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
@@ -222,12 +229,11 @@ def _usual(names: list[str], path: Path) -> dict[str, str]:
 
 def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
     """Return a column of the file in SI units."""
-    if target not in TARGETS:
-        raise ValueError(
-            f"a track table has no column '{target}': {suggest(target, list(TARGETS))}"
-        )
+    if target not in (*TARGETS, _RATE):
+        known = [*TARGETS, _RATE]
+        raise ValueError(f"a track table has no column '{target}': {suggest(target, known)}")
     index, unit = _found(text.names, wanted, path)
-    quantity = QUANTITIES[target]
+    quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
     if not unit:
         raise ValueError(
             f"'{path}': the unit of column '{wanted}' is missing; write it in brackets, as in "
@@ -305,6 +311,33 @@ def _place_angles(
             x = found[f"ball_{ball}_x"] - found["pivot_x"]
             y = found[f"ball_{ball}_y"] - found["pivot_y"]
             found[f"angle_{ball}"] = _unwrapped(np.arctan2(x, -y))
+
+
+def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
+    """Return the angle whose rate a gyroscope measured, swinging about zero.
+
+    The gyroscope's bias and the unknown first angle are a straight line under the swing: that
+    through the middles of its turning points is taken off.
+    """
+    from scipy.interpolate import CubicSpline
+
+    from latolato.experiment.fits.swings import crossings
+
+    known = np.isfinite(rate) & np.isfinite(time)
+    if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
+        raise ValueError(f"'{path}': {_RATE} needs at least 8 numbers at increasing times")
+    spline = CubicSpline(time[known], rate[known]).antiderivative()
+    turns = crossings(time[known], rate[known] - np.median(rate[known]))
+    if len(turns) < 6:
+        raise ValueError(
+            f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points, got "
+            f"{len(turns)}"
+        )
+    tops = spline(turns)
+    middles = 0.25 * (tops[:-2] + 2.0 * tops[1:-1] + tops[2:])
+    line = np.polyfit(turns[1:-1], middles, 1)
+    angle: Floats = np.where(known, spline(time) - np.polyval(line, time), np.nan)
+    return angle
 
 
 def _unwrapped(angle: Floats) -> Floats:
