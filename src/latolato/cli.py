@@ -324,9 +324,10 @@ def plot(
         "overlays": overlay or [],
         "points": points,
     }
-    if pictures.is_map(dataset) or pictures.is_analysis(dataset):
+    if pictures.is_map(dataset) or pictures.is_analysis(dataset) or pictures.is_fit(dataset):
         if animate is not None:
-            kind = "an analysis" if pictures.is_analysis(dataset) else "a map"
+            kind = "a map" if pictures.is_map(dataset) else "an analysis"
+            kind = "a fit" if pictures.is_fit(dataset) else kind
             raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 

@@ -28,6 +28,10 @@ def test_a_decay_is_fitted_drawn_stored_and_told_as_json(decay, tmp_path, capsys
     assert "Linear drag describes this decay best" in told["verdict"]
     assert picture.stat().st_size > 10_000
     assert load_fit(result)["damping"].value == told["values"]["damping"]["value"]
+    assert main(["plot", str(result), "--output", str(tmp_path / "again.png")]) == 0
+    assert (tmp_path / "again.png").read_bytes() == picture.read_bytes()
+    assert main(["plot", str(result), "--animate", str(tmp_path / "again.gif")]) == 2
+    assert "a fit" in capsys.readouterr().err
 
 
 def test_drive_restitution_and_model_have_a_command_and_a_picture(tmp_path, capsys):
