@@ -238,7 +238,7 @@ def _minimizer(
     def errors(trial: Any) -> Floats:
         return white((data.values - model(trial.valuesdict())) / data.sigmas)
 
-    options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-9, "ftol": 1e-10}
+    options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-7, "ftol": 1e-9}
     if jacobian is not None:
 
         def slopes(trial: Any) -> Floats:
