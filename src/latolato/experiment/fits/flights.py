@@ -70,6 +70,7 @@ class Flights:
         self.spread = 0.0
         # Of neighbouring errors, and of errors themselves.
         self.products = self.squares = 0.0
+        self.count = len(chosen)
         self.widen = widen
         if not self.enough:
             return
@@ -181,7 +182,10 @@ def widening_of(flights: Sequence[Flights]) -> float:
     squares = sum(flight.squares for flight in long)
     if squares <= 0.0:
         return 1.0
-    correlation = min(max(sum(flight.products for flight in long) / squares, 0.0), 0.95)
+    seen = sum(flight.products for flight in long) / squares
+    # A line fitted to n samples takes (2 + 4 rho)/n off the correlation (Kendall 1954).
+    count = max(sum(flight.count * flight.squares for flight in long) / squares, 8.0)
+    correlation = min(max((seen + 2.0 / count) / (1.0 - 4.0 / count), 0.0), 0.95)
     return (1.0 + correlation) / (1.0 - correlation)
 
 
