@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -122,7 +123,9 @@ def calibrate(
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
-    offset, arm, arc, residual, warnings = _hinge(away[use], seen.sigmas[use], seen.angles[use])
+    reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
+    noise = float(np.nanmin([_scatter(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
+    offset, arm, arc, residual, warnings = _hinge(away[use], seen.angles[use], noise)
     raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
     angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
     if optics.row_time:
@@ -201,7 +204,7 @@ def _honest(
     nor of the pivot's. The scatter about the quintic through the six neighbours does; its median
     raises all deviations by one factor.
     """
-    raised = np.hypot(sigmas, _SYSTEMATIC / arm)
+    raised: np.ndarray = np.hypot(sigmas, _SYSTEMATIC / arm)
     for b in range(angles.shape[1]):
         scatter = _scatter(times, np.where(is_clean[:, b], angles[:, b], np.nan))
         if math.isfinite(scatter):
@@ -228,9 +231,12 @@ def _scatter(times: np.ndarray, values: np.ndarray) -> float:
 
 
 def _hinge(
-    away: np.ndarray, sigmas: np.ndarray, angles: np.ndarray
+    away: np.ndarray, angles: np.ndarray, noise: float
 ) -> tuple[np.ndarray, float, float, float, list[str]]:
-    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings."""
+    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings.
+
+    `noise` is the scatter of the distances [pixels], which is no fault of the circle.
+    """
     from scipy.optimize import least_squares
 
     warnings: list[str] = []
@@ -257,10 +263,11 @@ def _hinge(
     oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
     limit = max(_ROUND, _ROUND_SHARE * found)
     too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
-    if residual > limit or oval > 1.5 * limit or too_far:
+    bent = math.sqrt(max(residual**2 - noise**2, 0.0))
+    if bent > limit or oval > 1.5 * limit or too_far:
         warnings.append(
             f"the ball does not run on a circle about the pivot (centre off by "
-            f"{np.hypot(*offset):.1f} pixels, residual {max(residual, oval):.2f} pixels): lens or "
+            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens or "
             "perspective; the pivot is used as clicked"
         )
         return none, arm, arc, as_clicked, warnings
@@ -316,7 +323,7 @@ def _extremes(swing: np.ndarray) -> np.ndarray:
     side = np.sign(swing - middle)
     changes = np.flatnonzero(np.diff(side) != 0) + 1
     found = []
-    for begin, end in zip(changes[:-1], changes[1:]):
+    for begin, end in pairwise(changes):
         part = swing[begin:end] - middle
         if len(part) < 5:
             continue

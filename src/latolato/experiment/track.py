@@ -71,7 +71,7 @@ def _table(
 ) -> xr.Dataset:
     warnings = list(measured.warnings)
     scale = length / measured.arm if length else math.nan
-    found_radius = scene.radius * scale
+    found_radius = scene.look.radius * scale
     turn = measured.tilt
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -53,7 +52,8 @@ class Colours:
         out = np.empty((*shape, 3), np.float32)
         x, y = int(corner[0]), int(corner[1])
         matrix = _UNCHANGED if whiten is None else whiten
-        kernels.window(*planes, x, y, stride, self.table, self.mix, matrix, is_sparse, out)
+        luma, blue, red = planes
+        kernels.window(luma, blue, red, x, y, stride, self.table, self.mix, matrix, is_sparse, out)
         return out
 
 
@@ -75,6 +75,10 @@ class Appearance:
         Whitened residual beyond which a pixel belongs to something else.
     exposure : float
         Share of the frame interval in which light is collected.
+    is_spinning : bool
+        Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    whiten, white_paint, white_behind : numpy.ndarray
+        The matrix that makes residuals white, and colours times it.
     """
 
     colours: Colours
@@ -86,21 +90,40 @@ class Appearance:
     weight: np.ndarray
     scale: float
     exposure: float = 0.0
+    is_spinning: bool = False
+    whiten: np.ndarray = field(init=False)
+    white_paint: np.ndarray = field(init=False)
+    white_behind: np.ndarray = field(init=False)
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        """Keep the whitened colours in step with what they are made of."""
-        object.__setattr__(self, name, value)
-        if name in ("paint", "behind", "weight") and hasattr(self, "weight"):
-            matrix = np.linalg.cholesky(self.weight).T.astype(np.float32)
-            object.__setattr__(self, "whiten", matrix)
-            object.__setattr__(self, "white_paint", self.paint @ matrix.T)
-            object.__setattr__(self, "white_behind", self.behind @ matrix.T)
+    def __post_init__(self) -> None:
+        self.whitened()
 
-    def ball(self, path: np.ndarray, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    def whitened(self) -> None:
+        """Bring the whitened colours into step with what they are made of."""
+        self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
+        self.white_paint = np.asarray(self.paint @ self.whiten.T)
+        self.white_behind = np.asarray(self.behind @ self.whiten.T)
+
+    @property
+    def radius_sigma(self) -> float:
+        """Uncertainty of the radius [pixels]: half the softness of the edge."""
+        return 0.5 * self.blur
+
+    def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
+        """Return by how much the paint is turned at centres (sample, 2) [rad]."""
+        if not self.is_spinning:
+            return np.zeros(len(centres))
+        away = centres - pivot
+        return np.asarray(np.arctan2(away[:, 0], away[:, 1]))
+
+    def ball(
+        self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
+    ) -> np.ndarray:
         """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
         layer = np.zeros((*shape, 4), np.float32)
         x, y = int(corner[0]), int(corner[1])
-        kernels.cover(path, self.radius, self.blur, self.white_paint, x, y, layer)
+        turns = self.turns(path, pivot)
+        kernels.cover(path, turns, self.radius, self.blur, self.white_paint, x, y, layer)
         return layer
 
     def seen(
@@ -198,7 +221,9 @@ def fit_balls(
     tally = np.empty((balls, 4))
     cost = 0.0
     for round_ in range(rounds):
-        layers = np.stack([look.ball(p + s, low, shape) for p, s in zip(paths, shift, strict=True)])
+        layers = np.stack(
+            [look.ball(p + s, pivot, low, shape) for p, s in zip(paths, shift, strict=True)]
+        )
         centres = np.stack([p.mean(axis=0) + s for p, s in zip(paths, shift, strict=True)])
         scale = look.scale * (_TOLERANT if round_ < tolerant else 1.0)
         cost = kernels.normal_equations(
@@ -273,7 +298,8 @@ def gains_at(
     behind = look.background(low, shape, stride)
     out = np.empty(len(angles))
     kernels.gains(
-        seen, behind, low.astype(float), stride, centres, look.radius, look.white_paint,
+        seen, behind, low.astype(float), stride, centres, look.turns(centres, pivot), look.radius,
+        look.white_paint,
         look.scale, out,
     )  # fmt: skip
     return out

@@ -20,8 +20,8 @@ from latolato.experiment.tracking.learn import Scene
 from latolato.experiment.tracking.predict import Prediction, Predictor
 from latolato.experiment.video import Frame, Video
 
-# Share of a ball's pixels that must look like one to be measured, and to be measured as whole.
-_MEASURED, _WHOLE = 0.4, 0.8
+# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
+_MEASURED, _WHOLE = 0.4, 0.82
 # Time after which a ball that was not seen is lost [s].
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
@@ -222,7 +222,7 @@ class _Follower:
         fits: list[tuple[np.ndarray, float, float]],
         expected: Prediction,
     ) -> np.ndarray:
-        """Return which balls were not measured: hidden, off the circle, or not where they can be."""
+        """Return which balls were not measured: hidden, off the circle, or where none can be."""
         scene = self.scene
         pivot = scene.pivot.place(self.pivots[-1][1])
         bad = np.zeros(scene.balls, bool)
@@ -231,7 +231,7 @@ class _Follower:
             spread = math.sqrt(expected.covariance[b, 0, 0])
             jump = abs(angles[b] - expected.angles[b])
             bad[b] = (
-                explained < _MEASURED
+                explained < _MEASURED * scene.explained
                 or off > _OFF_CIRCLE * scene.look.radius
                 or jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm
             )
@@ -329,7 +329,7 @@ class _Follower:
                 self.unseen[b] = 0.0
                 centres[b] = centre
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
-                if explained < _WHOLE:
+                if explained < _WHOLE * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"

@@ -7,21 +7,25 @@ red, green and blue between 0 and 1.
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 
-_jit: Any = numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"}
-)
-
 # Steps of the table that turns a coded value between 0 and 255 into linear light.
 _FINENESS = 4
+_Kernel = TypeVar("_Kernel", bound=Callable[..., Any])
 # Part of a ball's largest share from which a pixel is the ball's.
 _CORE = 0.7
 # Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
 _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
+
+
+def _jit(kernel: _Kernel) -> _Kernel:
+    """Return a kernel compiled; its machine code is kept between processes."""
+    options: Any = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
+    return cast(_Kernel, numba.njit(cache=True, nogil=True, **options)(kernel))
 
 
 def linear_light() -> np.ndarray:
@@ -44,7 +48,8 @@ def colour_coefficients(matrix: str, is_full_range: bool) -> np.ndarray:
 def _linear(value: float, table: np.ndarray) -> float:
     """Look up the linear light of a coded value."""
     at = min(max(value, 0.0), 255.0) * _FINENESS
-    return table[int(at + 0.5)]
+    light: float = table[int(at + 0.5)]
+    return light
 
 
 @_jit
@@ -58,7 +63,8 @@ def _chroma(plane: np.ndarray, column: float, row: float) -> float:
     a, b = u - i, v - j
     top = (1.0 - a) * plane[j, i] + a * plane[j, i1]
     low = (1.0 - a) * plane[j1, i] + a * plane[j1, i1]
-    return (1.0 - b) * top + b * low - 128.0
+    chroma: float = (1.0 - b) * top + b * low - 128.0
+    return chroma
 
 
 @_jit
@@ -100,6 +106,7 @@ def window(
 @_jit
 def cover(
     path: np.ndarray,
+    turns: np.ndarray,
     radius: float,
     blur: float,
     paint: np.ndarray,
@@ -109,7 +116,8 @@ def cover(
 ) -> None:
     """Add a moving disc, averaged over `path`, to `out`, shape (row, column, 4).
 
-    `path` holds centres, shape (sample, 2). The last channel of `out` is the share of the exposure
+    `path` holds centres, shape (sample, 2), `turns` the paint's turn at each from straight down to
+    the right [rad]. The last channel of `out` is the share of the exposure
     in which the disc covers a pixel, the others its premultiplied colour; `paint`, shape
     (2 m + 1, 2 m + 1, 3), is the disc's colour about its centre.
     """
@@ -119,6 +127,7 @@ def cover(
     reach = radius + 2.0 * blur
     for k in range(path.shape[0]):
         cx, cy = path[k, 0] - left, path[k, 1] - top
+        cosine, sine = math.cos(turns[k]), math.sin(turns[k])
         for j in range(max(0, int(cy - reach)), min(rows, int(cy + reach) + 2)):
             dy = j - cy
             if abs(dy) >= reach:
@@ -132,8 +141,8 @@ def cover(
                 # A smooth edge close to the integral of a bell of standard deviation `blur`.
                 share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 share *= weight
-                u = min(max(dx + half, 0.0), 2.0 * half - 1e-3)
-                v = min(max(dy + half, 0.0), 2.0 * half - 1e-3)
+                u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
+                v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
                 p, q = int(u), int(v)
                 a, b = u - p, v - q
                 for c in range(3):
@@ -272,6 +281,7 @@ def gains(
     offset: np.ndarray,
     stride: int,
     centres: np.ndarray,
+    turns: np.ndarray,
     radius: float,
     paint: np.ndarray,
     scale: float,
@@ -288,6 +298,7 @@ def gains(
     for k in range(centres.shape[0]):
         cx = (centres[k, 0] - offset[0]) / stride
         cy = (centres[k, 1] - offset[1]) / stride
+        cosine, sine = stride * math.cos(turns[k]), stride * math.sin(turns[k])
         total, count = 0.0, 0
         for j in range(int(cy - reach), int(cy + reach) + 2):
             for i in range(int(cx - reach), int(cx + reach) + 2):
@@ -297,8 +308,8 @@ def gains(
                 count += 1
                 if j < 0 or i < 0 or j >= seen.shape[0] or i >= seen.shape[1]:
                     continue
-                p = min(max(int(dx * stride + half + 0.5), 0), 2 * half)
-                q = min(max(int(dy * stride + half + 0.5), 0), 2 * half)
+                p = min(max(int(dx * cosine - dy * sine + half + 0.5), 0), 2 * half)
+                q = min(max(int(dx * sine + dy * cosine + half + 0.5), 0), 2 * half)
                 as_ball, as_wall = 0.0, 0.0
                 for c in range(3):
                     as_ball += (seen[j, i, c] - paint[q, p, c]) ** 2

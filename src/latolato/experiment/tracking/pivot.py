@@ -52,7 +52,7 @@ class PivotTracker:
     @property
     def half(self) -> int:
         """Half the template's side [pixels]."""
-        return (self.template.shape[0] - 1) // 2
+        return (int(self.template.shape[0]) - 1) // 2
 
     def place(self, shift: np.ndarray) -> np.ndarray:
         """Return where the pivot is (column, row) for shifts [pixels]."""
@@ -224,12 +224,15 @@ def learn_template(
         else speed == speed
     )
     slow = slow if slow.sum() >= 6 else np.ones(len(frames), bool)
-    frames = [frame for frame, is_slow in zip(frames, slow) if is_slow]
+    frames = [frame for frame, is_slow in zip(frames, slow, strict=True) if is_slow]
     shifts = shifts[slow]
     half = tracker.half
     inside = np.hypot(*(np.indices(tracker.template.shape) - half)) <= half + 0.5
     stack = np.stack(
-        [_patch(f.luma, tracker.origin + shift, half) for f, shift in zip(frames, shifts)]
+        [
+            _patch(f.luma, tracker.origin + shift, half)
+            for f, shift in zip(frames, shifts, strict=True)
+        ]
     )
     wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
     template = np.median(stack, axis=0)
