@@ -261,7 +261,7 @@ def _hinge(
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
     oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
-    limit = max(_ROUND, _ROUND_SHARE * found)
+    limit = max(_ROUND, _ROUND_SHARE * found, 2.0 * noise)
     too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
     if bent > limit or oval > 1.5 * limit or too_far:

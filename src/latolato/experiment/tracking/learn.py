@@ -120,7 +120,7 @@ def learn_scene(
     for round_ in range(3):
         if round_ == 0:
             found = find_balls(scene, frames, pivots, centres)
-        found = fit_sample(scene, frames, found, pivots)
+        found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
         if not found:
             raise ValueError(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
@@ -154,18 +154,19 @@ def find_balls(
 ) -> list[Found]:
     """Find the balls in the sample with colours that stay or that turn: as more are found."""
     look = scene.look
-    staying = _find(scene, frames, pivots)
+    some = slice(None, None, 4)
+    staying = _find(scene, frames[some], pivots[some])
     paint = look.paint
     angles = np.array([math.atan2(*(centre - pivots[0])) for centre in centres])
     look.is_spinning = True
     look.paint = first_paint(frames[0], centres, angles, look.colours, look.radius)
     look.whitened()
-    turning = _find(scene, frames, pivots)
+    turning = _find(scene, frames[some], pivots[some])
     if sum(one.explained for one in turning) > 1.1 * sum(one.explained for one in staying):
-        return turning
+        return _find(scene, frames, pivots)
     look.is_spinning, look.paint = False, paint
     look.whitened()
-    return staying
+    return _find(scene, frames, pivots)
 
 
 def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Found]:
@@ -183,7 +184,7 @@ def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Found]:
 
 
 def fit_sample(
-    scene: Scene, frames: list[Frame], found: list[Found], pivots: np.ndarray
+    scene: Scene, frames: list[Frame], found: list[Found], pivots: np.ndarray, tolerant: int
 ) -> list[Found]:
     """Fit the balls found in each frame together; keep those on the circle, with their speeds."""
     look, kept = scene.look, []
@@ -193,7 +194,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=3)
+            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot

@@ -16,6 +16,9 @@ from latolato.experiment.video import Frame
 _OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
 _TEACHES = 0.8
+# Luminance of linear light (BT.709), its noise, and the difference that shows an edge.
+_LUMA = np.array([0.2126, 0.7152, 0.0722])
+_FAINT, _DIFFERS = 0.01, 0.06
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
 _SLOW = 0.4
 
@@ -85,7 +88,19 @@ def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], a
 
 
 def _learn_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
-    """Learn radius and softness of the edge: those that explain the frames best."""
+    """Learn radius and softness of the edge: those that explain the frames best.
+
+    Colour is stored at half the resolution and suffers first from compression: where the ball
+    differs in brightness, that alone tells where its edge is.
+    """
+    weight, scale = look.weight, look.scale
+    middle = (look.paint.shape[0] - 1) // 2
+    walls = [look.wall(np.rint(one.centre).astype(int), (1, 1))[0, 0] for one in teachers]
+    contrast = abs(float((look.paint[middle, middle] - np.nanmedian(walls, axis=0)) @ _LUMA))
+    if contrast > _DIFFERS:
+        look.weight = np.outer(_LUMA, _LUMA) / _FAINT**2 + np.eye(3)
+        look.scale = max(3.0, _OUTLYING * contrast / _FAINT)
+        look.whitened()
     paths = [one.path(arm, look.exposure) for one in teachers]
 
     def cost() -> float:
@@ -105,6 +120,8 @@ def _learn_edge(look: Appearance, frames: list[Frame], teachers: list[Found], ar
                 setattr(look, name, float(trial))
                 costs.append(cost())
             setattr(look, name, float(trials[int(np.argmin(costs))]))
+    look.weight, look.scale = weight, scale
+    look.whitened()
 
 
 def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> None:
