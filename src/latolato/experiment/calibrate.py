@@ -17,7 +17,7 @@ from latolato.experiment.tracking.follow import Followed
 
 # Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
 _WIDE_ARC = math.radians(60.0)
-_NEAR, _NEAR_SHARE = 3.0, 0.008
+_NEAR, _NEAR_SHARE = 5.0, 0.01
 # Residual of the circle above which lens or perspective are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].

@@ -220,7 +220,10 @@ def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solutio
     near = np.zeros(len(data), dtype=bool)
     for name in shape.times:
         near |= np.abs(data.times - best.values[name]) < _NEAR_STEP
-    sizes = [np.sqrt(np.mean(best.residuals[part & best.kept] ** 2)) for part in (near, ~near)]
+    parts = [part & best.kept for part in (near, ~near)]
+    if not all(part.any() for part in parts):  # steps everywhere: nothing to compare with
+        return shape, best
+    sizes = [np.sqrt(np.mean(best.residuals[part] ** 2)) for part in parts]
     if not sizes[0] > _ROUGH * sizes[1] and best.kept[near].all():
         return shape, best
     for value in (0.3, 1.0, 3.0):

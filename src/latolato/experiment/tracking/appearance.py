@@ -254,7 +254,7 @@ def arc(pivots: np.ndarray, angles: np.ndarray, arm: float) -> np.ndarray:
 
 def samples_for(length: float) -> int:
     """Return how many samples make a smear of some pixels smooth."""
-    return int(min(max(1, math.ceil(length / 1.5)), _MOST_SAMPLES))
+    return int(min(max(1, math.ceil(length / 2.0)), _MOST_SAMPLES))
 
 
 def best_angles(

@@ -22,6 +22,8 @@ from latolato.experiment.video import Frame, Video
 
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
 _MEASURED, _WHOLE = 0.4, 0.82
+# The same for a ball whose pattern turns through the light, which no one template describes.
+_WHOLE_TURNING = 0.55
 # Time after which a ball that was not seen is lost [s].
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
@@ -329,7 +331,8 @@ class _Follower:
                 self.unseen[b] = 0.0
                 centres[b] = centre
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
-                if explained < _WHOLE * scene.explained:
+                whole = _WHOLE_TURNING if scene.look.is_spinning else _WHOLE
+                if explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"

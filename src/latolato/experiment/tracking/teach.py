@@ -169,16 +169,18 @@ def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> N
     covariance = rest.T @ rest / len(rest) + np.eye(3) * 2e-6
     look.weight = np.linalg.inv(covariance)
     look.whitened()
+    own_scale = look.scale
     if inner:
         own = np.concatenate(inner)
         own = own[np.isfinite(own).all(axis=1)]
         squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
-        look.scale = float(np.sqrt(max(12.0, 3.0 * np.quantile(squares, 0.8))))
+        own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
     m = (look.paint.shape[0] - 1) // 2
     j, i = np.indices(look.paint.shape[:2]) - m
     gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
     contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
-    look.scale = max(look.scale, _OUTLYING * contrast**0.5)
+    # What the colours of the ball themselves leave open is no sign of something else.
+    look.scale = max(min(own_scale, 2.0 * _OUTLYING * contrast**0.5), _OUTLYING * contrast**0.5)
 
 
 def learn_exposure(
