@@ -126,10 +126,17 @@ def test_what_is_no_circle_about_the_click_is_told_and_left(case):
     assert "lens or perspective" in warnings[0]
 
 
-def test_a_narrow_arc_does_not_move_the_hinge():
-    offset, *_, warnings = _hinge(*_arc((2.0, 2.0), wide=0.3), noise=0.0)
-    assert np.all(offset == 0.0)
+def test_a_narrow_arc_moves_the_hinge_across_only():
+    offset, *_, warnings = _hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
+    # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
+    assert offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
+    assert abs(offset[1]) < 0.05
     assert not warnings
+
+
+def test_a_very_narrow_arc_does_not_move_the_hinge():
+    offset, *_ = _hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0)
+    assert np.all(offset == 0.0)
 
 
 def test_undistorting_undoes_the_lens():

@@ -18,6 +18,9 @@ from latolato.experiment.tracking.follow import Followed
 # Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
 _WIDE_ARC = math.radians(60.0)
 _NEAR, _NEAR_SHARE = 5.0, 0.01
+# Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
+# on the whole [pixels].
+_NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 # Residual of the circle above which lens or perspective are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
@@ -256,7 +259,7 @@ def _hinge(
     residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
     as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
     if arc < _WIDE_ARC:
-        return none, arm, arc, as_clicked, warnings
+        return _across(away, angles, arc, arm), arm, arc, as_clicked, warnings
     # Lenses and perspective make an oval: its second harmonic beside the circle.
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
@@ -272,6 +275,27 @@ def _hinge(
         )
         return none, arm, arc, as_clicked, warnings
     return offset, found, arc, residual, warnings
+
+
+def _across(away: np.ndarray, angles: np.ndarray, arc: float, arm: float) -> np.ndarray:
+    """Return the hinge's offset across the middle of a narrow arc, along which it tells nothing.
+
+    Distances grow along the arc when the hinge lies aside; the click is believed to `_CLICK`, the
+    distances on the whole to `_UNROUND`.
+    """
+    if arc < _NARROW_ARC:
+        return np.zeros(2)
+    middle = 0.5 * float(np.sum(np.quantile(angles, [0.005, 0.995])))
+    lean = np.sin(np.mod(angles - middle + math.pi, 2.0 * math.pi) - math.pi)
+    distance = np.hypot(away[:, 0], away[:, 1])
+    # distance = arm + offset * lean, with the offset drawn to zero.
+    centred = lean - lean.mean()
+    fitted = float(np.sum(centred * distance) / np.sum(centred**2))
+    error = _UNROUND / float(np.std(lean))
+    offset = fitted / (1.0 + (error / _CLICK) ** 2)
+    if abs(offset) > max(_NEAR, _NEAR_SHARE * arm):
+        return np.zeros(2)
+    return offset * np.array([math.cos(middle), -math.sin(middle)])
 
 
 def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tuple[float, str]:

@@ -28,6 +28,8 @@ _WHOLE_TURNING = 0.55
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
+# Error of the pivot's smear that is worth a second look [pixels].
+_SMEAR = 1.0
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # How far from the circle a centre may lie, as a share of the ball's radius.
@@ -120,23 +122,41 @@ class _Follower:
     def pivot_in(self, frame: Frame) -> np.ndarray:
         """Return the pivot's place in a frame."""
         tracker = self.scene.pivot
-        guess, velocity = None, np.zeros(2)
+        guess, velocity, room = None, np.zeros(2), 3
         if len(self.pivots) >= 3:
-            (t0, p0), (t1, p1), (t2, p2) = self.pivots[-3:]
-            early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
-            bend = 2.0 * (late - early) / (t2 - t0)
-            passed = frame.time - t2
-            guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
-            velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
-        shift, cost = tracker.locate(frame.luma, guess, velocity)
+            guess, velocity, jerk = self._extrapolated(frame.time)
+            # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
+            room = 3 + math.ceil(jerk)
+        shift, cost = tracker.locate(frame.luma, guess, velocity, room)
         if guess is not None and cost > 2.0 * self.pivot_cost + 0.1:
             wide, wide_cost = tracker.locate(frame.luma, None, velocity)
             if wide_cost < 0.7 * cost:
                 shift, cost = wide, wide_cost
+        if guess is not None:
+            exact = self._arrived(frame.time, shift)
+            if np.max(np.abs(exact - velocity)) * tracker.exposure > _SMEAR:
+                shift, cost = tracker.locate(frame.luma, shift, exact)
         self.pivot_cost = 0.9 * self.pivot_cost + 0.1 * cost if guess is not None else cost
         self.pivots = [*self.pivots[-3:], (frame.time, shift)]
         place: np.ndarray = tracker.place(shift)
         return place
+
+    def _extrapolated(self, time: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the shift and velocity per interval to be expected, and half the last bend."""
+        (t0, p0), (t1, p1), (t2, p2) = self.pivots[-3:]
+        early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
+        bend = 2.0 * (late - early) / (t2 - t0)
+        passed = time - t2
+        guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
+        velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
+        return guess, velocity, 0.5 * float(np.max(np.abs(bend))) * self.interval**2
+
+    def _arrived(self, time: float, shift: np.ndarray) -> np.ndarray:
+        """Return the velocity per interval at a frame whose shift is known."""
+        (t0, p0), (t1, p1) = self.pivots[-2:]
+        early, late = (p1 - p0) / (t1 - t0), (shift - p1) / (time - t1)
+        bend = 2.0 * (late - early) / (time - t0)
+        return np.asarray((late + 0.5 * bend * (time - t1)) * self.interval)
 
     def _pivot_motion(self, instants: np.ndarray) -> tuple[np.ndarray, float]:
         """Return the pivot's places at instants near the last frame, and its upward acceleration.

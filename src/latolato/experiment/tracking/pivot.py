@@ -60,7 +60,11 @@ class PivotTracker:
         return at
 
     def locate(
-        self, luma: np.ndarray, guess: np.ndarray | None, velocity: np.ndarray
+        self,
+        luma: np.ndarray,
+        guess: np.ndarray | None,
+        velocity: np.ndarray,
+        room: int = 3,
     ) -> tuple[np.ndarray, float]:
         """Return the pivot's shift from the origin [pixels] and how badly the template fits.
 
@@ -72,12 +76,14 @@ class PivotTracker:
             Expected shift; None searches the whole reach.
         velocity : numpy.ndarray
             Pixels per frame interval, by which the template is smeared.
+        room : int
+            How far from the guess it may be [pixels].
         """
         if self.is_still:
             return np.zeros(2), 0.0
         smear = velocity * self.exposure
         model = self._smeared(smear)
-        start = self._search(luma, guess, model)
+        start = self._search(luma, guess, model, room)
         return self._refine(luma, start, model)
 
     def margin(self, luma: np.ndarray) -> float:
@@ -101,13 +107,14 @@ class PivotTracker:
         return total / count
 
     def _costs(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int = 3
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return corners by whole pixels and how badly the template fits there."""
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
             low, high = near - 3, near + 3
+            low[1], high[1] = near[1] - room, near[1] + room
         columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
         shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
@@ -118,9 +125,11 @@ class PivotTracker:
         kernels.search_shift(luma, model, self.weight, corners, _LIMIT, cost)
         return corners, cost
 
-    def _search(self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray) -> np.ndarray:
+    def _search(
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int
+    ) -> np.ndarray:
         """Return the best shift by whole pixels."""
-        corners, cost = self._costs(luma, guess, model)
+        corners, cost = self._costs(luma, guess, model, room)
         best: np.ndarray = corners[np.argmin(cost)] + self.half - self.origin
         return best
 
