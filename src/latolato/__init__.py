@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from latolato import analysis
     from latolato.analysis.boundary import boundary
     from latolato.citation import cite
+    from latolato.experiment.track import track
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
     from latolato.files import load, save
@@ -70,6 +71,7 @@ _LATE: dict[str, str] = {
     "plot": "latolato.figures.plot",
     "save": "latolato.files",
     "scenarios": "latolato.scenario",
+    "track": "latolato.experiment.track",
 }
 
 __all__ = [
@@ -120,6 +122,7 @@ __all__ = [
     "scenarios",
     "simulate",
     "sweep",
+    "track",
 ]
 
 
