@@ -79,14 +79,19 @@ def jobs_of(
         "sidecar": sidecar,
         "propose": propose,
     }
-    endings = {"output": ".csv", "overlay": ".overlay.mp4", "report": ".html"}
+    endings = {
+        "output": ".proposal.png" if propose else ".csv",
+        "overlay": ".overlay.mp4",
+        "report": ".html",
+    }
     jobs = []
     for video in videos:
         files = {
             name: _target(target, video, endings[name], len(videos) > 1)
             for name, target in targets.items()
         }
-        jobs.append(Job(video=video, **files, **common))
+        own: dict[str, Any] = {**files, **common}
+        jobs.append(Job(video=video, **own))
     _check_targets(jobs)
     return jobs
 
@@ -186,7 +191,9 @@ def _check_targets(jobs: Sequence[Job]) -> None:
             seen[file.resolve()] = job.video
             if file.resolve() == job.video.resolve():
                 raise ValueError(f"'{file}' is the video itself; name another file")
-        if job.output is not None:
+        if job.propose and job.output is not None:
+            check_suffix(job.output, (".png",), "the name of a proposal's picture")
+        elif job.output is not None:
             check_suffix(job.output, SUFFIXES, "the name of a track table")
             check_target(job.output)
         if job.overlay is not None:
@@ -323,7 +330,7 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     more = job.overlay is not None or job.report is not None
     part = _TRACKED if more else 1.0
     sidecar = job.sidecar
-    if sidecar is None and job.output is not None:
+    if sidecar is None and job.output is not None and not job.propose:
         beside = sidecar_path(job.video, job.output.parent)
         sidecar = beside if beside.is_file() else None
     task = track.prepare(
@@ -337,6 +344,21 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
         files.append(write_table(table, job.output))
         beside = sidecar_path(job.video, job.output.parent)
         files.append(write_sidecar(task.setup, job.video, beside))
+    if job.overlay is not None:
+        from latolato.experiment.overlay import write_overlay
+
+        files.append(
+            write_overlay(
+                table,
+                task.video,
+                job.overlay,
+                progress=lambda share: tell(part + (1.0 - part) * share),
+            )
+        )
+    if job.report is not None:
+        from latolato.report.track_page import write_track_report
+
+        files.append(write_track_report(table, task.video, job.report))
     return {"video": str(job.video), **summary(table), "files": [str(file) for file in files]}
 
 
@@ -351,7 +373,7 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
         "pivot": setup.pivot,
         "ball": list(setup.balls),
         "is_proposed": setup.is_proposed,
-        "files": [str(draw_proposal(task.video, setup, picture))],
+        "files": [str(draw_proposal(task.video, setup, picture, task.radius))],
     }
 
 

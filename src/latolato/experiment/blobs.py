@@ -76,16 +76,15 @@ class Backdrop:
         mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _round(cv2, 1))
         count, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
         side = min(self.shape)
-        found = []
+        found: list[Disc] = []
         for i in range(1, count):
             x, y, width, height, area = (int(n) for n in stats[i])
             if area < 3.0 * (_SMALLEST * side) ** 2:
                 continue
             part = slice(y, y + height), slice(x, x + width)
             own = labels[part] == i
-            for disc in self._split(cv2, own, apart[part], change[part], np.array([x, y])):
-                if _SMALLEST * side < disc.radius / 2.0 < _LARGEST * side:
-                    found.append(disc)
+            found += self._split(cv2, own, apart[part], change[part], np.array([x, y]))
+        found = [disc for disc in found if _SMALLEST * side < disc.radius / 2.0 < _LARGEST * side]
         return sorted(found, key=lambda disc: -disc.contrast * disc.radius)
 
     def _split(

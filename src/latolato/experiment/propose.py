@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.experiment.blobs import Backdrop, Disc
+from latolato.experiment.calibrate import Optics, undistorted
+from latolato.experiment.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.appearance import Colours
 from latolato.experiment.tracking.learn import disc_at
 from latolato.experiment.tracking.pivot import learn_pivot
@@ -27,13 +29,16 @@ _OFF, _OFF_SHARE = 3.0, 0.02
 _ROUND, _ROUND_SHARE = 0.5, 0.002
 # Uncertainty of the circle's centre, as a share of the arm, above which there is no pivot.
 _VAGUE = 0.04
+# Arm of the coarse pictures in which the pivot is followed [pixels].
+_FINE = 160.0
 # Where else the pivot may be in the first frame, above and below the centre, as shares of the arm.
-_TRIALS = (0.0, -0.07, 0.07, -0.14, 0.14)
+_TRIALS = (0.0, -0.07, 0.07)
 # Share of the radius by which edges must lie beside discs to be believed instead.
 _ASIDE = 0.15
+# A disc is a part of a ball if it is smaller than this share of the edge's radius.
+_PART = 0.88
 # Frames in which discs are measured again by their edge.
 _EDGES = 9
-
 Place = tuple[float, float]
 
 
@@ -77,6 +82,7 @@ def propose(
     pivot: Sequence[float] | None = None,
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
+    optics: Optics | None = None,
 ) -> Proposal:
     """Return where pivot and balls are in the first frame.
 
@@ -88,6 +94,8 @@ def propose(
         What is known already [pixels].
     count : int, optional
         How many balls swing; None finds out.
+    optics : Optics, optional
+        The lens: circles are ovals in what it shows.
 
     Raises
     ------
@@ -96,10 +104,10 @@ def propose(
 
     Notes
     -----
-    Discs are what differs from the median over time. Their circle is fitted in the frame of the
-    pivot, which is followed from where the circle's centre says it is; both are repeated until they
-    agree. It can miss: balls that rest in most of the clip, balls of the wall's colour, arcs of less
-    than about 20 degrees.
+    Discs are what differs from the median over time. Their circle is fitted together with one
+    harmonic of the pivot; where that leaves too much, the pivot is followed in the picture from
+    where the circle's centre is, and both are repeated until they agree. It can miss: balls that
+    rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
     """
     frames = sample.frames
     backdrop = Backdrop(frames)
@@ -119,20 +127,38 @@ def propose(
     radius = float(np.median([disc.radius for group in members for disc in group]))
     shift, radius = _by_edge(frames, colours, members, radius, known)
     places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
+    lens, size = optics or Optics(), (video.width, video.height)
+    places = [undistorted(group, size, lens) for group in places]
     found = None if known is not None else _pivot(video, frames, places)
-    hinge = known if known is not None else found.circle.centre if found else None
+    hinge = known if known is not None else found.centre if found else None
+    if found is not None:
+        hinge = distorted(found.centre, size, lens)
     if balls is not None:
         starts = [np.array(ball, float) for ball in balls]
     else:
-        starts = _starts(video, frames, places, found, count, radius)
+        starts = [
+            distorted(ball, size, lens) for ball in _starts(video, places, found, count, radius)
+        ]
     starts.sort(key=lambda ball: -float(ball[0]))
     return Proposal(
         None if hinge is None else _rounded(hinge),
         tuple(_rounded(ball) for ball in starts),
         radius,
-        found.circle.residual if found else math.nan,
-        found.circle.arc if found else math.nan,
+        found.residual if found else math.nan,
+        found.arc if found else math.nan,
     )
+
+
+def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
+    """Return where a lens shows undistorted places [pixels]."""
+    middle = (np.array(size) - 1.0) / 2.0
+    unit = 0.5 * math.hypot(*size)
+    away = (places - middle) / unit
+    squares = np.sum(away**2, axis=-1, keepdims=True)
+    shown: np.ndarray = middle + away * unit * (
+        1.0 + optics.lens_k1 * squares + optics.lens_k2 * squares**2
+    )
+    return shown
 
 
 def _rounded(place: np.ndarray) -> Place:
@@ -160,7 +186,8 @@ def _one_class(seen: list[list[Disc]], balls: np.ndarray | None) -> list[list[Di
         if share > _SEEN:
             travel = float(np.hypot(*np.ptp(centres, axis=0)))
             width = float(np.ptp(centres[:, 0]))
-            score = (travel + width) * share if travel > 2.0 * typical.radius else 0.0
+            size = typical.radius * typical.contrast
+            score = (travel + width) * share * size if travel > 2.0 * typical.radius else 0.0
             if score > 0.0 and (best is None or score > best[0]):
                 best = (score, alike)
         if balls is not None:
@@ -218,116 +245,88 @@ def _by_edge(
         centre, size = disc_at(frames[k], colours, centre, size, towards, True)
         found.append((*(centre - disc.centre), size))
     *shift, size = np.median(np.array(found), axis=0)
-    is_clear = math.hypot(*shift) > _ASIDE * size  # a disc's own centre is finer than its edge's
+    # A disc's own centre is finer than its edge's, unless the wall hides a part of the ball.
+    is_clear = math.hypot(*shift) > _ASIDE * size and radius < _PART * size
     return np.array(shift) if is_clear else np.zeros(2), float(size)
 
 
-@dataclass(frozen=True)
-class _Circle:
-    """A circle with its median residual, the arc seen, and the centre's error in arms."""
-
-    centre: np.ndarray
-    arm: float
-    residual: float
-    arc: float
-    vague: float
-
-
-@dataclass(frozen=True)
-class _Found:
-    """The circle about the pivot in the first frame, and the pivot's shifts from there."""
-
-    circle: _Circle
-    shifts: np.ndarray
-
-
-def _pivot(video: Video, frames: list[Frame], places: list[np.ndarray]) -> _Found | None:
-    """Return the pivot whose motion makes the balls' paths most nearly a circle."""
-    first = _circle(places, np.zeros((len(places), 2)))
+def _pivot(video: Video, frames: list[Frame], places: list[np.ndarray]) -> Orbit | None:
+    """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
+    times = np.array([frame.time for frame in frames])
+    first = better(circle(places, np.zeros((len(places), 2))), driven_circle(places, times))
     if first is None:
         return None
+    best = first if _is_round(first) else _followed(video, frames, places, first)
+    if best is None or best.residual > max(_OFF, _OFF_SHARE * best.arm):
+        return None
     size = np.array([video.width, video.height])
-    median = median_planes(frames)[0]
-    # Following the pivot takes most of the time: a third of the pairs of frames is enough.
-    kept = np.array([k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0])
-    frames, places = [frames[k] for k in kept], [places[k] for k in kept]
-    best: _Found | None = None
+    inside = (best.centre >= 0.0).all() and (best.centre <= size - 1.0).all()
+    return best if inside and best.vague < _VAGUE else None
+
+
+def _is_round(orbit: Orbit) -> bool:
+    """Return whether a circle is good enough to look no further."""
+    return orbit.residual < _ROUND + _ROUND_SHARE * orbit.arm and orbit.vague < _VAGUE
+
+
+def _followed(
+    video: Video, frames: list[Frame], places: list[np.ndarray], first: Orbit
+) -> Orbit | None:
+    """Return the circle about a pivot that is followed in the picture from where it may be."""
+    size = np.array([video.width, video.height])
+    # A third of the pairs of frames is enough, and so are coarse pictures.
+    kept = [k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0]
+    fold = max(1, int(first.arm / _FINE))
+    coarse = [_coarse(frames[k], fold) for k in kept]
+    median = median_planes(coarse)[0]
+    best: Orbit | None = None
     for trial in _TRIALS:
-        centre, arm = first.centre + [0.0, trial * first.arm], first.arm
+        centre, arm = first.centre + np.array([0.0, trial * first.arm]), first.arm
         for _ in range(3):
-            if not ((centre > 12.0).all() and (centre < size - 13.0).all()):
+            if (np.minimum(centre, size - 1.0 - centre) < 12.0 * fold).any():
                 break
-            _, shifts = learn_pivot(frames, median, centre, arm)
-            moved = shifts - shifts[0]
-            circle = _circle(places, moved)
-            if circle is None:
+            tracker, shifts = learn_pivot(coarse, median, (centre + 0.5) / fold - 0.5, arm / fold)
+            if tracker.is_still:
                 break
-            change = float(np.hypot(*(circle.centre - centre)))
-            centre, arm = circle.centre, circle.arm
-            if best is None or circle.residual < best.circle.residual:
-                best = _Found(circle, moved)
+            found = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
+            if found is None:
+                break
+            change = float(np.hypot(*(found.centre - centre)))
+            centre, arm = found.centre, found.arm
+            if best is None or found.residual < best.residual:
+                best = found
             if change < 1.0:
                 break
-        if best is not None and best.circle.residual < _ROUND + _ROUND_SHARE * best.circle.arm:
+        if best is not None and _is_round(best):
             break
-    if best is None or best.circle.residual > max(_OFF, _OFF_SHARE * best.circle.arm):
-        return None
-    inside = (best.circle.centre >= 0.0).all() and (best.circle.centre <= size - 1.0).all()
-    return best if inside and best.circle.vague < _VAGUE else None
+    return best
 
 
-def _circle(places: list[np.ndarray], shifts: np.ndarray) -> _Circle | None:
-    """Return the circle of balls about a pivot that is shifted."""
-    from scipy.optimize import least_squares
-
-    points = np.concatenate([group - shifts[k] for k, group in enumerate(places)])
-    if len(points) < 12:
-        return None
-    middle = points.mean(axis=0)
-    away = points - middle
-    # Pratt-like start: x^2 + y^2 = 2 a x + 2 b y + c is linear.
-    start = np.linalg.lstsq(
-        np.column_stack([2.0 * away, np.ones(len(away))]), (away**2).sum(axis=1), rcond=None
-    )[0]
-    size = math.sqrt(max(start[2] + start[0] ** 2 + start[1] ** 2, 1.0))
-
-    def rest(p: np.ndarray) -> np.ndarray:
-        return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
-
-    fit = least_squares(rest, [start[0], start[1], size], loss="soft_l1", f_scale=1.0, max_nfev=200)
-    centre, arm = fit.x[:2], abs(float(fit.x[2]))
-    residual = float(np.median(np.abs(rest(fit.x))))
-    normal = fit.jac.T @ fit.jac
-    if np.linalg.cond(normal) > 1e12:
-        return None
-    spread = np.linalg.inv(normal)[:2, :2] * max(residual, 0.3) ** 2
-    vague = math.sqrt(float(np.trace(spread))) / arm
-    turns = np.arctan2(away[:, 0] - centre[0], away[:, 1] - centre[1])
-    arc = float(np.ptp(np.quantile(turns, [0.02, 0.98])))
-    return _Circle(centre + middle, arm, residual, arc, vague)
+def _coarse(frame: Frame, fold: int) -> Frame:
+    """Return a frame with its luma averaged over squares; its chroma is not needed."""
+    rows, columns = (side // fold * fold for side in frame.luma.shape)
+    parts = frame.luma[:rows, :columns].reshape(rows // fold, fold, columns // fold, fold)
+    luma = np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
+    return Frame(frame.number, frame.time, luma, luma[:2, :2], luma[:2, :2])
 
 
 def _starts(
-    video: Video,
-    frames: list[Frame],
-    places: list[np.ndarray],
-    found: _Found | None,
-    count: int,
-    radius: float,
+    video: Video, places: list[np.ndarray], found: Orbit | None, count: int, radius: float
 ) -> list[np.ndarray]:
     """Return the balls in the first frame, from there or from where they are a frame later."""
-    for k in (0, 1):
+    for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
         group = places[k]
+        shift = found.shifts[min(k, len(found.shifts) - 1)] if found else np.zeros(2)
         on_circle = [
             place
             for place in group
             if found is None
-            or abs(np.hypot(*(place - found.shifts[k] - found.circle.centre)) - found.circle.arm)
-            < max(2.0 * radius, 0.05 * found.circle.arm)
+            or abs(np.hypot(*(place - shift - found.centre)) - found.arm)
+            < max(2.0 * radius, 0.05 * found.arm)
         ]
         if len(on_circle) >= count:
             return list(on_circle[:count])
     raise ValueError(
-        f"{video.path}: {count} {'balls were' if count == 2 else 'ball was'} found in the clip, but "
-        "not in its first frame; point at pivot and ball there: --pivot u,v --ball u,v"
+        f"{video.path}: {count} {'balls were' if count == 2 else 'ball was'} found in the clip, "
+        "but not in its first frame; point at pivot and ball there: --pivot u,v --ball u,v"
     )

@@ -36,6 +36,20 @@ def typical_sigma(table: xr.Dataset) -> float | None:
     return float(np.median(sigmas)) if sigmas.size else None
 
 
+def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
+    """Return how far a ball is outside its circle about the pivot [m], in pixels without a scale.
+
+    Shape (frame,).
+    """
+    ends = "xy" if np.isfinite(table["pivot_x"].values).any() else "uv"
+    if f"pivot_{ends[0]}" not in table.variables:
+        return np.full(table.sizes["frame"], np.nan)
+    away = [table[f"ball_{ball}_{end}"].values - table[f"pivot_{end}"].values for end in ends]
+    distance = np.hypot(*away)
+    arm = table.attrs["length"] if ends == "xy" else table.attrs["arm_pixels"]
+    return np.asarray(distance - arm)
+
+
 def pivot_heights(table: xr.Dataset) -> np.ndarray:
     """Return how high the pivot is [m], or in pixels where there is no scale."""
     if np.isfinite(table["pivot_y"].values).any():

@@ -48,6 +48,7 @@ class Task:
     setup: Setup
     sample: Sample | None = None
     warnings: list[str] = field(default_factory=list)
+    radius: float | None = None
 
 
 def track(
@@ -189,13 +190,15 @@ def prepare(
         video,
     )
     sample = _sample_of(video, progress)
-    proposal = propose(video, sample, pivot=pivot, balls=clicks, count=count)
+    proposal = propose(
+        video, sample, pivot=pivot, balls=clicks, count=count, optics=given.get("optics")
+    )
     setup = Setup(
         pivot=proposal.pivot,
         balls=proposal.balls,
         is_proposed=True,
     )
-    return Task(video, with_changes(setup, given), sample, [proposal.told()])
+    return Task(video, with_changes(setup, given), sample, [proposal.told()], proposal.radius)
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:

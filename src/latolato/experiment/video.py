@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# Memory that tracking takes per pixel of a frame: a hundred frames, their copies and medians [bytes].
+# Memory for a hundred frames, their copies and medians, per pixel of a frame [bytes].
 _PER_PIXEL = 600
 # Suffixes of pictures, which sometimes come by the folder.
 _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
