@@ -213,6 +213,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     if progress:
         progress(1.0)
     if task.warnings:
+        # One text, whose parts a semicolon tells apart.
+        task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
 

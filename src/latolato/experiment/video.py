@@ -184,6 +184,8 @@ def open_video(
     if not slow_motion > 0.0:
         raise ValueError(f"slow_motion must be positive, got {slow_motion:g}")
     with _opened(path) as container:
+        if not len(container.streams):
+            raise ValueError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
         if not container.streams.video:
             raise ValueError(f"{path} holds no video stream, only sound or data")
         stream = container.streams.video[0]
