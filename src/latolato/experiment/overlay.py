@@ -204,10 +204,12 @@ class Artist:
 
     def _written(self, cv2: Any, picture: Any, text: str, at: tuple[int, int], colour: Any) -> None:
         """Write a line of text in the lower left corner; `at` counts lines from below."""
-        font, step = cv2.FONT_HERSHEY_SIMPLEX, round(38 * self.text)
-        place = (round(14 * self.text) + at[0], picture.shape[0] - step * at[1] + step // 2)
-        for width, ink in ((3 * self.line + 2, _DARK), (self.line, colour)):
-            cv2.putText(picture, text, place, font, self.text, ink, width, cv2.LINE_AA)
+        font, step = cv2.FONT_HERSHEY_SIMPLEX, round(42 * self.text)
+        u, v = round(14 * self.text) + at[0], picture.shape[0] - step * at[1] + step // 2
+        (width, height), low = cv2.getTextSize(text, font, self.text, self.line)
+        corner, other = (u - 4, v - height - 4), (u + width + 4, v + low)
+        cv2.rectangle(picture, corner, other, _DARK, cv2.FILLED)
+        cv2.putText(picture, text, (u, v), font, self.text, colour, self.line, cv2.LINE_AA)
 
 
 def _fixed(place: Any) -> tuple[int, int]:

@@ -259,7 +259,9 @@ def _opened(path: Path) -> Iterator[Any]:
         raise ModuleNotFoundError(
             'reading videos needs PyAV: pip install "latolato[video]"'
         ) from None
-    av.logging.set_level(av.logging.PANIC)
+    # FFmpeg's own log, silent: a message to Python from a decoding thread stops a file's closing.
+    av.logging.restore_default_callback()
+    av.logging.set_libav_level(av.logging.PANIC)
     try:
         container = av.open(str(path))
     except av.error.FFmpegError as error:
