@@ -47,7 +47,7 @@ def test_a_truncated_video_is_refused(swing, tmp_path, capsys):
     cut.write_bytes(whole[: len(whole) // 2])  # its index comes first: half the frames are there
     assert "cut" in refused(capsys, tmp_path, cut, *swing.options)
     cut.write_bytes(whole[:200])
-    assert "cannot be read" in refused(capsys, tmp_path, cut, *swing.options)
+    assert "cut off" in refused(capsys, tmp_path, cut, *swing.options)
 
 
 def test_a_video_without_frames_is_refused(tmp_path, capsys):
@@ -58,7 +58,8 @@ def test_a_video_without_frames_is_refused(tmp_path, capsys):
         stream = file.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
         file.start_encoding()
-    assert "no frame" in refused(capsys, tmp_path, path, *CLICKS)
+    told = refused(capsys, tmp_path, path, *CLICKS)
+    assert "cannot be read" in told or "no frame" in told
 
 
 def test_sound_alone_is_refused(tmp_path, capsys):
@@ -81,8 +82,9 @@ def test_ten_hours_are_refused_before_they_are_read(tmp_path, capsys):
 
 
 def test_frames_that_are_too_large_are_refused(tmp_path, capsys):
-    path = encoded(tmp_path / "large.avi", [np.zeros((16384, 16384), np.uint8)], codec="mjpeg")
-    assert "16384 x 16384" in refused(capsys, tmp_path, path, *CLICKS)
+    # FFmpeg itself makes none of 16384 x 16384.
+    path = encoded(tmp_path / "large.mp4", [np.zeros((4096, 8192), np.uint8)])
+    assert "frames of 8192 x 4096 pixels, at most" in refused(capsys, tmp_path, path, *CLICKS)
 
 
 @pytest.mark.parametrize(
@@ -119,15 +121,15 @@ def test_time_stamps_that_fall_are_refused_with_a_reason(tmp_path, capsys):
     # Frames of an intra codec are decoded in the order of the file, whatever their stamps.
     stamps = [3000 * k for k in range(24)]
     stamps[10], stamps[11] = stamps[11], stamps[10]
-    path = with_stamps(tmp_path / "falls.mkv", stamps)
+    path = with_stamps(tmp_path / "falls.mov", stamps)
     assert "time stamps must increase" in refused(capsys, tmp_path, path, *CLICKS)
 
 
 def test_time_stamps_may_be_uneven(tmp_path):
     stamps = np.cumsum([3000 + 700 * (k % 3) for k in range(24)])
-    path = with_stamps(tmp_path / "uneven.mkv", [int(stamp) for stamp in stamps])
+    path = with_stamps(tmp_path / "uneven.mov", [int(stamp) for stamp in stamps])
     times = np.array([frame.time for frame in open_video(path).frames()])
-    np.testing.assert_allclose(np.diff(times), np.diff(stamps) / 90_000, atol=1.1e-3)
+    np.testing.assert_allclose(np.diff(times), np.diff(stamps) / 90_000, atol=1e-4)
 
 
 def with_stamps(path, stamps):
@@ -144,7 +146,7 @@ def with_stamps(path, stamps):
             packets += stream.encode(frame)
         packets += stream.encode()
         for k, packet in enumerate(packets):
-            packet.pts = packet.dts = stamps[k]
+            packet.dts, packet.pts = 3000 * k, stamps[k] + 60_000
             packet.time_base = Fraction(1, 90_000)
             file.mux(packet)
     return path

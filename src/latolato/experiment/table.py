@@ -66,8 +66,9 @@ def track_table(
     ----------
     columns : mapping of str to array_like, shape (frame,)
         Named as in `COLUMNS`, in SI units, and `PICTURE_COLUMNS`, in pixels. `time` is needed;
-        `frame` counts from 0 if it is left out; any ``_2`` makes it a table of two balls. Numbers that are left out are NaN; a flag
-        that is left out is "ok" where its angle is known and "lost" elsewhere.
+        `frame` counts from 0 if it is left out; any ``_2`` makes it a table of two balls. Numbers
+        that are left out are NaN; a flag that is left out is "ok" where its angle is known and
+        "lost" elsewhere.
     attributes : mapping, optional
         Numbers and texts that go with the table: ``source``, ``source_sha256``, ``length`` [m],
         ``radius`` [m], ``metres_per_pixel`` and so on; None is left out.

@@ -165,8 +165,10 @@ def prepare(
         value = given.get(name)
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be positive, got {value:g}")
-    bounds: dict[str, Any] = {"limits": given.get("limits")}
-    video = open_video(path, slow_motion=given.get("slow_motion") or 1.0, **bounds)
+    slower = given.get("slow_motion")
+    video = open_video(
+        path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
+    )
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):

@@ -187,7 +187,7 @@ def open_video(
         if not len(container.streams):
             raise ValueError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
         if not container.streams.video:
-            raise ValueError(f"{path} holds no video stream, only sound or data")
+            raise ValueError(f"{path} holds no video stream, only sound or data, or is cut off")
         stream = container.streams.video[0]
         size = stream.codec_context.width * stream.codec_context.height
         if size == 0:
