@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from latolato.experiment.fits.drive import fit_drive
     from latolato.experiment.fits.model import fit_model
     from latolato.experiment.fits.restitution import fit_restitution
+    from latolato.experiment.track import track
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
     from latolato.files import load, save
@@ -78,6 +79,7 @@ _LATE: dict[str, str] = {
     "plot": "latolato.figures.plot",
     "save": "latolato.files",
     "scenarios": "latolato.scenario",
+    "track": "latolato.experiment.track",
 }
 
 __all__ = [
@@ -132,6 +134,7 @@ __all__ = [
     "scenarios",
     "simulate",
     "sweep",
+    "track",
 ]
 
 

@@ -412,6 +412,138 @@ app.command("synthesise", cls=EachOptionOnce)(
 
 
 @app.command(cls=EachOptionOnce)
+def track(
+    videos: Annotated[list[Path], typer.Argument(help="Videos.", show_default=False)],
+    balls: Annotated[
+        int | None, typer.Option(help="How many balls swing: 1 or 2.", show_default=False)
+    ] = None,
+    pivot: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            metavar="U,V",
+            show_default=False,
+        ),
+    ] = None,
+    ball: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="The same of a ball's centre; given twice for two balls. What is not pointed at "
+            "is found in the video.",
+            metavar="U,V",
+            show_default=False,
+        ),
+    ] = None,
+    length: Annotated[
+        str | None,
+        typer.Option(help="From pivot to ball centre: the scale.", metavar="VALUE"),
+    ] = None,
+    radius: Annotated[
+        str | None,
+        typer.Option(help="Radius of a ball, checked against the length.", metavar="VALUE"),
+    ] = None,
+    gravity: Annotated[
+        str | None, typer.Option(help="9.8 m/s^2 by default.", metavar="VALUE")
+    ] = None,
+    slow_motion: Annotated[
+        str | None,
+        typer.Option(
+            help="How many times slower than life it plays.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    row_time: Annotated[
+        str | None,
+        typer.Option(
+            help="Time between rows of a rolling shutter.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    lens_k1: Annotated[
+        str | None,
+        typer.Option(
+            "--lens-k1",
+            help="Radial distortion, in units of half the diagonal.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    lens_k2: Annotated[
+        str | None,
+        typer.Option(
+            "--lens-k2", help="Its next order.", metavar="VALUE", rich_help_panel="Camera"
+        ),
+    ] = None,
+    sidecar: Annotated[
+        Path | None,
+        typer.Option(help="How it was tracked before; by default VIDEO.track.toml if it is there."),
+    ] = None,
+    propose: Annotated[
+        bool,
+        typer.Option("--propose", help="Only find pivot and balls, and draw them on a picture."),
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".',
+            show_default=False,
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Videos tracked at once; by default one for each core.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            help="Table: .csv, .parquet or .nc. For several videos a folder, or a name with "
+            "{name} in it.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    overlay: Annotated[
+        Path | None,
+        typer.Option(help="Video with what was found drawn on it: .mp4.", rich_help_panel="Output"),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure pivot and balls in every frame of videos: angles with their errors, and flags.
+
+    Quantities may carry a unit: "24.5 cm". The set-up is written beside the table, from which the
+    same table is made again. Existing files are replaced.
+    """
+    from latolato import track_command
+
+    found = track_command.jobs_of(
+        videos,
+        count=balls,
+        pivot=pivot,
+        balls=ball or [],
+        values={
+            "length": length,
+            "radius": radius,
+            "gravity": gravity,
+            "slow_motion": slow_motion,
+            "row_time": row_time,
+            "lens_k1": lens_k1,
+            "lens_k2": lens_k2,
+        },
+        limits=limit or [],
+        sidecar=sidecar,
+        targets={"output": output, "overlay": overlay, "report": report},
+        propose=propose,
+    )
+    code = track_command.run(found, jobs, as_json=as_json)
+    if code:
+        raise typer.Exit(code)
+
+
+@app.command(cls=EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),

@@ -45,6 +45,7 @@ _DEFINITIONS = (
     "watt = joule / second = W",
     "standard_gravity = 9.80665 * meter / second ** 2 = g_0 = gn",
     "percent = 0.01 = %",
+    "pixel = [pixel]",
 )
 
 _TEXT = re.compile(

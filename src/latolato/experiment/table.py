@@ -30,6 +30,10 @@ COLUMNS = (
     "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "{ball_2_x}", "{ball_2_y}",
     "angle_1", "{angle_2}", "angle_sigma_1", "{angle_sigma_2}", "flag_1", "{flag_2}",
 )  # fmt: skip
+# Places in the picture, which a table has where no length gave a scale.
+PICTURE_COLUMNS = (
+    "pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "{ball_2_u}", "{ball_2_v}",
+)  # fmt: skip
 _KIND = "track"
 # One column of a text file as its header describes it.
 _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
@@ -41,6 +45,18 @@ def column_names(balls: int) -> tuple[str, ...]:
     return tuple(name.strip("{}") for name in kept)
 
 
+def picture_names(balls: int) -> tuple[str, ...]:
+    """Return the names of the columns in pixels in their order, for one ball or two."""
+    kept = [name for name in PICTURE_COLUMNS if balls == 2 or name[0] != "{"]
+    return tuple(name.strip("{}") for name in kept)
+
+
+def names_in(table: xr.Dataset) -> tuple[str, ...]:
+    """Return the names of the columns that a table has, in their order."""
+    balls = balls_of(table)
+    return column_names(balls) + tuple(n for n in picture_names(balls) if n in table.variables)
+
+
 def track_table(
     columns: Mapping[str, Any], attributes: Mapping[str, Any] | None = None
 ) -> xr.Dataset:
@@ -49,9 +65,10 @@ def track_table(
     Parameters
     ----------
     columns : mapping of str to array_like, shape (frame,)
-        Named as in `COLUMNS`, in SI units. `time` is needed; `frame` counts from 0 if it is left
-        out; any ``_2`` makes it a table of two balls. Numbers that are left out are NaN; a flag
-        that is left out is "ok" where its angle is known and "lost" elsewhere.
+        Named as in `COLUMNS`, in SI units, and `PICTURE_COLUMNS`, in pixels. `time` is needed;
+        `frame` counts from 0 if it is left out; any ``_2`` makes it a table of two balls. Numbers
+        that are left out are NaN; a flag that is left out is "ok" where its angle is known and
+        "lost" elsewhere.
     attributes : mapping, optional
         Numbers and texts that go with the table: ``source``, ``source_sha256``, ``length`` [m],
         ``radius`` [m], ``metres_per_pixel`` and so on; None is left out.
@@ -77,11 +94,13 @@ def track_table(
     """
     import xarray as xr
 
-    balls = 2 if any(name.strip("{}") in columns for name in COLUMNS if name[0] == "{") else 1
+    second = [name.strip("{}") for name in COLUMNS + PICTURE_COLUMNS if name[0] == "{"]
+    balls = 2 if any(name in columns for name in second) else 1
     names = column_names(balls)
+    known = names + picture_names(balls)
     for name in columns:
-        if name not in names:
-            raise ValueError(f"a track table has no column '{name}': {suggest(name, list(names))}")
+        if name not in known:
+            raise ValueError(f"a track table has no column '{name}': {suggest(name, list(known))}")
     if "time" not in columns:
         raise ValueError("a track table needs the column 'time' [s]")
     given = {name: _values(name, value) for name, value in columns.items()}
@@ -101,7 +120,7 @@ def track_table(
         given.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
     variables = {
         name: ("frame", given[name] if name in given else np.full(count, np.nan), about(name))
-        for name in names
+        for name in (*names, *(name for name in known[len(names) :] if name in given))
     }
     table = xr.Dataset(variables, attrs={"table": _KIND, **_attributes(attributes or {})})
     return table.set_coords("time")
@@ -277,7 +296,7 @@ def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _write_csv(table: xr.Dataset, path: Path) -> None:
     """Write the columns below a header of ``# key: value`` lines."""
-    names = column_names(balls_of(table))
+    names = names_in(table)
     with path.open("w", encoding="utf-8", newline="") as file:
         for key, value in table.attrs.items():
             file.write(f"# {key}: {_as_text(value)}\n")
@@ -355,7 +374,7 @@ def _write_parquet(table: xr.Dataset, path: Path) -> None:
     import pyarrow
     import pyarrow.parquet
 
-    names = column_names(balls_of(table))
+    names = names_in(table)
     arrays = [pyarrow.array(table[name].values) for name in names]
     schema = pyarrow.schema(
         [

@@ -3,73 +3,302 @@
 from __future__ import annotations
 
 import math
+import warnings as alarms
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.experiment.calibrate import Calibration, Optics, calibrate
+from latolato.experiment.propose import propose
+from latolato.experiment.sidecar import (
+    Setup,
+    read_sidecar,
+    sidecar_path,
+    with_changes,
+    write_sidecar,
+)
 from latolato.experiment.table import track_table
 from latolato.experiment.tracking.follow import Followed, follow
 from latolato.experiment.tracking.learn import Scene, learn_scene
-from latolato.experiment.tracking.sample import read_sample
+from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.video import Limits, Video, digest_of, open_video
-from latolato.physics.pendulum import GRAVITY
+from latolato.experiment.wander import follow_path, period_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Place = Sequence[float]
+Progress = Callable[[float], None]
+# Difference of declared and measured radius that is told.
+_RADIUS_TOLERANCE = 0.03
+# Fewest frames that show a motion.
+_FEWEST = 8
+# Shares of the work: the first reading, learning the scene.
+_READ, _LEARNED = 0.25, 0.35
+
+
+@dataclass
+class Task:
+    """A video that is ready to be tracked."""
+
+    video: Video
+    setup: Setup
+    sample: Sample | None = None
+    warnings: list[str] = field(default_factory=list)
+    radius: float | None = None
 
 
 def track(
     path: str | Path,
     *,
-    pivot: Place,
-    balls: Sequence[Place],
+    pivot: Place | None = None,
+    balls: int | Sequence[Place] | None = None,
     length: float | None = None,
     radius: float | None = None,
-    gravity: float = GRAVITY,
+    gravity: float | None = None,
     optics: Optics | None = None,
-    slow_motion: float = 1.0,
+    slow_motion: float | None = None,
     limits: Limits | None = None,
-    progress: Callable[[float], None] | None = None,
+    sidecar: str | Path | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
-    video = open_video(path, slow_motion=slow_motion, limits=limits)
-    hinge = _place("pivot", pivot, video)
-    starts = [_place("ball", ball, video) for ball in balls]
-    sample = read_sample(video)
-    arm = float(np.mean([np.hypot(*(ball - hinge)) for ball in starts]))
-    expected = radius / length * arm if radius and length else None
-    scene = learn_scene(video, sample, hinge, starts, expected)
-    stiffness = gravity / length if length else 0.0
-    seen = follow(video, scene, sample.interval, len(sample.times), stiffness)
-    measured = calibrate(seen, (video.width, video.height), video.rotation, optics)
-    return _table(video, scene, seen, measured, length, radius)
+    """Return where pivot and balls are in every frame of a video, with angles and their errors.
+
+    Parameters
+    ----------
+    path : str or Path
+        The video.
+    pivot : sequence of float, optional
+        Column and row of the pivot in the first frame as displayed [pixels].
+    balls : int or sequence of sequence of float, optional
+        How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
+        What is not pointed at is found in the video, and told in a warning.
+    length : float, optional
+        From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
+        positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
+    radius : float, optional
+        Radius of a ball [m], which is checked against the length's scale.
+    gravity : float, optional
+        Gravitational acceleration [m/s^2], 9.8 if nothing else is said.
+    optics : Optics, optional
+        Row time of a rolling shutter and radial distortion of the lens.
+    slow_motion : float, optional
+        How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz.
+    limits : Limits, optional
+        Largest duration, size and memory that a video may ask for.
+    sidecar : str or Path, optional
+        Keeps the set-up. It is read if it exists and neither pivot nor balls are pointed at, and
+        written otherwise. Without it ``VIDEO.track.toml`` beside the video is read if it is there.
+        What is given here as well replaces what a sidecar says.
+    progress : callable, optional
+        Called with the fraction done, from 0 to 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        One row per decoded frame on the dimension ``frame``: ``time``, positions of pivot and balls
+        [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
+        about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
+        ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
+        hidden), predicted (carried on by the equation of motion) and lost. The attribute
+        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` without a pivot in the
+        picture, where angles are NaN, flags are about the ball's image alone, and ``period`` and
+        ``period_sigma`` [s] come from its path. ``warnings`` repeats what was warned of.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
+        a place lies outside the frame, no ball is found, or the sidecar is another video's.
+    ModuleNotFoundError
+        Without the extra `video`.
+
+    Warns
+    -----
+    RuntimeWarning
+        For what was found instead of pointed at, a radius that does not fit the length, a path that
+        is no circle, an unknown direction of gravity, an unknown geometry.
+
+    Notes
+    -----
+    Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
+    the prediction; balls cannot pass each other. It can miss: a camera that moves, balls of other
+    sizes or colours than each other, a perspective that is not seen in the circle.
+
+    See Also
+    --------
+    latolato.experiment.table.write_table : Writes the table.
+    """
+    path = Path(path)
+    given = {
+        "length": length,
+        "radius": radius,
+        "gravity": gravity,
+        "optics": optics,
+        "slow_motion": slow_motion,
+        "limits": limits,
+    }
+    task = prepare(path, pivot, balls, given, sidecar, progress)
+    table = run(task, progress)
+    if sidecar is not None:
+        write_sidecar(task.setup, path, sidecar)
+    for text in task.warnings:
+        alarms.warn(text, RuntimeWarning, stacklevel=2)
+    return table
 
 
-def _place(name: str, place: Place, video: Video) -> np.ndarray:
-    at = np.array([float(number) for number in place])
-    if at.shape != (2,) or not np.isfinite(at).all():
-        raise ValueError(f"{name} must be a column and a row in pixels, got {tuple(place)}")
-    if not (0 <= at[0] <= video.width - 1 and 0 <= at[1] <= video.height - 1):
+def prepare(
+    path: Path,
+    pivot: Place | None,
+    balls: int | Sequence[Place] | None,
+    given: dict[str, Any],
+    sidecar: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Task:
+    """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
+    for name in ("length", "radius", "gravity"):
+        value = given.get(name)
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be positive, got {value:g}")
+    slower = given.get("slow_motion")
+    video = open_video(
+        path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
+    )
+    clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
+    count = balls if isinstance(balls, int) else len(clicks) if clicks else None
+    if count is not None and count not in (1, 2):
+        raise ValueError(f"balls must be 1 or 2, got {count}")
+    if pivot is None and clicks is None:
+        found = _sidecar_of(path, sidecar)
+        if found is not None:
+            setup = with_changes(read_sidecar(found, path), given)
+            if count is not None and count != len(setup.balls):
+                raise ValueError(
+                    f"'{found}' is about {len(setup.balls)} balls, not {count}; remove it, or "
+                    "point at pivot and balls"
+                )
+            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+            return Task(video, _checked(setup, video))
+    if pivot is not None and clicks is not None:
+        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), given)
+        return Task(video, _checked(setup, video))
+    _checked(
+        Setup(pivot=None if pivot is None else _pair(pivot), balls=tuple(map(_pair, clicks or ()))),
+        video,
+    )
+    sample = _sample_of(video, progress)
+    proposal = propose(
+        video, sample, pivot=pivot, balls=clicks, count=count, optics=given.get("optics")
+    )
+    setup = Setup(
+        pivot=proposal.pivot,
+        balls=proposal.balls,
+        is_proposed=True,
+    )
+    return Task(video, with_changes(setup, given), sample, [proposal.told()], proposal.radius)
+
+
+def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
+    """Return the track table of a prepared video; what is to be warned of joins the task's list."""
+    video, setup = task.video, task.setup
+    sample = task.sample or _sample_of(video, progress)
+    balls = [np.array(ball) for ball in setup.balls]
+    if setup.pivot is None:
+        table = _wandered(task, sample, balls, progress)
+    else:
+        table = _tracked(task, sample, np.array(setup.pivot), balls, progress)
+    if progress:
+        progress(1.0)
+    if task.warnings:
+        # One text, whose parts a semicolon tells apart.
+        task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
+        table.attrs["warnings"] = "; ".join(task.warnings)
+    return table
+
+
+def _sidecar_of(path: Path, sidecar: str | Path | None) -> Path | None:
+    """Return the sidecar to read, if there is one."""
+    file = sidecar_path(path) if sidecar is None else Path(sidecar)
+    return file if file.is_file() else None
+
+
+def _sample_of(video: Video, progress: Progress | None) -> Sample:
+    """Return the first reading of a video that shows a motion."""
+    sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
+    if len(sample.times) < _FEWEST:
         raise ValueError(
-            f"{name} at ({at[0]:g}, {at[1]:g}) lies outside the frame of {video.width} x "
-            f"{video.height} pixels"
+            f"{video.path} has {len(sample.times)} frames; a motion needs {_FEWEST} or more"
         )
-    return at
+    return sample
 
 
-def _table(
-    video: Video,
-    scene: Scene,
-    seen: Followed,
-    measured: Calibration,
-    length: float | None,
-    radius: float | None,
+def _pair(place: Place) -> tuple[float, float]:
+    """Return a place as two numbers."""
+    try:
+        u, v = (float(number) for number in place)
+    except (TypeError, ValueError):
+        raise ValueError(f"a place must be a column and a row in pixels, got {place!r}") from None
+    return u, v
+
+
+def _checked(setup: Setup, video: Video) -> Setup:
+    """Return a set-up whose places lie inside the frame."""
+    named = [("ball", place) for place in setup.balls]
+    if setup.pivot is not None:
+        named.insert(0, ("pivot", setup.pivot))
+    for name, (u, v) in named:
+        if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
+            raise ValueError(
+                f"{video.path}: {name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
+                f"{video.height} pixels"
+            )
+    return setup
+
+
+def _tracked(
+    task: Task,
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    progress: Progress | None,
 ) -> xr.Dataset:
-    warnings = list(measured.warnings)
+    """Return the table about a pivot in the picture."""
+    video, setup = task.video, task.setup
+    length, radius = setup.length, setup.radius
+    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
+    expected = radius / length * arm if radius and length else None
+    if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
+        raise ValueError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
+    scene = learn_scene(video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED))
+    stiffness = setup.gravity / length if length else 0.0
+    seen = follow(
+        video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
+    )
+    if not np.isin(seen.flags, ("ok", "collision", "occluded")).any():
+        raise ValueError(
+            f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
+        )
+    measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    return _table(task, scene, seen, measured)
+
+
+def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
+    """Return a progress that goes from one share of the work to another."""
+    if progress is None:
+        return None
+    tell = progress
+    return lambda share: tell(low + (high - low) * share)
+
+
+def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> xr.Dataset:
+    """Return the table in metres, or in pixels where the length is unknown."""
+    length, radius = task.setup.length, task.setup.radius
+    task.warnings += measured.warnings
     scale = length / measured.arm if length else math.nan
     found_radius = scene.look.radius * scale
     turn = measured.tilt
@@ -83,23 +312,31 @@ def _table(
 
     columns: dict[str, Any] = {"time": seen.times}
     columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
+    if not length:
+        columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
+        task.warnings.append(
+            "the length is unknown: positions are in pixels only; give --length (length=) for the "
+            "scale"
+        )
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])
         columns[f"angle_{b + 1}"] = measured.angles[:, b]
         columns[f"angle_sigma_{b + 1}"] = measured.sigmas[:, b]
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
-    if radius and length and abs(found_radius / radius - 1.0) > 0.03:
-        warnings.append(
+        if not length:
+            columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
+    if radius and length and abs(found_radius / radius - 1.0) > _RADIUS_TOLERANCE:
+        task.warnings.append(
             f"the balls' radius is {found_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
         )
     attributes = {
-        "source": video.path.name,
-        "source_sha256": digest_of(video.path),
-        "length": length,
-        "radius": radius,
+        **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
         "measured_radius": found_radius if length else None,
+        "radius_pixels": scene.look.radius,
+        "origin_u": float(origin[0]),
+        "origin_v": float(origin[1]),
         "gravity_direction": measured.tilt,
         "gravity_source": measured.tilt_source,
         "exposure": scene.look.exposure,
@@ -108,6 +345,56 @@ def _table(
         "arm_pixels": measured.arm,
         "arc": measured.arc,
         "circle_residual": measured.circle_residual,
-        "warnings": "; ".join(warnings) or None,
     }
     return track_table(columns, attributes)
+
+
+def _wandered(
+    task: Task, sample: Sample, balls: list[np.ndarray], progress: Progress | None
+) -> xr.Dataset:
+    """Return the table of balls about an unseen pivot: their places in the image, no angles."""
+    path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
+    columns: dict[str, Any] = {"time": path.times}
+    for b in range(len(balls)):
+        columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
+        columns[f"flag_{b + 1}"] = path.flags[:, b]
+    task.warnings.append(
+        "no pivot is known: the geometry is unknown, there are no angles, the ball's places are in "
+        "pixels; its period is in the table's attributes"
+    )
+    period, sigma = period_of(path.times, path.centres[:, 0])
+    if math.isnan(period):
+        task.warnings.append("no period: fewer than three swings were seen")
+    attributes = {
+        **_declared(task, "unknown"),
+        "radius_pixels": path.radius,
+        "period": None if math.isnan(period) else period,
+        "period_sigma": None if math.isnan(sigma) else sigma,
+    }
+    return track_table(columns, attributes)
+
+
+def _declared(task: Task, geometry: str) -> dict[str, Any]:
+    """Return the attributes that tell what was asked for."""
+    video, setup = task.video, task.setup
+    places = {} if setup.pivot is None else {"pivot": setup.pivot}
+    places |= {f"ball_{k + 1}": ball for k, ball in enumerate(setup.balls)}
+    clicks = {
+        f"{name}_pixel_{axis}": number
+        for name, place in places.items()
+        for axis, number in zip("uv", place, strict=True)
+    }
+    return {
+        "source": video.path.name,
+        "source_sha256": digest_of(video.path),
+        "geometry": geometry,
+        "length": setup.length,
+        "radius": setup.radius,
+        "gravity": setup.gravity,
+        "slow_motion": setup.slow_motion,
+        "row_time": setup.optics.row_time,
+        "lens_k1": setup.optics.lens_k1,
+        "lens_k2": setup.optics.lens_k2,
+        "proposed": int(setup.is_proposed),
+        **clicks,
+    }

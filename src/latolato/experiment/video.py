@@ -3,25 +3,43 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+# Memory for a hundred frames, their copies and medians, per pixel of a frame [bytes].
+_PER_PIXEL = 600
+# Suffixes of pictures, which sometimes come by the folder.
+_PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a video may ask for before it is refused: an hour, 4K, a quarter of a million frames."""
+    """What a video may ask for before it is refused.
+
+    Parameters
+    ----------
+    duration : float
+        Length of the video in the scene's time [s].
+    pixels : int
+        Width times height of a frame.
+    frames : int
+        Number of frames.
+    memory : float
+        What learning from its frames takes at most [bytes].
+    """
 
     duration: float = 3600.0
     pixels: int = 4096 * 2304
     frames: int = 250_000
+    memory: float = 6e9
 
 
 class Frame(NamedTuple):
@@ -77,7 +95,7 @@ class Video:
         ValueError
             If a frame's time stamp is missing or does not increase, or a limit is passed.
         """
-        last = -float("inf")
+        last = first = -float("inf")
         number = 0
         with _opened(self.path) as container:
             stream = container.streams.video[0]
@@ -86,6 +104,21 @@ class Video:
                 if picture.pts is None:
                     raise ValueError(f"{self.path}: frame {number} has no time stamp")
                 time = float(picture.pts * stream.time_base) / self.slow_motion
+                if number == 0:
+                    first = time
+                turned = self.rotation % 180 == 90
+                if (picture.height, picture.width) != (
+                    (self.width, self.height) if turned else (self.height, self.width)
+                ):
+                    raise ValueError(
+                        f"{self.path}: frame {number} has another size than those before, "
+                        f"{picture.width} x {picture.height} pixels"
+                    )
+                if time - first > self.limits.duration:
+                    raise ValueError(
+                        f"{self.path}: longer than {self.limits.duration:g} s; cut the video or "
+                        "raise the limit"
+                    )
                 if not time > last:
                     raise ValueError(
                         f"{self.path}: time stamps must increase, frame {number} is at {time:.6g} s"
@@ -101,6 +134,12 @@ class Video:
                 yield Frame(number, time, *_planes(picture, self.rotation))
                 last = time
                 number += 1
+            declared = _duration(container, stream) / self.slow_motion
+            if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
+                raise ValueError(
+                    f"{self.path} is cut off: {number} of {self.frame_count} frames are there, "
+                    f"{last - first:.2f} of {declared:.2f} s; copy the file again"
+                )
         if number == 0:
             raise ValueError(f"{self.path}: no frame could be decoded")
 
@@ -131,16 +170,24 @@ def open_video(
     path = Path(path)
     limits = limits or Limits()
     if path.is_dir():
-        raise ValueError(f"{path} is a folder; name a video")
+        raise ValueError(f"{path} is a folder{_pictures_in(path)}; name a video")
     if not path.exists():
-        raise FileNotFoundError(f"{path}: no such video")
+        beside = _pictures_in(path.parent) if set("%*?") & set(path.name) else ""
+        raise FileNotFoundError(f"there is no video '{path}'{beside}")
+    if path.suffix.lower() in _PICTURES:
+        raise ValueError(
+            f"{path} is a picture{_pictures_in(path.parent)}; make a video of the pictures, with "
+            "the times at which they were taken, e.g. with ffmpeg -framerate"
+        )
     if path.stat().st_size == 0:
         raise ValueError(f"{path} is empty")
     if not slow_motion > 0.0:
         raise ValueError(f"slow_motion must be positive, got {slow_motion:g}")
     with _opened(path) as container:
+        if not len(container.streams):
+            raise ValueError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
         if not container.streams.video:
-            raise ValueError(f"{path} holds no video stream, only sound or data")
+            raise ValueError(f"{path} holds no video stream, only sound or data, or is cut off")
         stream = container.streams.video[0]
         size = stream.codec_context.width * stream.codec_context.height
         if size == 0:
@@ -149,6 +196,12 @@ def open_video(
             raise ValueError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels, at most {limits.pixels} pixels are read; scale the video down"
+            )
+        if size * _PER_PIXEL > limits.memory:
+            raise ValueError(
+                f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
+                f"pixels take {size * _PER_PIXEL / 1e9:.1f} GB of memory, at most "
+                f"{limits.memory / 1e9:g} GB may be used; scale the video down"
             )
         duration = _duration(container, stream)
         if duration / slow_motion > limits.duration:
@@ -178,15 +231,23 @@ def open_video(
         )
 
 
-def with_limits(video: Video, limits: Limits) -> Video:
-    """Return the same video under other limits."""
-    return replace(video, limits=limits)
-
-
 def digest_of(path: str | Path) -> str:
     """Return the SHA-256 of a file."""
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _pictures_in(folder: Path) -> str:
+    """Return what is to be told of a folder with numbered pictures: which are missing."""
+    if not folder.is_dir():
+        return ""
+    names = [one.stem for one in folder.iterdir() if one.suffix.lower() in _PICTURES]
+    found = sorted({int(tail[0]) for name in names if (tail := re.findall(r"(\d+)$", name))})
+    if len(found) < 2:
+        return ""
+    missing = sorted(set(range(found[0], found[-1] + 1)) - set(found)) if found[-1] < 10**7 else []
+    gaps = f", {', '.join(map(str, missing[:5]))} missing" if missing else ""
+    return f" with pictures {found[0]} to {found[-1]}{gaps}"
 
 
 @contextmanager
@@ -198,7 +259,9 @@ def _opened(path: Path) -> Iterator[Any]:
         raise ModuleNotFoundError(
             'reading videos needs PyAV: pip install "latolato[video]"'
         ) from None
-    av.logging.set_level(av.logging.PANIC)
+    # FFmpeg's own log, silent: a message to Python from a decoding thread stops a file's closing.
+    av.logging.restore_default_callback()
+    av.logging.set_libav_level(av.logging.PANIC)
     try:
         container = av.open(str(path))
     except av.error.FFmpegError as error:

@@ -1,0 +1,270 @@
+"""Draws what was found onto the video itself, to be looked at."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.blobs import import_cv2
+from latolato.experiment.calibrate import Optics
+from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.propose import distorted
+from latolato.experiment.sidecar import Setup
+from latolato.experiment.table import balls_of
+from latolato.experiment.video import Frame, Video
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Okabe and Ito's colours, told apart by colour-blind eyes (red, green, blue); shapes differ too.
+COLOURS = {
+    "ok": (86, 180, 233),
+    "collision": (240, 228, 66),
+    "occluded": (230, 159, 0),
+    "predicted": (204, 121, 167),
+    "lost": (213, 94, 0),
+}
+_PIVOT = (255, 255, 255)
+_DARK = (20, 22, 28)
+_CRF = 23
+# Subpixels per pixel, as a power of two, in which OpenCV takes places.
+_SHIFT = 4
+
+
+def places_of(table: xr.Dataset, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return pivot (frame, 2) and balls (frame, ball, 2) of a table in the picture [pixels].
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table.
+    size : tuple of int
+        Width and height of the picture [pixels].
+    """
+    balls = range(1, balls_of(table) + 1)
+    count = table.sizes["frame"]
+
+    def columns(first: str, second: str) -> np.ndarray:
+        if first not in table.variables:
+            return np.full((count, 2), np.nan)
+        return np.stack([table[first].values, table[second].values], axis=-1)
+
+    attrs = table.attrs
+    if "metres_per_pixel" in attrs:
+        tilt, scale = float(attrs["gravity_direction"]), float(attrs["metres_per_pixel"])
+        right = np.array([math.cos(tilt), -math.sin(tilt)])
+        down = np.array([math.sin(tilt), math.cos(tilt)])
+        origin = np.array([attrs["origin_u"], attrs["origin_v"]])
+
+        def shown(name: str) -> np.ndarray:
+            x, y = columns(f"{name}_x", f"{name}_y").T
+            place: np.ndarray = origin + (np.outer(x, right) - np.outer(y, down)) / scale
+            return place
+
+    else:
+
+        def shown(name: str) -> np.ndarray:
+            return columns(f"{name}_u", f"{name}_v")
+
+    pivot = shown("pivot")
+    centres = np.stack([shown(f"ball_{b}") for b in balls], axis=1)
+    optics = Optics(
+        lens_k1=float(attrs.get("lens_k1", 0.0)), lens_k2=float(attrs.get("lens_k2", 0.0))
+    )
+    return distorted(pivot, size, optics), distorted(centres, size, optics)
+
+
+def write_overlay(
+    table: xr.Dataset,
+    video: Video,
+    path: str | Path,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write the video with pivot, rods and balls drawn on it, and return the path.
+
+    Circles are in the colour of the sample's flag, which is written beside them unless it is ok;
+    number and time of the frame stand in the corner. The frames keep their times. The file appears
+    whole or not at all.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        The track table of this video.
+    video : Video
+        As `open_video` returns it.
+    path : str or Path
+        Name of the new video, ending in ``.mp4``.
+    progress : callable, optional
+        Called with the fraction done, from 0 to 1.
+    """
+    from latolato.files import atomic_path, check_suffix
+
+    path = Path(path)
+    check_suffix(path, (".mp4",), "the name of an overlay")
+    even = video.width // 2 * 2, video.height // 2 * 2
+    times = table["time"].values
+    rate = 1.0 / float(np.median(np.diff(times))) if len(times) > 1 else 30.0
+
+    def frames() -> Iterator[tuple[int, Any]]:
+        cv2 = import_cv2()
+        artist = Artist(table, (video.width, video.height))
+        stamp = -1
+        for frame in video.frames():
+            if frame.number >= len(times):
+                break
+            picture = artist.drawn(picture_of(frame, video), frame.number)
+            planes = cv2.cvtColor(picture[: even[1], : even[0]], cv2.COLOR_RGB2YUV_I420)
+            stamp = max(round((frame.time - times[0]) * TICKS), stamp + 1)
+            yield stamp, planes
+            if progress:
+                progress((frame.number + 1) / len(times))
+
+    with atomic_path(path) as unfinished:
+        write_video(unfinished, frames(), fps=min(rate, 1000.0), crf=_CRF, rotation=0)
+    return path
+
+
+def picture_of(frame: Frame, video: Video) -> np.ndarray:
+    """Return a frame as red, green and blue of 0 to 255, shape (row, column, 3)."""
+    cv2 = import_cv2()
+    height, width = frame.luma.shape
+    blue, red = (
+        cv2.resize(np.ascontiguousarray(plane), (width, height)).astype(np.float32) - 128.0
+        for plane in frame[3:]
+    )
+    luma = frame.luma.astype(np.float32)
+    if not video.is_full_range:
+        luma = (luma - 16.0) * (255.0 / 219.0)
+        blue, red = blue * (255.0 / 224.0), red * (255.0 / 224.0)
+    kr, kb = (0.2126, 0.0722) if video.matrix == "bt709" else (0.299, 0.114)
+    kg = 1.0 - kr - kb
+    r = luma + 2.0 * (1.0 - kr) * red
+    b = luma + 2.0 * (1.0 - kb) * blue
+    g = (luma - kr * r - kb * b) / kg
+    return np.clip(np.dstack([r, g, b]) + 0.5, 0.0, 255.0).astype(np.uint8)
+
+
+class Artist:
+    """Draws one table's samples on frames."""
+
+    def __init__(self, table: xr.Dataset, size: tuple[int, int]) -> None:
+        self.pivots, self.centres = places_of(table, size)
+        self.radius = float(table.attrs.get("radius_pixels", 0.02 * min(size)))
+        self.times = table["time"].values
+        balls = range(1, balls_of(table) + 1)
+        self.flags = np.stack([table[f"flag_{b}"].values for b in balls], axis=-1)
+        self.angles = np.stack([table[f"angle_{b}"].values for b in balls], axis=-1)
+        self.line = max(1, round(min(size) / 500.0))
+        self.text = max(0.35, min(size) / 1300.0)
+
+    def drawn(self, picture: np.ndarray, number: int) -> np.ndarray:
+        """Return a picture with the samples of a frame on it."""
+        cv2 = import_cv2()
+        picture = np.ascontiguousarray(picture)
+        pivot = self.pivots[number]
+        for b, flag in enumerate(self.flags[number]):
+            centre, colour = self.centres[number, b], COLOURS[str(flag)]
+            if not np.isfinite(centre).all():
+                self._written(cv2, picture, f"ball {b + 1} {flag}", (0, 2 + b), colour)
+                continue
+            if np.isfinite(pivot).all():
+                self._line(cv2, picture, pivot, centre, colour)
+            self._circle(cv2, picture, centre, self.radius, colour)
+            self._circle(cv2, picture, centre, 1.0, colour)
+            if flag != "ok":
+                self._written(cv2, picture, f"ball {b + 1} {flag}", (0, 2 + b), colour)
+        if np.isfinite(pivot).all():
+            reach = 0.5 * self.radius + 3.0
+            for away in ([reach, 0.0], [0.0, reach]):
+                self._line(cv2, picture, pivot - away, pivot + away, _PIVOT)
+        degrees = ", ".join(
+            f"{math.degrees(angle):.1f} deg"
+            for angle in self.angles[number]
+            if math.isfinite(angle)
+        )
+        told = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
+        self._written(cv2, picture, told, (0, 1), _PIVOT)
+        return picture
+
+    def _line(self, cv2: Any, picture: Any, begin: Any, end: Any, colour: Any) -> None:
+        """Draw a line over a darker one, to be seen on any ground."""
+        for width, ink in ((self.line + 2, _DARK), (self.line, colour)):
+            cv2.line(picture, _fixed(begin), _fixed(end), ink, width, cv2.LINE_AA, _SHIFT)
+
+    def _circle(self, cv2: Any, picture: Any, centre: Any, radius: float, colour: Any) -> None:
+        """Draw a circle over a darker one."""
+        size = round(radius * 2**_SHIFT)
+        for width, ink in ((self.line + 2, _DARK), (self.line, colour)):
+            cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
+
+    def _written(self, cv2: Any, picture: Any, text: str, at: tuple[int, int], colour: Any) -> None:
+        """Write a line of text in the lower left corner; `at` counts lines from below."""
+        font, step = cv2.FONT_HERSHEY_SIMPLEX, round(42 * self.text)
+        u, v = round(14 * self.text) + at[0], picture.shape[0] - step * at[1] + step // 2
+        (width, height), low = cv2.getTextSize(text, font, self.text, self.line)
+        corner, other = (u - 4, v - height - 4), (u + width + 4, v + low)
+        cv2.rectangle(picture, corner, other, _DARK, cv2.FILLED)
+        cv2.putText(picture, text, (u, v), font, self.text, colour, self.line, cv2.LINE_AA)
+
+
+def _fixed(place: Any) -> tuple[int, int]:
+    """Return a place in OpenCV's fixed-point numbers."""
+    u, v = np.clip(np.rint(np.asarray(place) * 2**_SHIFT), -(2**24), 2**24)
+    return int(u), int(v)
+
+
+def draw_setup(video: Video, setup: Setup, radius: float | None = None) -> np.ndarray:
+    """Return the first frame with pivot and balls marked as a set-up has them."""
+    cv2 = import_cv2()
+    first = next(iter(video.frames()))
+    picture = np.ascontiguousarray(picture_of(first, video))
+    line = max(1, round(min(video.width, video.height) / 400.0))
+    size = radius or 0.03 * min(video.width, video.height)
+    pivot = None if setup.pivot is None else np.array(setup.pivot)
+    for width, dark in ((line + 2, True), (line, False)):
+        for b, ball in enumerate(setup.balls):
+            ink = _DARK if dark else COLOURS["ok" if b == 0 else "occluded"]
+            if pivot is not None:
+                cv2.line(picture, _fixed(pivot), _fixed(ball), ink, width, cv2.LINE_AA, _SHIFT)
+            reach = round(size * 2**_SHIFT)
+            cv2.circle(picture, _fixed(ball), reach, ink, width, cv2.LINE_AA, _SHIFT)
+        if pivot is not None:
+            ink = _DARK if dark else _PIVOT
+            for away in (np.array([size, 0.0]), np.array([0.0, size])):
+                cv2.line(picture, _fixed(pivot - away), _fixed(pivot + away), ink, width,
+                         cv2.LINE_AA, _SHIFT)  # fmt: skip
+    return picture
+
+
+def draw_proposal(
+    video: Video, setup: Setup, path: str | Path, radius: float | None = None
+) -> Path:
+    """Write the first frame with the proposal marked as PNG and return the path."""
+    from latolato.files import atomic_path, check_suffix
+
+    path = Path(path)
+    check_suffix(path, (".png",), "the name of a picture")
+    picture = draw_setup(video, setup, radius)
+    with atomic_path(path) as unfinished:
+        unfinished.write_bytes(png_of(picture))
+    return path
+
+
+def png_of(picture: np.ndarray) -> bytes:
+    """Return a picture of red, green and blue as a PNG file's content."""
+    cv2 = import_cv2()
+    _, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    return bytes(content)
+
+
+def jpeg_of(picture: np.ndarray, quality: int = 82) -> bytes:
+    """Return a picture of red, green and blue as a JPEG file's content."""
+    cv2 = import_cv2()
+    flags = [cv2.IMWRITE_JPEG_QUALITY, quality]
+    _, content = cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), flags)
+    return bytes(content)

@@ -1,0 +1,186 @@
+"""Follows balls about an unseen pivot: along their path in the picture, without any geometry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.experiment.blobs import Backdrop, Disc
+from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.video import Video
+
+# How far from where it is expected a ball may be, in radii, and by how much its radius may differ.
+_NEAR, _SIZE = 2.5, 1.8
+# Fewest passages through the middle that make a period.
+_FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where balls are in the picture.
+
+    Attributes
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    centres : numpy.ndarray, shape (frame, ball, 2)
+        Column and row [pixels]; NaN where a ball was not found.
+    flags : numpy.ndarray of str, shape (frame, ball)
+        ok or lost.
+    radius : float
+        Median radius [pixels].
+    """
+
+    times: np.ndarray
+    centres: np.ndarray
+    flags: np.ndarray
+    radius: float
+
+
+def follow_path(
+    video: Video,
+    sample: Sample,
+    starts: list[np.ndarray],
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Return where balls are in every frame, from their places in the first.
+
+    Parameters
+    ----------
+    video, sample : Video, Sample
+        The clip and its first reading.
+    starts : list of numpy.ndarray, shape (2,)
+        Centres in the first frame, the right-hand ball first [pixels].
+
+    Raises
+    ------
+    ValueError
+        If a ball is found in less than a tenth of the frames.
+
+    Notes
+    -----
+    A ball is the disc that differs from the background nearest to where the last two frames lead.
+    """
+    backdrop = Backdrop(sample.frames)
+    count, balls = len(sample.times), len(starts)
+    centres = np.full((count, balls, 2), np.nan)
+    radii: list[float] = []
+    tracks = [_Track(start) for start in starts]
+    for frame in video.frames():
+        if frame.number >= count:
+            break
+        discs = backdrop.discs(frame)
+        for b, track in enumerate(tracks):
+            disc = track.next(discs)
+            if disc is not None:
+                centres[frame.number, b] = disc.centre
+                radii.append(disc.radius)
+                discs = [one for one in discs if one is not disc]
+        if progress and frame.number % 16 == 0:
+            progress(frame.number / count)
+    seen = np.isfinite(centres[..., 0])
+    if np.any(seen.mean(axis=0) < 0.1):
+        raise ValueError(
+            f"{video.path}: the ball was found in {100 * float(seen.mean(axis=0).min()):.0f} % of "
+            "the frames; point at its centre in the first frame: --ball u,v"
+        )
+    return Path(sample.times, centres, np.where(seen, "ok", "lost"), float(np.median(radii)))
+
+
+class _Track:
+    """One ball's state from frame to frame."""
+
+    def __init__(self, start: np.ndarray) -> None:
+        self.places = [start]
+        self.typical: Disc | None = None
+        self.missed = 0
+
+    def next(self, discs: list[Disc]) -> Disc | None:
+        """Return the disc that is this ball, if there is one."""
+        last = self.places[-1]
+        step = last - self.places[-2] if len(self.places) > 1 else np.zeros(2)
+        expected = last + step if self.missed == 0 else last
+        best, least = None, math.inf
+        for disc in discs:
+            away = float(np.hypot(*(disc.centre - expected)))
+            reach = _NEAR * disc.radius * (1.0 + self.missed) + float(np.hypot(*step))
+            if self.typical is not None:
+                ratio = disc.radius / self.typical.radius
+                if not 1.0 / _SIZE < ratio < _SIZE:
+                    continue
+                away += 2.0 * disc.radius * abs(math.log(ratio))
+            if away < reach and away < least:
+                best, least = disc, away
+        if best is None:
+            self.missed += 1
+            self.places = [last]
+            return None
+        was_missed, self.missed = self.missed > 0, 0
+        self.typical = best if self.typical is None else _blended(self.typical, best)
+        self.places = [best.centre] if was_missed else [last, best.centre]
+        return best
+
+
+def _blended(typical: Disc, disc: Disc) -> Disc:
+    """Return a disc whose radius follows slowly."""
+    radius = 0.95 * typical.radius + 0.05 * disc.radius
+    return Disc(disc.centre, radius, disc.contrast, disc.change)
+
+
+def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
+    """Return the period of a swing in the picture and its standard deviation [s], NaN for none.
+
+    Parameters
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    places : numpy.ndarray, shape (frame, 2)
+        Column and row [pixels]; NaN where unknown.
+
+    Notes
+    -----
+    The slope of a straight line through the instants at which the ball passes the middle of its
+    path in one direction, along the path's longest extent.
+    """
+    ok = np.isfinite(places).all(axis=1)
+    if ok.sum() < 8:
+        return math.nan, math.nan
+    centred = places[ok] - np.median(places[ok], axis=0)
+    axis = np.linalg.svd(centred, full_matrices=False)[2][0]
+    swing, instants = centred @ axis, times[ok]
+    low, high = np.quantile(swing, [0.02, 0.98])
+    swing = swing - 0.5 * (low + high)
+    periods = [_slope(_passages(instants, sign * swing, 0.15 * (high - low))) for sign in (1, -1)]
+    known = [pair for pair in periods if math.isfinite(pair[0])]
+    if not known:
+        return math.nan, math.nan
+    period = float(np.mean([pair[0] for pair in known]))
+    return period, float(max(pair[1] for pair in known))
+
+
+def _passages(times: np.ndarray, swing: np.ndarray, slack: float) -> np.ndarray:
+    """Return when a swing passes zero upwards, having been well below before."""
+    found, is_armed = [], False
+    for k in range(1, len(swing)):
+        is_armed = is_armed or swing[k - 1] < -slack
+        if is_armed and swing[k - 1] <= 0.0 < swing[k]:
+            share = -swing[k - 1] / (swing[k] - swing[k - 1])
+            found.append(times[k - 1] + share * (times[k] - times[k - 1]))
+            is_armed = False
+    return np.array(found)
+
+
+def _slope(passages: np.ndarray) -> tuple[float, float]:
+    """Return the period of passages, some of which may be missing, and its error."""
+    if len(passages) < _FEWEST:
+        return math.nan, math.nan
+    typical = float(np.median(np.diff(passages)))
+    steps = np.maximum(np.rint(np.diff(passages) / typical), 1.0)
+    number = np.concatenate([[0.0], np.cumsum(steps)])
+    fit, covariance = np.polyfit(number, passages, 1, cov="unscaled")
+    rest = passages - np.polyval(fit, number)
+    freedom = max(len(passages) - 2, 1)
+    return float(fit[0]), float(math.sqrt(covariance[0, 0] * (rest @ rest) / freedom))

@@ -1,0 +1,222 @@
+"""What cannot be tracked: one line that says why, exit code 2, and nothing written."""
+
+import dataclasses
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from latolato.cli import main
+from latolato.experiment.video import Limits, open_video
+from little_videos import encoded
+
+GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
+
+
+def refused(capsys, tmp_path, *arguments):
+    """Return the line that a refusal prints; nothing may be written."""
+    output = tmp_path / "out"
+    output.mkdir(exist_ok=True)
+    code = main(["track", *map(str, arguments), "--output", str(output / "table.csv")])
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert code == 2
+    assert not list(output.iterdir())
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+CLICKS = ("--pivot", "48,10", "--ball", "48,50", "--length", "0.3")
+
+
+def test_what_is_no_video_is_refused(tmp_path, capsys):
+    file = tmp_path / "note.mp4"
+    file.write_text("hello")
+    assert "cannot be read as a video" in refused(capsys, tmp_path, file, *CLICKS)
+
+
+def test_a_missing_and_an_empty_file_are_refused(tmp_path, capsys):
+    assert "there is no video" in refused(capsys, tmp_path, tmp_path / "none.mp4", *CLICKS)
+    empty = tmp_path / "empty.mp4"
+    empty.touch()
+    assert "is empty" in refused(capsys, tmp_path, empty, *CLICKS)
+
+
+def test_a_truncated_video_is_refused(swing, tmp_path, capsys):
+    whole = swing.path.read_bytes()
+    cut = tmp_path / "cut.mp4"
+    cut.write_bytes(whole[: len(whole) // 2])  # its index comes first: half the frames are there
+    assert "cut" in refused(capsys, tmp_path, cut, *swing.options)
+    cut.write_bytes(whole[:200])
+    assert "cut off" in refused(capsys, tmp_path, cut, *swing.options)
+
+
+def test_a_video_without_frames_is_refused(tmp_path, capsys):
+    import av
+
+    path = tmp_path / "none.mkv"
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        file.start_encoding()
+    told = refused(capsys, tmp_path, path, *CLICKS)
+    assert "cannot be read" in told or "no frame" in told
+
+
+def test_sound_alone_is_refused(tmp_path, capsys):
+    import av
+
+    path = tmp_path / "sound.mp4"
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("aac", rate=8000)
+        for k in range(8):
+            frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
+            frame.sample_rate, frame.pts = 8000, 1024 * k
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode())
+    assert "no video stream" in refused(capsys, tmp_path, path, *CLICKS)
+
+
+def test_ten_hours_are_refused_before_they_are_read(tmp_path, capsys):
+    path = encoded(tmp_path / "long.mp4", GREY[:10], [90_000 * 4000 * k for k in range(10)])
+    assert "at most 3600 s" in refused(capsys, tmp_path, path, *CLICKS)
+
+
+def test_frames_that_are_too_large_are_refused(tmp_path, capsys):
+    # FFmpeg itself makes none of 16384 x 16384.
+    path = encoded(tmp_path / "large.mp4", [np.zeros((4096, 8192), np.uint8)])
+    assert "frames of 8192 x 4096 pixels, at most" in refused(capsys, tmp_path, path, *CLICKS)
+
+
+@pytest.mark.parametrize(
+    "limit,text", [("pixels=1000", "pixels"), ("frames=5", "frames"), ("memory=1e5", "memory"),
+                   ("duration=0.1 s", "0.1 s")]
+)  # fmt: skip
+def test_limits_are_options(tmp_path, capsys, limit, text):
+    path = encoded(tmp_path / "grey.mp4", GREY)
+    assert text in refused(capsys, tmp_path, path, *CLICKS, "--limit", limit)
+
+
+def test_limits_hold_while_decoding_where_the_container_says_nothing(tmp_path):
+    path = encoded(tmp_path / "grey.mp4", GREY)
+    video = dataclasses.replace(open_video(path), limits=Limits(frames=5))
+    with pytest.raises(ValueError, match="more than 5 frames"):
+        list(video.frames())
+    video = dataclasses.replace(video, limits=Limits(duration=0.2))
+    with pytest.raises(ValueError, match=r"longer than 0\.2 s"):
+        list(video.frames())
+
+
+def test_pictures_with_gaps_are_refused(tmp_path, capsys):
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for k in (1, 2, 4, 5):
+        (folder / f"frame_{k:03d}.png").write_bytes(b"")
+    assert "1 to 5, 3 missing" in refused(capsys, tmp_path, folder, *CLICKS)
+    assert "3 missing" in refused(capsys, tmp_path, folder / "frame_%03d.png", *CLICKS)
+    (folder / "frame_001.png").write_bytes(b"x")
+    assert "is a picture" in refused(capsys, tmp_path, folder / "frame_001.png", *CLICKS)
+
+
+def test_time_stamps_that_fall_are_refused_with_a_reason(tmp_path, capsys):
+    # Frames of an intra codec are decoded in the order of the file, whatever their stamps.
+    stamps = [3000 * k for k in range(24)]
+    stamps[10], stamps[11] = stamps[11], stamps[10]
+    path = with_stamps(tmp_path / "falls.mov", stamps)
+    assert "time stamps must increase" in refused(capsys, tmp_path, path, *CLICKS)
+
+
+def test_time_stamps_may_be_uneven(tmp_path):
+    stamps = np.cumsum([3000 + 700 * (k % 3) for k in range(24)])
+    path = with_stamps(tmp_path / "uneven.mov", [int(stamp) for stamp in stamps])
+    times = np.array([frame.time for frame in open_video(path).frames()])
+    np.testing.assert_allclose(np.diff(times), np.diff(stamps) / 90_000, atol=1e-4)
+
+
+def with_stamps(path, stamps):
+    """Write grey frames with presentation times as they are given."""
+    import av
+
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("mjpeg", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuvj420p"
+        packets = []
+        for k, picture in enumerate(GREY):
+            frame = av.VideoFrame.from_ndarray(np.repeat(picture[..., None], 3, 2), format="rgb24")
+            frame.pts = k
+            packets += stream.encode(frame)
+        packets += stream.encode()
+        for k, packet in enumerate(packets):
+            packet.dts, packet.pts = 3000 * k, stamps[k] + 60_000
+            packet.time_base = Fraction(1, 90_000)
+            file.mux(packet)
+    return path
+
+
+def test_a_click_outside_the_frame_is_refused(swing, tmp_path, capsys):
+    told = refused(capsys, tmp_path, swing.path, "--pivot", "900,10", "--ball", "10,10")
+    assert "pivot at (900, 10) lies outside the frame of 320 x 240" in told
+    told = refused(capsys, tmp_path, swing.path, "--pivot", "90,10", "--ball", "10,nan")
+    assert "outside" in told
+
+
+def test_a_ball_that_is_nowhere_is_refused(tmp_path, capsys):
+    path = encoded(tmp_path / "grey.mp4", GREY)
+    told = refused(capsys, tmp_path, path)
+    assert "no moving ball was found" in told
+    assert "--pivot" in told
+
+
+def test_too_few_frames_are_refused(tmp_path, capsys):
+    path = encoded(tmp_path / "short.mp4", GREY[:4])
+    assert "has 4 frames" in refused(capsys, tmp_path, path, *CLICKS)
+
+
+def test_a_sidecar_of_another_video_is_refused(swing, toy, tmp_path, capsys):
+    from latolato.experiment.sidecar import Setup, write_sidecar
+
+    setup = Setup(pivot=swing.pivot, balls=tuple(swing.balls), length=0.363)
+    sidecar = write_sidecar(setup, toy.path, tmp_path / "toy.mp4.track.toml")
+    told = refused(capsys, tmp_path, swing.path, "--sidecar", sidecar)
+    assert "belongs to another video" in told
+
+
+@pytest.mark.parametrize(
+    "text,reason",
+    [
+        ("sha256 = 3", "does not name its video"),
+        ("[[", "is no TOML"),
+        ('sha256 = "HASH"\n[geometry]\npivto = [1, 2]', "did you mean 'pivot'"),
+        ('sha256 = "HASH"\n[geometry]\nballs = [[1]]', "a column and a row"),
+        ('sha256 = "HASH"\n[geometry]\nballs = [[1, 2]]\nlength = "long"', "must be a number"),
+    ],
+)
+def test_a_broken_sidecar_is_refused(swing, tmp_path, capsys, text, reason):
+    from latolato.experiment.video import digest_of
+
+    sidecar = tmp_path / "broken.toml"
+    sidecar.write_text(text.replace("HASH", digest_of(swing.path)))
+    assert reason in refused(capsys, tmp_path, swing.path, "--sidecar", sidecar)
+
+
+@pytest.mark.parametrize(
+    "arguments,reason",
+    [
+        (("--pivot", "12"), "a column and a row"),
+        (("--balls", "3"), "must be 1 or 2"),
+        (("--balls", "2", "--ball", "1,2"), "--balls 2 needs --ball 2 times"),
+        (("--length", "3 kg"), "--length must be given in m"),
+        (("--length", "-1 m", *CLICKS[:4]), "length must be positive"),
+        (("--slow-motion", "0", *CLICKS[:4]), "slow_motion must be positive"),
+        (("--limit", "pixel=3"), "did you mean 'pixels'"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(swing, tmp_path, capsys, arguments, reason):
+    assert reason in refused(capsys, tmp_path, swing.path, *arguments)
+
+
+def test_tables_of_several_videos_need_names_of_their_own(swing, tmp_path, capsys):
+    assert main(["track", str(swing.path), str(swing.path), "--output", str(tmp_path)]) == 2
+    assert "would both be written" in capsys.readouterr().err
+    table = str(tmp_path / "one.csv")
+    assert main(["track", str(swing.path), "b.mp4", "--output", table]) == 2
+    assert "need a folder" in capsys.readouterr().err

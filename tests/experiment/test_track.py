@@ -1,0 +1,193 @@
+"""A track: its columns, its set-up, what is drawn of it, and many at once."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.cli import main
+from latolato.experiment.overlay import places_of
+from latolato.experiment.propose import propose
+from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
+from latolato.experiment.table import read_table
+from latolato.experiment.tracking.sample import read_sample
+from latolato.experiment.video import open_video
+
+COLUMNS_1 = "frame,time,pivot_x,pivot_y,ball_1_x,ball_1_y,angle_1,angle_sigma_1,flag_1"
+COLUMNS_2 = (
+    "frame,time,pivot_x,pivot_y,ball_1_x,ball_1_y,ball_2_x,ball_2_y,"
+    "angle_1,angle_2,angle_sigma_1,angle_sigma_2,flag_1,flag_2"
+)
+
+
+@pytest.fixture(scope="session")
+def tracked(swing, tmp_path_factory):
+    """The folder that the command line wrote for one ball."""
+    folder = tmp_path_factory.mktemp("tracked")
+    names = {"output": "swing.csv", "overlay": "swing.mp4", "report": "swing.html"}
+    targets = [part for key, name in names.items() for part in (f"--{key}", str(folder / name))]
+    assert main(["track", str(swing.path), *swing.options, *targets]) == 0
+    return folder
+
+
+def test_the_table_has_its_columns_header_and_one_row_per_frame(swing, tracked):
+    lines = (tracked / "swing.csv").read_text().splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    assert rows[0] == COLUMNS_1
+    assert len(rows) == 1 + swing.truth.sizes["frame"]
+    assert "# table: track" in lines
+    assert "# source: swing.mp4" in lines
+
+
+def test_angles_and_times_are_those_of_the_truth(swing, tracked):
+    table = read_table(tracked / "swing.csv")
+    np.testing.assert_allclose(table.time, swing.truth.time, atol=1e-9)
+    ok = table.flag_1.values == "ok"
+    assert ok.mean() > 0.95
+    error = (table.angle_1 - swing.truth.angle_1).values[ok]
+    assert np.sqrt(np.mean(error**2)) < 4e-3  # a pixel is 8 mrad here
+
+
+def test_a_sidecar_makes_the_identical_table_again(swing, tracked):
+    sidecar = sidecar_path(swing.path, tracked)
+    again = tracked / "again.csv"
+    assert main(["track", str(swing.path), "--sidecar", str(sidecar), "--output", str(again)]) == 0
+    assert again.read_text() == (tracked / "swing.csv").read_text()
+
+
+def test_a_setup_survives_its_file(swing, tmp_path):
+    setup = Setup(pivot=(1.5, 2.0), balls=((3.0, 4.25), (5.0, 6.0)), length=0.1, is_proposed=True)
+    path = write_sidecar(setup, swing.path, tmp_path / "one.toml")
+    assert read_sidecar(path, swing.path) == setup
+    nowhere = Setup(pivot=None, balls=((3.0, 4.0),))
+    assert read_sidecar(write_sidecar(nowhere, swing.path, path), swing.path) == nowhere
+
+
+def test_the_overlay_has_the_frames_of_the_video(swing, tracked):
+    video = open_video(tracked / "swing.mp4")
+    times = [frame.time for frame in video.frames()]
+    np.testing.assert_allclose(times, swing.truth.time, atol=1e-4)
+    assert (video.width, video.height) == (320, 240)
+
+
+def test_places_in_the_picture_are_those_of_the_truth(swing, tracked):
+    pivots, balls = places_of(read_table(tracked / "swing.csv"), (320, 240))
+    assert np.hypot(*(pivots[0] - swing.pivot)) < 0.5
+    assert np.hypot(*(balls[0, 0] - swing.balls[0])) < 0.5
+
+
+def test_the_report_asks_nothing_of_a_network(tracked):
+    page = (tracked / "swing.html").read_text()
+    assert page.count("data:image/png;base64,") >= 4
+    assert not re.search(r"""(src|href)=["'](?!data:|#)""", page)
+    assert "url(" not in page
+    assert "$" not in re.sub(r"base64,[^\"]*", "", page)
+
+
+def test_two_balls_have_their_columns_and_a_summary(toy, tmp_path, capsys):
+    output = tmp_path / "toy.csv"
+    arguments = ["track", str(toy.path), *toy.options, "--output", str(output), "--json"]
+    assert main(arguments) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["balls"] == 2
+    assert found["drive_amplitude"] == pytest.approx(0.02, rel=0.03)
+    assert found["drive_frequency"] == pytest.approx(10.0, rel=0.02)
+    rows = [line for line in output.read_text().splitlines() if not line.startswith("#")]
+    assert rows[0] == COLUMNS_2
+
+
+@pytest.mark.parametrize("name", ["swing", "toy"])
+def test_pivot_and_balls_are_found_without_clicks(name, request):
+    clip = request.getfixturevalue(name)
+    video = open_video(clip.path)
+    found = propose(video, read_sample(video))
+    assert len(found.balls) == len(clip.balls)
+    assert np.hypot(*(np.array(found.pivot) - clip.pivot)) < 3.0
+    for ball, true in zip(found.balls, clip.balls, strict=True):
+        assert np.hypot(*(np.array(ball) - true)) < 2.0
+
+
+def test_a_proposal_is_drawn(swing, tmp_path, capsys):
+    picture = tmp_path / "found.png"
+    assert main(["track", str(swing.path), "--propose", "--output", str(picture)]) == 0
+    assert "--pivot" in capsys.readouterr().out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    assert list(tmp_path.iterdir()) == [picture]
+
+
+def test_without_a_length_angles_are_known_and_positions_are_in_pixels(swing):
+    with pytest.warns(RuntimeWarning, match="length is unknown"):
+        table = ll.track(swing.path, pivot=swing.pivot, balls=swing.balls)
+    assert table.attrs["geometry"] == "angles"
+    assert np.isnan(table.ball_1_x).all()
+    assert abs(float(table.ball_1_u[0]) - swing.balls[0][0]) < 0.5
+    error = (table.angle_1 - swing.truth.angle_1).values[table.flag_1.values == "ok"]
+    assert np.sqrt(np.mean(error**2)) < 4e-3
+
+
+@pytest.fixture(scope="session")
+def cropped(swing, tmp_path_factory):
+    """The lower part of a clip, without its pivot."""
+    import av
+
+    from latolato.experiment.encode import TICKS, write_video
+
+    path = tmp_path_factory.mktemp("cropped") / "cropped.mp4"
+    with av.open(str(swing.path)) as file:
+        frames = [
+            (round(f.time * TICKS), f.to_ndarray(format="rgb24")[100:])
+            for f in file.decode(video=0)
+        ]
+    planes = (
+        (
+            stamp,
+            av.VideoFrame.from_ndarray(np.ascontiguousarray(part), format="rgb24").to_ndarray(
+                format="yuv420p"
+            ),
+        )
+        for stamp, part in frames
+    )
+    write_video(path, planes, fps=60.0, crf=20, rotation=0)
+    return path
+
+
+def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cropped, tmp_path):
+    with pytest.warns(RuntimeWarning, match="geometry is unknown"):
+        table = ll.track(cropped, length=0.363)
+    assert table.attrs["geometry"] == "unknown"
+    assert np.isnan(table.angle_1).all()
+    assert (table.flag_1 == "ok").mean() > 0.8
+    ok = table.flag_1.values == "ok"
+    away = np.hypot(table.ball_1_u - table.ball_1_u[0], table.ball_1_v - table.ball_1_v[0])
+    scale = swing.truth.attrs["metres_per_pixel"]
+    x, y = swing.truth.ball_1_x, swing.truth.ball_1_y
+    np.testing.assert_allclose(
+        away[ok], (np.hypot(x - x[0], y - y[0]) / scale).values[ok], atol=3.0
+    )
+
+
+def test_the_period_of_a_swing_comes_from_its_path():
+    from latolato.experiment.wander import period_of
+
+    times = np.arange(0.0, 12.0, 1 / 30)
+    angle = 0.5 * np.exp(-0.02 * times) * np.cos(2.0 * np.pi * times / 1.213 + 0.4)
+    places = np.stack([200.0 + 300.0 * np.sin(angle), 300.0 * np.cos(angle)], axis=-1)
+    places[40:55] = np.nan
+    period, sigma = period_of(times, places)
+    assert period == pytest.approx(1.213, rel=1e-3)
+    assert sigma < 3e-3
+
+
+def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
+    bad = tmp_path / "bad.mp4"
+    bad.write_bytes(b"no video at all")
+    folder = tmp_path / "tables"
+    videos = [str(bad), str(swing.path)]
+    code = main(["track", *videos, *swing.options, "--output", str(folder), "--jobs", "1"])
+    told = capsys.readouterr()
+    assert code == 1
+    assert "bad.mp4 cannot be read" in told.err
+    assert "1 of 2 videos failed" in told.err
+    assert sorted(p.name for p in folder.iterdir()) == ["swing.csv", "swing.mp4.track.toml"]
