@@ -31,6 +31,8 @@ from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
 _NOISE, _BLUR = 0.03, 0.8
+# Shares by which the radius is varied in each round of learning.
+_WIDTHS = ((0.08,), (0.08, 0.03), (0.03, 0.01))
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
 
@@ -100,7 +102,7 @@ def learn_scene(
     for k in range(1, len(centres)):
         centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
-    medians = median_planes(frames[::2])
+    medians = median_planes(frames[::3])
     tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
@@ -117,7 +119,7 @@ def learn_scene(
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
     found: list[Found] = []
-    for round_ in range(3):
+    for round_ in range(len(_WIDTHS)):
         if round_ == 0:
             found = find_balls(scene, frames, pivots, centres)
         found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
@@ -126,7 +128,7 @@ def learn_scene(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
                 "found in other frames; point at the ball's centre in the first frame"
             )
-        scene.arm = learn_look(look, frames, found)
+        scene.arm = learn_look(look, frames, found, _WIDTHS[round_])
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in found]
             learn_background(look, frames, covered)
@@ -140,7 +142,7 @@ def learn_scene(
                 tracker.anchor = shifts[0].copy()
                 pivots = tracker.place(shifts)
         if progress:
-            progress((round_ + 1) / 3)
+            progress((round_ + 1) / len(_WIDTHS))
     scene.explained = float(np.median([one.explained for one in found]))
     for b, start in enumerate(starts):
         own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]

@@ -17,6 +17,8 @@ _STILL = 0.2
 _SIZES = (9, 13, 19, 27, 38, 54)
 # Noise that is assumed at first, as a share of the template's contrast.
 _SHARE = 0.08
+# How far the pivot may come from one frame to the next [pixels].
+_NEXT = 40
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
 _SIDEWAYS, _TILT = 3.0, 0.15
 
@@ -183,7 +185,7 @@ def learn_pivot(
     if room < 4:
         raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
     tracker = _distinct(frames, click.astype(float), arm, room)
-    shifts = np.array([tracker.locate(frame.luma, None, np.zeros(2))[0] for frame in frames])
+    shifts = _first_shifts(tracker, frames)
     for round_ in range(4):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
@@ -201,6 +203,16 @@ def learn_pivot(
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
     return tracker, shifts
+
+
+def _first_shifts(tracker: PivotTracker, frames: list[Frame]) -> np.ndarray:
+    """Return the pivot's shifts in the sample; a frame's successor is looked for nearby."""
+    shifts: list[np.ndarray] = []
+    for k, frame in enumerate(frames):
+        follows = k > 0 and frame.number == frames[k - 1].number + 1
+        guess = shifts[-1] if follows else None
+        shifts.append(tracker.locate(frame.luma, guess, np.zeros(2), _NEXT)[0])
+    return np.array(shifts)
 
 
 def velocities(frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
@@ -266,7 +278,7 @@ def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> 
         weight = np.where(radius <= half + 0.5, 1.0 / noise**2, 0.0)
         reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
         tracker = PivotTracker(click, template, weight, reach)
-        margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 12)]]
+        margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 6)]]
         margin = float(np.quantile(margins, 0.25))
         if best is None or margin > best[0]:
             best = (margin, tracker)

@@ -45,15 +45,20 @@ class Found:
         return np.asarray(path + (self.centre - path.mean(axis=0)))
 
 
-def learn_look(look: Appearance, frames: list[Frame], found: list[Found]) -> float:
-    """Learn colours, radius, softness and noise anew from the balls found; return their arm."""
+def learn_look(
+    look: Appearance, frames: list[Frame], found: list[Found], widths: tuple[float, ...]
+) -> float:
+    """Learn colours, radius, softness and noise anew from the balls found; return their arm.
+
+    `widths` are the shares of the radius by which it is varied, one after the other.
+    """
     good = [one for one in found if one.explained > _TEACHES] or found
     arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
     _learn_paint(look, frames, teachers, arm)
-    _learn_edge(look, frames, teachers[:8], arm)
+    _learn_edge(look, frames, teachers[:6], arm, widths)
     _learn_noise(look, frames, good)
     return arm
 
@@ -87,7 +92,13 @@ def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], a
     look.whitened()
 
 
-def _learn_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+def _learn_edge(
+    look: Appearance,
+    frames: list[Frame],
+    teachers: list[Found],
+    arm: float,
+    widths: tuple[float, ...],
+) -> None:
     """Learn radius and softness of the edge: those that explain the frames best.
 
     Colour is stored at half the resolution and suffers first from compression: where the ball
@@ -109,7 +120,7 @@ def _learn_edge(look: Appearance, frames: list[Frame], teachers: list[Found], ar
             for one, path in zip(teachers, paths, strict=True)
         )
 
-    for width in (0.08, 0.03, 0.01):
+    for width in widths:
         for name, low, high in (("radius", 0.0, 1e9), ("blur", 0.35, 0.25 * look.radius)):
             middle = getattr(look, name)
             spread = 3.0 * width if name == "blur" else width
@@ -195,7 +206,7 @@ def learn_exposure(
             if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
                 alone.append(one)
         moving = alone
-    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:8]
+    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:6]
     if len(fastest) < 3:
         return
 
@@ -207,10 +218,12 @@ def learn_exposure(
         )
 
     middle, step = (look.exposure, 0.1) if look.exposure > 0.0 else (0.5, 0.25)
+    costs: dict[float, float] = {}
     while step > 0.04:
-        trials = np.unique(np.clip(middle + step * np.arange(-2, 3), 0.0, 1.0))
-        costs = [cost(float(share)) for share in trials]
-        middle, step = float(trials[int(np.argmin(costs))]), 0.5 * step
+        for share in np.clip(middle + step * np.arange(-2, 3), 0.0, 1.0).round(4).tolist():
+            if share not in costs:
+                costs[share] = cost(share)
+        middle, step = min(costs, key=costs.__getitem__), 0.5 * step
     look.exposure = middle
 
 
