@@ -41,8 +41,8 @@ branches = [
     for amplitude in AMPLITUDES
 ]  # fmt: skip
 sweeps = ll.analysis.hysteresis(
-    TOY, drive(0.03), drive_amplitudes=AMPLITUDES, duration=40.0, least_jump=0.03,
-    frequency_ratios=np.arange(1.0, 4.21, STEP),
+    TOY, drive(0.03), drive_amplitude=AMPLITUDES, duration=40.0, least_jump=0.03,
+    frequency_ratio=np.arange(1.0, 4.21, STEP),
 )  # fmt: skip
 
 folds = []

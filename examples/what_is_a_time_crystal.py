@@ -38,7 +38,7 @@ signs = [
 print(f"started on either side the pendulum has Z = {signs[0]:+.4f} and {signs[1]:+.4f} rad")
 ratios = np.linspace(1.85, 2.15, 25)
 tuned = ll.analysis.time_crystal(
-    PENDULUM, DRIVE, frequency_ratios=ratios, transient_periods=400
+    PENDULUM, DRIVE, frequency_ratio=ratios, transient_periods=400
 ).squeeze()
 locked = tuned.status.values == "locked"
 place = tuned.peak_frequency.values[locked]
@@ -48,7 +48,7 @@ assert abs(place - 0.5).max() < 1e-4
 
 # The colliding pair over its map.
 toy = ll.analysis.response_period_map(
-    TOY, drive_amplitudes=np.linspace(0.02, 0.5, 25), frequency_ratios=np.linspace(0.2, 5.0, 25),
+    TOY, drive_amplitude=np.linspace(0.02, 0.5, 25), frequency_ratio=np.linspace(0.2, 5.0, 25),
     initial_offset=0.05,
 )  # fmt: skip
 for motion in ("period 1", "period 2", "aperiodic"):

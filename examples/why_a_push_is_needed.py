@@ -37,7 +37,7 @@ assert abs(tried / needed - 1.0) < 1e-9
 
 # How hard a ball at rest must be pushed.
 ratios = np.linspace(1.8, 3.4, 17)
-push = ll.analysis.first_push(TOY, DRIVE, frequency_ratios=ratios, scan_points=60).squeeze()
+push = ll.analysis.first_push(TOY, DRIVE, frequency_ratio=ratios, scan_points=60).squeeze()
 for ratio, speed, status in zip(ratios, push.first_push.values, push.status.values, strict=True):
     print(f"  w/w0 = {ratio:.1f}: {speed:4.2f} rad/s ({status})")
 

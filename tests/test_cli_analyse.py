@@ -22,6 +22,7 @@ from latolato.analysis import analyses
 from latolato.analysis.floquet import floquet
 from latolato.analysis.registry import labelled
 from latolato.cli import app, main
+from latolato.progress import working
 from latolato.quantities import Quantity
 
 PENDULUM = ["--system", "pendulum", "--length", "1 m", "--mass", "800 g", "--damping", "0.05"]
@@ -335,3 +336,26 @@ def test_a_pair_takes_two_starts_and_axes_of_its_own():
         )  # fmt: skip
     assert found["variables"]["drive_amplitude"]["values"] == [0.1, 0.2]
     assert found["attributes"]["duration"] == 2.0
+
+
+def test_compiling_is_told_once_on_standard_error(capsys):
+    numba = pytest.importorskip("numba")
+    with working("adding"):
+        numba.njit(lambda x: x + 1)(1)
+        numba.njit(lambda x: x + 2)(1)
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("latolato: compiling")
+    assert printed.err.count("\n") == 1
+
+
+def test_nothing_is_told_where_nothing_compiles(capsys):
+    with working("nothing"):
+        pass
+    assert capsys.readouterr() == ("", "")
+
+
+def test_json_stays_json_while_kernels_compile(tmp_path):
+    command = [sys.executable, "-m", "latolato", "analyse", "growth_rate", *PENDULUM, *SHAKE]
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["analysis"] == "growth_rate"

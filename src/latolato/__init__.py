@@ -53,6 +53,10 @@ if TYPE_CHECKING:
     from latolato import analysis
     from latolato.analysis.boundary import boundary
     from latolato.citation import cite
+    from latolato.experiment.fits.decay import fit_decay
+    from latolato.experiment.fits.drive import fit_drive
+    from latolato.experiment.fits.model import fit_model
+    from latolato.experiment.fits.restitution import fit_restitution
     from latolato.experiment.track import track
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
@@ -66,6 +70,10 @@ _LATE: dict[str, str] = {
     "animate": "latolato.figures.animate",
     "boundary": "latolato.analysis.boundary",
     "cite": "latolato.citation",
+    "fit_decay": "latolato.experiment.fits.decay",
+    "fit_drive": "latolato.experiment.fits.drive",
+    "fit_model": "latolato.experiment.fits.model",
+    "fit_restitution": "latolato.experiment.fits.restitution",
     "load": "latolato.files",
     "load_scenario": "latolato.scenario",
     "plot": "latolato.figures.plot",
@@ -115,6 +123,10 @@ __all__ = [
     "boundary",
     "cite",
     "equivalent_pendulum",
+    "fit_decay",
+    "fit_drive",
+    "fit_model",
+    "fit_restitution",
     "load",
     "load_scenario",
     "plot",

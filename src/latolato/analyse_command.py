@@ -22,6 +22,7 @@ from latolato.command_options import (
     ScenarioArgument,
     with_law_options,
 )
+from latolato.progress import working
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -321,7 +322,9 @@ def run(
     begun = time.perf_counter()
     targets.check(question.name)
     try:
-        found = question.function(**question.arguments(source, given))
+        arguments = question.arguments(source, given)
+        with working(question.name.replace("_", " ")):
+            found = question.function(**arguments)
     except (ValueError, TypeError) as error:
         varied = ", ".join(n for n in _axes_of(source) if given.get(n) is None)
         if not varied:

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato import run_command
+from latolato import fit_command, run_command
 from latolato.analyse_command import AnalysisGroup
 from latolato.command_options import (
     EachOptionOnce,
@@ -43,6 +43,8 @@ analyse_app = typer.Typer(
     help="Ask a system and its drive a question: periods, stability, thresholds, basins.",
 )
 app.add_typer(analyse_app, name="analyse")
+app.add_typer(fit_command.fit_app, name="fit")
+app.command("import", cls=EachOptionOnce)(fit_command.import_)
 
 
 @app.callback(invoke_without_command=True)
@@ -322,9 +324,10 @@ def plot(
         "overlays": overlay or [],
         "points": points,
     }
-    if pictures.is_map(dataset) or pictures.is_analysis(dataset):
+    if pictures.is_map(dataset) or pictures.is_analysis(dataset) or pictures.is_fit(dataset):
         if animate is not None:
-            kind = "an analysis" if pictures.is_analysis(dataset) else "a map"
+            kind = "a map" if pictures.is_map(dataset) else "an analysis"
+            kind = "a fit" if pictures.is_fit(dataset) else kind
             raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 

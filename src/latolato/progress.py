@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -41,6 +42,89 @@ def bar(text: str) -> Iterator[Callable[[float], None] | None]:
     finally:
         if shown is not None:
             shown.stop()
+
+
+@contextmanager
+def working(text: str) -> Iterator[None]:
+    """Show on a screen how long work has taken, and tell on standard error when it compiles.
+
+    For work whose end nobody knows. Kernels compile on their first use, for seconds in which
+    nothing else is heard of them.
+    """
+    shown: Any = None
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        shown = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            TimeElapsedColumn(),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        shown.add_task(text, total=None)
+    told = False
+
+    def tell() -> None:
+        nonlocal told
+        if shown is not None:
+            shown.update(shown.task_ids[0], description=f"{text}, compiling")
+        elif not told:
+            print(
+                "latolato: compiling, once for each kind of motion and question (some 10 s)",
+                file=sys.stderr, flush=True,
+            )  # fmt: skip
+        told = True
+
+    def done() -> None:
+        if shown is not None:
+            shown.update(shown.task_ids[0], description=text)
+
+    timer = threading.Timer(_PATIENCE, shown.start) if shown is not None else None
+    if timer is not None:
+        timer.start()
+    try:
+        with _compiling(tell, done):
+            yield
+    finally:
+        if timer is not None:
+            timer.cancel()
+            timer.join()
+            shown.stop()
+
+
+@contextmanager
+def _compiling(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
+    """Call one function when numba begins to compile a kernel, and one when it is compiled.
+
+    Kernels that lie ready on disk count for nothing.
+    """
+    from numba.core import event
+
+    class Watch(event.Listener):
+        """Counts kernels within kernels: the outermost begins and ends."""
+
+        depth = 0
+
+        def on_start(self, event: Any) -> None:
+            """Tell of the outermost only."""
+            self.depth += 1
+            if self.depth == 1:
+                begins()
+
+        def on_end(self, event: Any) -> None:
+            """Tell of the outermost only."""
+            self.depth -= 1
+            if self.depth == 0:
+                ends()
+
+    watch = Watch()
+    event.register("numba:compile", watch)  # type: ignore[no-untyped-call]
+    try:
+        yield
+    finally:
+        event.unregister("numba:compile", watch)  # type: ignore[no-untyped-call]
 
 
 class SweepProgress:

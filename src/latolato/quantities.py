@@ -162,6 +162,43 @@ QUANTITIES: dict[str, Quantity] = {
     "angle_sigma_2": Quantity("rad", r"\sigma_2", "standard deviation of the left ball's angle"),
     "flag_1": Quantity("1", "", "what the right ball's sample is"),
     "flag_2": Quantity("1", "", "what the left ball's sample is"),
+    # fits of measurements
+    "angle_offset": Quantity("rad", r"\theta_g", "direction of gravity in the table"),
+    "centre_length": Quantity("m", "l_c", "pivot to the centre of a solid ball"),
+    "damping_envelope": Quantity("kg*m/s", "C_{env}", "damping coefficient by the envelope"),
+    "decay_rate_envelope": Quantity("1/s", "k_{env}", "amplitude decay rate by the envelope"),
+    "angle_fit": Quantity("rad", r"\theta_{fit}", "fitted angle"),
+    "angle_residual": Quantity("rad", r"\Delta\theta", "measured minus fitted angle"),
+    "is_outlier": Quantity("1", "", "whether a sample was left out"),
+    "swing_time": Quantity("s", "t_n", "time of a turning point"),
+    "swing_angle": Quantity("rad", r"\theta_n", "angle of a turning point"),
+    "swing_angle_fit": Quantity("rad", r"\theta_{n,fit}", "fitted angle of a turning point"),
+    "law": Quantity("1", "", "drag law"),
+    "law_bic": Quantity("1", "BIC", "Schwarz's criterion of a drag law"),
+    "law_aicc": Quantity("1", "AIC_c", "Akaike's corrected criterion of a drag law"),
+    "crank_ratio": Quantity("1", r"\lambda", "crank over connecting rod, positive: guide above"),
+    "amplitude_drift": Quantity("m/s", r"\dot A_0", "change of the driving amplitude"),
+    "frequency_drift": Quantity("rad/s^2", r"\dot\omega", "change of the driving frequency"),
+    "step_time": Quantity("s", "t_s", "time of the last step of the driving frequency"),
+    "stage_start": Quantity("s", "t_k", "start of each stage of the drive"),
+    "drive_frequencies_sigma": Quantity(
+        "rad/s", r"\sigma_{\omega_k}", "standard deviation of each stage's frequency"
+    ),
+    "harmonic": Quantity("1", "n", "multiple of the driving frequency"),
+    "harmonic_amplitude": Quantity("m", "A_n", "amplitude of a multiple of the driving frequency"),
+    "harmonic_amplitude_sigma": Quantity(
+        "m", r"\sigma_{A_n}", "standard deviation of the amplitude of a multiple"
+    ),
+    "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
+    "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
+    "ball_number": Quantity("1", "", "ball, 1 is the right one"),
+    "window_start": Quantity("s", "t_w", "start of a window"),
+    "restitution_each": Quantity("1", "e_k", "restitution of each impact"),
+    "restitution_each_sigma": Quantity(
+        "1", r"\sigma_{e_k}", "standard deviation of each impact's restitution"
+    ),
+    "separation": Quantity("rad", r"\Delta\theta", "angle between the balls, or of the one ball"),
+    "separation_at_contact": Quantity("rad", r"\Theta_k", "angle between the balls at an impact"),
 }
 
 

@@ -142,7 +142,7 @@ def test_bad_input_is_refused(options, message):
 
 
 def test_a_push_is_needed_below_lift_off_and_none_above():
-    found = first_push(TOY, toy_drive(2.4), frequency_ratios=[2.2, 2.4, 3.1, 3.4], scan_points=40)
+    found = first_push(TOY, toy_drive(2.4), frequency_ratio=[2.2, 2.4, 3.1, 3.4], scan_points=40)
     assert list(found.status.values[:, 0]) == ["push", "push", "self-start", "self-start"]
     assert np.all((found.drive_acceleration_ratio > 1.0) == [False, False, True, True])
     assert np.all(found.first_push[:2] > 0.0)
@@ -156,7 +156,7 @@ def test_a_push_is_needed_below_lift_off_and_none_above():
 
 def test_the_first_push_is_a_border_between_rest_and_motion():
     drive = toy_drive(2.4)
-    found = first_push(TOY, drive, frequency_ratios=[2.4], scan_points=40)
+    found = first_push(TOY, drive, frequency_ratio=[2.4], scan_points=40)
     push, error = found.first_push.item(), found.push_error.item()
     for size, status in ((push, "periodic"), (push - error, "rest")):
         run = ll.analysis.response_period(
@@ -167,7 +167,7 @@ def test_the_first_push_is_a_border_between_rest_and_motion():
 
 def test_the_unstable_hanging_pendulum_needs_any_push_and_the_stable_one_a_large_one():
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
-    found = first_push(SINGLE, drive, frequency_ratios=[1.8, 2.0], scan_points=40)
+    found = first_push(SINGLE, drive, frequency_ratio=[1.8, 2.0], scan_points=40)
     assert list(found.status.values[:, 0]) == ["push", "any push"]
     assert found.first_push[0, 0] > 0.5  # the softening branch beside the tongue
     assert found.first_push[1, 0] == 0.0
@@ -175,7 +175,7 @@ def test_the_unstable_hanging_pendulum_needs_any_push_and_the_stable_one_a_large
 
 def test_no_push_is_found_where_nothing_lasts():
     found = first_push(
-        TOY, toy_drive(2.4, 0.0), frequency_ratios=[2.4], scan_points=5, transient_periods=600
+        TOY, toy_drive(2.4, 0.0), frequency_ratio=[2.4], scan_points=5, transient_periods=600
     )
     assert found.status == "none"
     assert math.isnan(found.first_push.item())
@@ -198,10 +198,21 @@ def test_unequal_balls_hang_where_their_moments_cancel():
         ({"largest_push": -1.0}, "largest_push"),
         ({"scan_points": 0}, "scan_points"),
         ({"sustained_angle": 0.0}, "sustained_angle"),
-        ({"frequency_ratios": [0.0]}, "frequency_ratios"),
+        ({"frequency_ratio": [0.0]}, "frequency_ratio"),
     ],
 )
 def test_bad_input_of_the_push_is_refused(options, message):
-    given = {"frequency_ratios": [2.4], **options}
+    given = {"frequency_ratio": [2.4], **options}
     with pytest.raises(ValueError, match=message):
         first_push(TOY, toy_drive(2.4), **given)
+
+
+def test_motion_that_dies_down_slowly_is_no_attractor():
+    slow = ll.Pendulum(length=0.25, mass=0.1, damping=0.0005)
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.4 * slow.natural_frequency)
+    with pytest.warns(RuntimeWarning, match="has not settled after 500 drive periods"):
+        found = basins(slow, drive, angle_points=20, velocity_points=20)
+    assert found.sizes["attractor"] == 0
+    assert found.unresolved_fraction.item() == 1.0
+    assert found.not_settled_fraction.item() > 0.95
+    assert math.isnan(found.basin_entropy.item())

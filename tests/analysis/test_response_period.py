@@ -117,7 +117,7 @@ def test_the_interval_of_a_share_is_that_of_wilson(count, total, low, high):
 def test_a_map_agrees_with_single_answers_and_its_shares_sum_to_one():
     ratios = [2.4, 3.0, 5.0]
     found = response_period_map(
-        TOY, drive_amplitudes=[0.02, 0.03], frequency_ratios=ratios, initial_offset=0.2
+        TOY, drive_amplitude=[0.02, 0.03], frequency_ratio=ratios, initial_offset=0.2
     )
     for ratio in ratios:
         one = response_period(TOY, at_ratio(TOY, ratio, 0.03), initial_offset=0.2)
@@ -251,3 +251,33 @@ def test_bad_input_is_refused_in_one_line(system, drive, options, error, message
     with pytest.raises(error, match=message) as caught:
         response_period(system, drive, initial_angle=0.1, **options)
     assert "\n" not in str(caught.value)
+
+
+SLOW = ll.Pendulum(length=0.25, mass=0.1, damping=0.0005)
+SLOW_DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.4 * SLOW.natural_frequency)
+
+
+@pytest.mark.parametrize("transient", [100, 500, 1500])
+def test_motion_that_dies_down_slowly_has_not_settled(transient):
+    found = response_period(SLOW, SLOW_DRIVE, initial_angle=0.5, transient_periods=transient)
+    assert found.status.item() == "not settled"
+    assert math.isnan(found.response_period.item())
+    assert f"transient_periods of {4 * transient}" in found.attrs["message"]
+
+
+def test_slow_motion_settles_after_the_transient_that_is_recommended():
+    found = response_period(SLOW, SLOW_DRIVE, initial_angle=0.5, transient_periods=6000)
+    assert found.status.item() == "rest"
+
+
+def test_chaos_that_comes_in_bursts_stays_aperiodic():
+    # Its largest angle in 48 drive periods is between 0.1 and 3.04 rad, at any time.
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
+    amplitudes, ratios = np.linspace(0.01, 0.5, 40)[[14, 29]], np.linspace(0.1, 5.0, 40)
+    found = ll.analysis.response_period_map(
+        toy, drive_amplitude=amplitudes, frequency_ratio=ratios[[13]], initial_offset=0.05,
+        transient_periods=300,
+    )  # fmt: skip
+    assert found.status.values[1, 0] == "aperiodic"
+    assert "not settled" in found.motion
+    assert found.cells.sum() == 2

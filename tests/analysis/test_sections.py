@@ -7,6 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import bifurcation_diagram, impact_map, poincare_section, response_period
+from latolato.analysis.bifurcation_diagram import _differ
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
@@ -135,3 +136,15 @@ def test_an_impact_map_needs_walls():
 def test_sections_need_at_least_one_point():
     with pytest.raises(ValueError, match="periods must be a positive integer"):
         poincare_section(SINGLE, TONGUE, initial_angle=0.1, periods=0)
+
+
+def test_whether_two_chaotic_ways_differ_cannot_be_told():
+    largest = np.array([[0.28, 0.5, 0.5, 0.5, 0.1], [3.04, 0.5, 0.7, 0.5, 0.1]])
+    up = ["aperiodic", "periodic", "periodic", "not settled", "rest"]
+    down = ["aperiodic", "aperiodic", "periodic", "periodic", "rest"]
+    kept = {
+        "status": np.array([up, down]),
+        "largest_angle_watched": largest,
+        "response_period": np.array([[math.nan, 1, 1, math.nan, 1], [math.nan, math.nan, 1, 1, 1]]),
+    }
+    np.testing.assert_array_equal(_differ(kept, 0.01), [math.nan, 1.0, 1.0, math.nan, 0.0])

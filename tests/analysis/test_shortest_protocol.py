@@ -14,7 +14,7 @@ BALL = ll.Ball(length=0.245, mass=0.10644, damping=0.00506, radius=0.0196)
 PAIR = ll.BallPair(right=BALL, left=BALL, restitution=0.9)
 W0 = TOY.natural_frequency
 DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * W0)
-QUICK = {"phases": 4, "pushes": [0.2, 1.5, 3.0], "dwell_times": [0.5, 1.0, 2.0, 4.166]}
+QUICK = {"phases": 4, "push": [0.2, 1.5, 3.0], "dwell_time": [0.5, 1.0, 2.0, 4.166]}
 
 
 def found_for(system=TOY, drive=DRIVE, **changed):
@@ -23,7 +23,7 @@ def found_for(system=TOY, drive=DRIVE, **changed):
 
 @pytest.mark.parametrize("ramp", [0.0, 0.5])
 def test_the_papers_step_reaches_what_rest_does_not(ramp):
-    found = found_for(first_frequency_ratios=[2.6, 3.136, 3.6], ramp=ramp)
+    found = found_for(first_frequency_ratio=[2.6, 3.136, 3.6], ramp=ramp)
     assert found.status.item() == "found"
     # Paper Fig. 12 with the assumed amplitude, radius and restitution: 42 against 4.6 degrees
     assert np.rad2deg(found.upper_angle.item()) == pytest.approx(42.0, abs=0.1)
@@ -51,7 +51,7 @@ def test_the_papers_step_reaches_what_rest_does_not(ramp):
 
 
 def test_the_smallest_push_is_weighed_for_both_balls():
-    found = found_for(first_frequency_ratios=[3.136])
+    found = found_for(first_frequency_ratio=[3.136])
     push = found.smallest_push.item()
     assert push in (1.5, 3.0)
     assert found.push_share.values[0] == 0.0  # none: at rest for good
@@ -60,7 +60,7 @@ def test_the_smallest_push_is_weighed_for_both_balls():
 
 
 def test_two_balls_are_searched_as_the_mirror_pair_is():
-    asked = {"first_frequency_ratios": [3.6], "dwell_times": [0.5, 2.0], "phases": 2}
+    asked = {"first_frequency_ratio": [3.6], "dwell_time": [0.5, 2.0], "phases": 2}
     one, two = (found_for(system, **asked) for system in (TOY, PAIR))
     for name in ("best_dwell_time", "smallest_push", "smallest_push_energy"):
         assert two[name].item() == pytest.approx(one[name].item(), rel=1e-12), name
@@ -72,8 +72,8 @@ def test_a_pendulum_is_carried_down_the_softening_branch_from_its_tongue():
     pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     found = shortest_protocol(
         pendulum, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0), frequency_ratio=1.8,
-        first_frequency_ratios=[1.7, 1.95], dwell_times=[5.0, 40.0, 60.0, 80.0],
-        pushes=[0.5, 2.0, 4.0, 5.0], phases=4, settling=250.0, initial_angle=0.02,
+        first_frequency_ratio=[1.7, 1.95], dwell_time=[5.0, 40.0, 60.0, 80.0],
+        push=[0.5, 2.0, 4.0, 5.0], phases=4, settling=250.0, initial_angle=0.02,
         required_share=0.25,
     )  # fmt: skip
     assert found.status.item() == "found"
@@ -86,18 +86,18 @@ def test_a_pendulum_is_carried_down_the_softening_branch_from_its_tongue():
 
 def test_dead_ends_say_so():
     with pytest.warns(RuntimeWarning, match="no push up to 0.2 rad/s leads to a second motion"):
-        found = found_for(pushes=[0.2], first_frequency_ratios=[3.136])
+        found = found_for(push=[0.2], first_frequency_ratio=[3.136])
     assert found.status.item() == "no upper branch"
     assert math.isnan(found.lead_time.item())
     assert draw(found).axes
     with pytest.warns(RuntimeWarning, match="no protocol succeeds for 50% of the drive phases"):
-        found = found_for(first_frequency_ratios=[2.5, 2.7])
+        found = found_for(first_frequency_ratio=[2.5, 2.7])
     assert found.status.item() == "not reached"
     assert found.success_share.max() == 0.0
 
 
 def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
-    found = found_for(frequency_ratio=3.4, threshold_angle=0.12, first_frequency_ratios=[3.6])
+    found = found_for(frequency_ratio=3.4, threshold_angle=0.12, first_frequency_ratio=[3.6])
     assert found.status.item() == "reached from rest"
     assert found.lead_time.item() == 0.0
 
@@ -106,8 +106,8 @@ def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
     "system, drive, changed, message",
     [
         (TOY, None, {}, "no drive has no stages"),
-        (TOY, DRIVE, {"dwell_times": [2.0, 1.0]}, "the values of dwell_time must be one or more"),
-        (TOY, DRIVE, {"pushes": [0.0]}, "pushes must lie in"),
+        (TOY, DRIVE, {"dwell_time": [2.0, 1.0]}, "the values of dwell_time must be one or more"),
+        (TOY, DRIVE, {"push": [0.0]}, "push must lie in"),
         (TOY, DRIVE, {"required_share": 1.5}, r"required_share must lie in \(0, 1\]"),
         (TOY, DRIVE, {"phases": 0}, "phases must be a positive integer"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "a Mathieu system is linear"),

@@ -76,7 +76,7 @@ class TestPendulum:
         low, high = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
         ratios = [low - 0.03, low + 0.01, 2.0, high - 0.01, high + 0.03]
         found = time_crystal(
-            PENDULUM, DRIVE, frequency_ratios=ratios, drive_amplitudes=[0.01, 0.05],
+            PENDULUM, DRIVE, frequency_ratio=ratios, drive_amplitude=[0.01, 0.05],
             transient_periods=600, periods=64, initial_angle=0.01,
         )  # fmt: skip
         assert found.peak_amplitude.dims == ("drive_amplitude", "frequency_ratio")
@@ -123,7 +123,7 @@ class TestPairs:
     def test_the_usual_answer_of_the_colliding_pair_has_period_one(self):
         found = time_crystal(
             TOY, ll.Harmonic(drive_amplitude=0.2, drive_frequency=8.0), initial_offset=0.3,
-            frequency_ratios=[2.4, 3.0, 3.6], periods=64,
+            frequency_ratio=[2.4, 3.0, 3.6], periods=64,
         )  # fmt: skip
         assert found.status.values.ravel().tolist() == ["no subharmonic"] * 3
         assert found.peak_frequency.isnull().all()
@@ -148,8 +148,8 @@ class TestPairs:
                   sweep_time=3.0), {}, "a chirp drive has no single period"),
         (DRIVE, {"periods": 8}, "periods must be at least 16"),
         (DRIVE, {"trajectories": 5}, "5 trajectories without noise are all the same"),
-        (DRIVE, {"frequency_ratios": [0.0]}, "frequency_ratios must be positive"),
-        (DRIVE, {"frequency_ratios": []}, "the list of values is empty"),
+        (DRIVE, {"frequency_ratio": [0.0]}, "frequency_ratio must be positive"),
+        (DRIVE, {"frequency_ratio": []}, "the list of values is empty"),
         (DRIVE, {"noise_strength": -1.0}, "noise_strength must lie in"),
     ],
 )  # fmt: skip

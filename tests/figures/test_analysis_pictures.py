@@ -13,8 +13,8 @@ DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
 SMALL = {
     "response_period": {"initial_offset": 0.2},
     "response_period_map": {
-        "drive_amplitudes": [0.02, 0.03],
-        "frequency_ratios": [2.4, 3.0],
+        "drive_amplitude": [0.02, 0.03],
+        "frequency_ratio": [2.4, 3.0],
         "initial_offset": 0.2,
     },
     "poincare_section": {"initial_offset": 0.2, "periods": 5},
@@ -27,7 +27,7 @@ SMALL = {
         "initial_offset": 0.0,
     },
     "basins": {"angle_points": 6, "velocity_points": 6},
-    "first_push": {"frequency_ratios": [2.4, 3.2], "scan_points": 5, "refinements": 1},
+    "first_push": {"frequency_ratio": [2.4, 3.2], "scan_points": 5, "refinements": 1},
 }
 
 
@@ -53,8 +53,8 @@ def test_the_first_push_with_many_phases_is_a_map():
     dataset = analyses["first_push"](
         TOY,
         DRIVE,
-        frequency_ratios=[2.4, 3.2],
-        drive_phases=np.arange(6),
+        frequency_ratio=[2.4, 3.2],
+        drive_phase=np.arange(6),
         scan_points=5,
         refinements=0,
     )

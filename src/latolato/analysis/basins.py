@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,8 +15,7 @@ from latolato.analysis.stroboscopic import (
     checked_periodic,
     checked_span,
     checked_transient,
-    motion_of,
-    run_samples,
+    settled_motion,
     wilson,
 )
 from latolato.observables.period import wrapped
@@ -37,6 +37,8 @@ UNRESOLVED = -1
 _MOST_ATTRACTORS = 200
 # Aperiodic motions of fewer starts than this share of all count as unresolved.
 _FEWEST_CHAOTIC = 0.002
+# So do those of fewer starts than this share of what has not settled: the last of the same motion.
+_TAIL = 0.1
 _MOST_STARTS = 4_000_000
 # Default range of initial angular velocities in natural frequencies, about the separatrix.
 _SPEEDS = 3.0
@@ -112,7 +114,9 @@ def basins(
         ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``, as in
         `response_period`, the ``basin_fraction`` [1] with the ends of its 95 % interval, and over
         ``sample`` the ``stroboscopic_angle`` and ``stroboscopic_angular_velocity`` of one motion
-        on it. ``unresolved_fraction``, ``basin_entropy``, ``boundary_basin_entropy`` [1].
+        on it. ``unresolved_fraction``, the share of starts without an attractor, of which
+        ``not_settled_fraction`` were still on their way; ``basin_entropy``,
+        ``boundary_basin_entropy`` [1].
 
     Raises
     ------
@@ -130,10 +134,12 @@ def basins(
     random, and too wide for smooth basins.
 
     What it can miss: attractors whose basins are smaller than the grid's spacing or outside the
-    range; motions still on their way after the transient (chaotic transients look aperiodic, and
-    nearly settled ones can appear as attractors of their own); chaotic attractors that come nearer
+    range; motions still on their way after the transient. Those that die down, or have a period
+    after twice the transient, are "not settled" (see `response_period`) and belong to no attractor;
+    chaos that ends later counts as chaos. Chaotic attractors that come nearer
     to each other than `chaos_box` are taken as one, and two periodic ones nearer than
-    `match_tolerance`. Aperiodic motion of fewer than 0.2 % of the starts is left unresolved.
+    `match_tolerance`. Aperiodic motion of fewer than 0.2 % of the starts, or of fewer than
+    a tenth of those that have not settled, is left unresolved.
     Two balls have four initial numbers, of which this is a plane.
 
     Examples
@@ -170,23 +176,30 @@ def basins(
     angles, velocities = _starts(
         system, shape, (angle_low, angle_high), (velocity_low, velocity_high)
     )
-    grid = run_samples(
+    grid, motion = settled_motion(
         system,
         law,
         _axes(system, angles, velocities, shift),
+        law.drive_frequency,
         longest=longest,
         angle_tolerance=angle_tolerance,
         transient_periods=transient_periods,
         tolerance=tolerance,
         rest_speed=rest_speed,
     )
-    motion = motion_of(
-        grid, system, law.drive_frequency, longest=longest, angle_tolerance=angle_tolerance
-    )
     samples = _samples(grid, system, law.drive_frequency)
     labels, examples = find_attractors(
         samples, motion["response_period"], motion["status"], match_tolerance=match, chaos_box=box
     )
+    unsettled = float((motion["status"] == "not settled").mean())
+    if unsettled > 0.0:
+        warnings.warn(
+            f"{unsettled:.1%} of the starts lead to motion that has not settled after "
+            f"{transient_periods:g} drive periods: they belong to no attractor; raise "
+            "transient_periods",
+            RuntimeWarning,
+            stacklevel=2,
+        )
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
     share, low, high = wilson(counts, labels.size)
     table = labels.reshape(shape)
@@ -200,6 +213,7 @@ def basins(
         "basin_fraction_low": (("attractor",), low),
         "basin_fraction_high": (("attractor",), high),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
+        "not_settled_fraction": unsettled,
         "basin_entropy": entropy.basin_entropy,
         "boundary_basin_entropy": entropy.boundary_basin_entropy,
         "boundary_share": entropy.boundary_share,
@@ -245,6 +259,7 @@ _QUANTITIES: dict[str, Quantity] = {
     "basin_fraction_low": Quantity("1", "", "share of the starts, low end"),
     "basin_fraction_high": Quantity("1", "", "share of the starts, high end"),
     "unresolved_fraction": Quantity("1", "", "share of starts without attractor"),
+    "not_settled_fraction": Quantity("1", "", "share of starts whose motion has not settled"),
     "basin_entropy": Quantity("1", "S_b", "basin entropy"),
     "boundary_basin_entropy": Quantity("1", "S_{bb}", "boundary basin entropy"),
     "boundary_share": Quantity("1", "", "share of boxes on a boundary"),
@@ -337,8 +352,10 @@ def find_attractors(
         raw[left[same]] = len(examples)
         examples.append(template)
     chaotic = np.flatnonzero(status == "aperiodic")
+    settling = np.count_nonzero(status == "not settled")
+    fewest = max(2.0, _FEWEST_CHAOTIC * len(samples), _TAIL * settling)
     for part in _overlapping(samples[chaotic], chaos_box):
-        if len(part) < max(2, _FEWEST_CHAOTIC * len(samples)) and len(part) < len(samples):
+        if len(part) < fewest and len(part) < len(samples):
             continue
         raw[chaotic[part]] = len(examples)
         examples.append(int(chaotic[part[0]]))

@@ -16,10 +16,9 @@ from latolato.analysis.stroboscopic import (
     checked_periodic,
     checked_span,
     checked_transient,
-    motion_of,
-    run_samples,
+    settled_motion,
 )
-from latolato.observables.period import wrapped
+from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
 from latolato.quantities import POSITIVE, Quantity
@@ -93,7 +92,8 @@ def bifurcation_diagram(
         (direction, the parameter, [ball,] sample); ``response_period``, ``rotation_number``,
         ``mirror_residual``, ``largest_angle_watched`` and ``status`` as in `response_period` over
         (direction, the parameter). ``is_hysteretic`` [1] over the parameter, if followed both
-        ways: 1 where both ways reach motions of different period or largest angle.
+        ways: 1 where both ways reach motions of different period or largest angle, NaN where
+        that cannot be told: both aperiodic, one not settled or without an answer.
 
     Raises
     ------
@@ -106,7 +106,8 @@ def bifurcation_diagram(
     the motion stays on its branch as far as that is stable, and all samples are at the drive phase
     of time zero, ``drive_phase``. With walls the state is moved inside them where they moved.
     ``is_hysteretic`` compares the largest angles with a threshold of a hundred times
-    `angle_tolerance`, and says nothing (0) of two chaotic motions.
+    `angle_tolerance`. Two aperiodic motions may be one chaos seen at different times, which comes
+    in bursts, or two: compare their samples, or look at `basins`.
 
     What it can miss: unstable orbits, and every branch that neither way leads to (see `basins`).
     A motion near a bifurcation settles slowly and is followed with a delay, so that hysteresis
@@ -187,7 +188,7 @@ def bifurcation_diagram(
         | {
             parameter: about.quantity,
             "direction": Quantity("1", "", "way along the parameter"),
-            "is_hysteretic": Quantity("1", "", "both ways differ (1) or not (0)"),
+            "is_hysteretic": Quantity("1", "", "both ways differ (1), not (0)"),
         },
         system=system,
         drive=law,
@@ -257,17 +258,17 @@ def _follow(
         names = [parameter]
         names += [f"initial_angle{side}" for side in sides]
         names += [f"initial_angular_velocity{side}" for side in sides]
-        grid = run_samples(
+        at = frequency[[places[cases.index(case)] for case in distinct]]
+        grid, motion = settled_motion(
             system,
             law,
             {"case": dict(zip(names, np.array(distinct).T, strict=True))},
+            at,
             slowest_frequency=float(frequency[places].min()),
             **limits,
             **options,
         )
         of = [distinct.index(case) for case in cases]
-        at = frequency[[places[cases.index(case)] for case in distinct]]
-        motion = motion_of(grid, system, at, **limits)
         for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
             samples = np.asarray(grid[name].values)
             motion[name] = samples.reshape(len(distinct), system.angles, -1)
@@ -306,12 +307,13 @@ def _inside(system: System, angles: Floats) -> Floats:
     return np.array([angles[0] + shift, angles[1] - shift])
 
 
-def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> NDArray[np.int64]:
-    """Return where the ways up and down reach different motions."""
+def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:
+    """Return where the ways up and down reach different motions, NaN where none can tell."""
     up, down = kept["status"]
     largest = kept["largest_angle_watched"]
     orders = np.nan_to_num(kept["response_period"], nan=math.inf)
     chaotic = (up == "aperiodic") & (down == "aperiodic")
+    unknown = chaotic | ~np.isin([up, down], PERIODICITY).all(axis=0)
     apart = abs(largest[0] - largest[1]) > threshold
     differ = (up != down) | (orders[0] != orders[1]) | apart
-    return np.asarray(differ & ~chaotic, dtype=np.int64)
+    return np.where(unknown, math.nan, differ.astype(np.float64))

@@ -43,8 +43,8 @@ def first_push(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratios: Sequence[float],
-    drive_phases: Sequence[float] = (0.0,),
+    frequency_ratio: Sequence[float],
+    drive_phase: Sequence[float] = (0.0,),
     push: str = "initial_angular_velocity",
     largest_push: float | None = None,
     scan_points: int = 100,
@@ -63,9 +63,9 @@ def first_push(
     ----------
     system, drive
         The laws; frequency and phase of the drive are replaced, its amplitude stays.
-    frequency_ratios : sequence of float
+    frequency_ratio : sequence of float
         w/w0 [1], positive.
-    drive_phases : sequence of float
+    drive_phase : sequence of float
         Drive phases at the push [rad]; at 0 a harmonic pivot is at its top.
     push : {"initial_angular_velocity", "initial_offset"}
         What the push gives: an angular velocity, of two balls opposite ones [rad/s]; or an angle
@@ -120,14 +120,14 @@ def first_push(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = first_push(toy, drive, frequency_ratios=[2.4, 3.2], scan_points=40)
+    >>> found = first_push(toy, drive, frequency_ratio=[2.4, 3.2], scan_points=40)
     >>> found.status.values.ravel(), found.first_push.values.ravel().round(1)
     (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
     law = checked_periodic(system, drive, "a first push")
     transient_periods = checked_transient(transient_periods)
-    ratios = positive_values("frequency_ratios", frequency_ratios, "1", POSITIVE)
-    phases = positive_values("drive_phases", drive_phases, "rad", ANY)
+    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
+    phases = positive_values("drive_phase", drive_phase, "rad", ANY)
     if push not in PUSHES:
         raise ValueError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
     unit = QUANTITIES[push].unit

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.starts import checked_system
 from latolato.numerics import records
 from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
 from latolato.observables import LargestAngle, Observable
@@ -167,13 +168,6 @@ def drive_period(drive: Drive) -> float:
     if isinstance(drive, (Harmonic, CrankSlider)):
         return math.tau / drive.drive_frequency
     raise ValueError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
-
-
-def checked_system(system: Any) -> System:
-    """Return a system, or raise TypeError."""
-    if not isinstance(system, System):
-        raise TypeError(f"system must be a system such as LatoLato, got {system!r}")
-    return system
 
 
 def periodic_drive(system: System, drive: Any) -> Drive:

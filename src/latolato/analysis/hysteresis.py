@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.stroboscopic import octaves, settled_motion
+from latolato.observables.period import PERIODICITY
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, Pendulum, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.registry import checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-LOOP, NO_LOOP, UNKNOWN = "hysteresis", "no hysteresis", "no answer"
+LOOP, NO_LOOP, DELAY, UNKNOWN = "hysteresis", "no hysteresis", "not settled", "no answer"
+# Drive periods that a difference between both ways must outlast.
+_LASTING = 300.0
 # What is swept when nothing is said [w/w0].
 _DEFAULT_RATIOS = (1.6, 3.6, 81)
 
@@ -46,8 +50,8 @@ def hysteresis(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratios: Sequence[float] | None = None,
-    drive_amplitudes: Sequence[float] | None = None,
+    frequency_ratio: Sequence[float] | None = None,
+    drive_amplitude: Sequence[float] | None = None,
     duration: float = 60.0,
     transient: float | None = None,
     least_jump: float = 0.1,
@@ -69,9 +73,9 @@ def hysteresis(
         What moves; of two balls the larger angle counts.
     drive : Harmonic or CrankSlider
         The drive; its frequency is swept.
-    frequency_ratios : sequence of float, optional
+    frequency_ratio : sequence of float, optional
         Driving over natural frequencies [1], increasing; by default 81 from 1.6 to 3.6.
-    drive_amplitudes : sequence of float, optional
+    drive_amplitude : sequence of float, optional
         Amplitudes [m]; by default that of the drive.
     duration : float
         How long each frequency is held [s].
@@ -95,7 +99,9 @@ def hysteresis(
         Over ``drive_amplitude``: ``largest_angle`` (also over ``direction``, "up" and "down", and
         ``frequency_ratio``), ``jump_ratio`` and ``jump_height`` (also over ``direction``),
         ``loop_area``, ``bistable_low``, ``bistable_high`` and ``status``: "hysteresis", "no
-        hysteresis" (jumps may still exist; the bistable range is NaN) or "no answer".
+        hysteresis" (jumps may still exist; the bistable range is NaN), "not settled" (both ways
+        differ, but only because the motion had too little time, or because it never settles; the
+        bistable range is NaN) or "no answer".
 
     Raises
     ------
@@ -106,7 +112,10 @@ def hysteresis(
     -----
     ``loop_area`` is the integral of ``|down - up|`` over the frequency ratio by trapezes; a jump's
     ratio is the middle of the two neighbours with the largest change, known to half their distance,
-    and NaN where no change reaches `least_jump`. What it can miss: branches that neither sweep
+    and NaN where no change reaches `least_jump`. Where both ways differ by that, both are followed
+    on for at least 300 drive periods: the range is that of the ratios at which they have settled
+    (see `response_period`) and still differ by it. Two chaotic motions count as not settled. What
+    it can miss: branches that neither sweep
     visits; a fold where the time per frequency is too short for the slow growth there, which
     widens the loop. A pendulum has to grow from `least_motion`: jumps come late unless half the
     duration is about ten growth times. A toy at rest in contact leaves it only where
@@ -117,7 +126,7 @@ def hysteresis(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
-    >>> found = hysteresis(toy, drive, frequency_ratios=[2.0, 2.4, 2.8, 3.2], duration=30.0)
+    >>> found = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
     >>> found.status.values.tolist(), found.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
@@ -127,13 +136,14 @@ def hysteresis(
             "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
             "Pendulum"
         )
+    checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise ValueError(f"{name} drive has no frequency to sweep: give a Harmonic one")
-    ratios = _listed("frequency_ratio", frequency_ratios, np.linspace(*_DEFAULT_RATIOS))
+    ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise ValueError("frequency_ratios must be at least two and increase; sort them")
-    amplitudes = _listed("drive_amplitude", drive_amplitudes, [drive.drive_amplitude])
+        raise ValueError("frequency_ratio must be two or more values that increase; sort them")
+    amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
     held = checked_number("duration", duration, POSITIVE, "s")
     jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
     least = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
@@ -147,23 +157,28 @@ def hysteresis(
         "rest_speed": rest_speed,
     }
     if isinstance(system, Pendulum) and not system.has_contacts:
-        angles = _stirred(system, drive, amplitudes, ratios, start, least, options)
+        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least, options)
     else:
         grid = sweep(
             system,
             drive,
             axes={"drive_amplitude": amplitudes, "frequency_ratio": ratios},
-            observables=["largest_angle_after_transient"],
+            observables=_ENDS,
             continuation="frequency_ratio",
             direction="both",
             **options,
             **start,
         )
-        largest = grid.largest_angle_after_transient
-        if "ball" in largest.dims:
-            largest = largest.max("ball", skipna=False)
-        angles = largest.transpose("drive_amplitude", "direction", "frequency_ratio").values
-    rows = [_loop(np.array(ratios), up, down, jump) for up, down in angles]
+        order = ("drive_amplitude", "direction", "frequency_ratio", "ball")
+        grid = grid if "ball" in grid.dims else grid.expand_dims("ball")
+        angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
+        angles = angles.max(axis=-1)
+    differ = np.abs(angles[:, 1] - angles[:, 0]) >= jump
+    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, jump, options)
+    rows = [
+        _loop(np.array(ratios), up, down, jump, each)
+        for (up, down), each in zip(angles, lasting, strict=True)
+    ]
     variables: dict[str, Any] = {
         "largest_angle": (("drive_amplitude", "direction", "frequency_ratio"), angles)
     }
@@ -203,9 +218,9 @@ def _stirred(
     least: float,
     options: dict[str, Any],
 ) -> Floats:
-    """Return largest angles, (amplitude, direction, ratio), of motions that never die away."""
+    """Return `_ENDS`, (name, amplitude, direction, ratio), of motions that never die away."""
     count = len(amplitudes)
-    found = np.full((count, 2, len(ratios)), math.nan)
+    found = np.full((len(_ENDS), count, 2, len(ratios)), math.nan)
     for way, order in enumerate((range(len(ratios)), reversed(range(len(ratios))))):
         angle = np.full(count, float(start["initial_angle"]))
         velocity = np.full(count, float(start["initial_angular_velocity"]))
@@ -228,7 +243,7 @@ def _stirred(
                 observables=_ENDS,
                 **options,
             )
-            found[:, way, place] = grid.largest_angle_after_transient
+            found[:, :, way, place] = [grid[name].values for name in _ENDS]
             angle = np.remainder(grid.final_angle.values + math.pi, math.tau) - math.pi
             velocity = grid.final_angular_velocity.values
             angle, velocity = np.nan_to_num(angle), np.nan_to_num(velocity)
@@ -245,8 +260,73 @@ def _listed(name: str, values: Any, default: Any) -> list[float]:
     return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
 
 
-def _loop(ratios: Floats, up: Floats, down: Floats, least: float) -> dict[str, Any]:
-    """Return jumps, area and range of one loop."""
+def _lasts(
+    system: System,
+    drive: Harmonic | CrankSlider,
+    amplitudes: list[float],
+    ratios: list[float],
+    differ: NDArray[np.bool_],
+    ends: Sequence[Floats],
+    least: float,
+    options: Mapping[str, Any],
+) -> NDArray[np.bool_]:
+    """Return where both ways still differ when their motions have settled, shape as `differ`.
+
+    Each goes on from its end at the frequency it has reached. `ends` are the angles and angular
+    velocities there, of shape (amplitude, way, ratio[, ball]).
+    """
+    places = np.argwhere(differ)
+    if not len(places):
+        return differ
+    row, column = np.tile(places, (2, 1)).T
+    way = np.repeat([0, 1], len(places))
+    frequencies = np.array(ratios) * system.natural_frequency
+    turned = frequencies * options["duration"]
+    phases = np.array([np.cumsum(turned), np.cumsum(turned[::-1])[::-1]])
+    angle, velocity = (each[row, way, column].reshape(len(row), -1) for each in ends)
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    case = {
+        "drive_amplitude": np.array(amplitudes)[row],
+        "frequency_ratio": np.array(ratios)[column],
+        "drive_phase": np.remainder(drive.drive_phase + phases[way, column], math.tau),
+    }
+    for i, side in enumerate(sides):
+        case[f"initial_angle{side}"] = angle[:, i]
+        case[f"initial_angular_velocity{side}"] = velocity[:, i]
+    status = np.empty(len(row), dtype=object)
+    largest = np.full(len(row), math.nan)
+    known = np.isfinite(angle).all(axis=1) & np.isfinite(velocity).all(axis=1)
+    status[~known] = "failed"
+    for part in octaves(case["frequency_ratio"]):
+        some = part[known[part]]
+        if not len(some):
+            continue
+        w = frequencies[column[some]]
+        _, motion = settled_motion(
+            system,
+            drive,
+            {"case": {name: values[some] for name, values in case.items()}},
+            w,
+            transient_periods=_LASTING,
+            longest=4,
+            angle_tolerance=1e-4,
+            slowest_frequency=float(w.min()),
+            **{k: v for k, v in options.items() if k not in ("duration", "transient")},
+        )
+        status[some], largest[some] = motion["status"], motion["largest_angle_watched"]
+    one, two = status.reshape(2, -1)
+    told = np.isin(status, PERIODICITY).reshape(2, -1)
+    both_chaotic = (one == "aperiodic") & (two == "aperiodic")
+    apart = np.abs(np.diff(largest.reshape(2, -1), axis=0)[0]) >= least
+    found = np.zeros(differ.shape, dtype=bool)
+    found[tuple(places.T)] = told.all(axis=0) & apart & ~both_chaotic
+    return found
+
+
+def _loop(
+    ratios: Floats, up: Floats, down: Floats, least: float, lasting: NDArray[np.bool_]
+) -> dict[str, Any]:
+    """Return jumps, area and range of one loop, whose ways differ for good where `lasting`."""
     found: dict[str, Any] = {"jump_ratio": [], "jump_height": []}
     for angles, way in ((up, 1.0), (down, -1.0)):
         change = way * np.diff(angles)
@@ -259,9 +339,11 @@ def _loop(ratios: Floats, up: Floats, down: Floats, least: float) -> dict[str, A
         found["jump_height"].append(height)
     gap = np.abs(down - up)
     found["loop_area"] = float(np.trapezoid(gap, ratios))
-    two = ratios[gap >= least]
+    two = ratios[lasting]
     found["bistable_low"] = float(two[0]) if len(two) else math.nan
     found["bistable_high"] = float(two[-1]) if len(two) else math.nan
     is_known = math.isfinite(found["loop_area"])
-    found["status"] = UNKNOWN if not is_known else (LOOP if len(two) else NO_LOOP)
+    found["status"] = LOOP if len(two) else (DELAY if np.any(gap >= least) else NO_LOOP)
+    if not is_known:
+        found["status"] = UNKNOWN
     return found

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.flow import checked_system
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import checked_system
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive

@@ -11,8 +11,7 @@ from latolato.analysis.stroboscopic import (
     QUANTITIES_HERE,
     checked_periodic,
     checked_transient,
-    motion_of,
-    run_samples,
+    settled_motion,
     start_axis,
 )
 from latolato.observables.period import wrapped
@@ -65,8 +64,9 @@ def response_period(
     xarray.Dataset
         ``status`` is "periodic", "rest" (period 1), "grazing" (periodic without rest, with an
         impact slower than `angle_tolerance` times the drive frequency: the period may change
-        with the smallest change of a parameter), "aperiodic" (no period up to `longest`), or that
-        of a run without an answer ("event_limit", "failed", "invalid").
+        with the smallest change of a parameter), "aperiodic" (no period up to `longest`), "not
+        settled" (the motion still changes after the transient), or that of a run without an answer
+        ("event_limit", "failed", "invalid").
         ``response_period`` [1] is NaN where there is none; ``recurrence_residual`` [rad] is the
         distance left after one period, or of the closest recurrence.
         ``rotation_number`` [1] is, with walls, the impacts per drive period; without, the turns
@@ -97,10 +97,17 @@ def response_period(
     are mirrored by exchanging them, and the residual with k = 0 is ``|angle_right + angle_left|``.
     A `LatoLato` is symmetric by construction.
 
-    What it can miss: motion that has not settled after the transient counts as aperiodic, so
-    repeat with a longer one; a period above `longest`; a pulsation below `angle_tolerance`; an
-    impact that falls on the end of a drive period, where the angular velocity jumps, so that
-    recurrence is found late. Other starts may lead to other motions: see `basins`.
+    Motion without a period is run again with twice and four times the transient. It is "not
+    settled" if it has a period then. If its largest angle, its fastest speed or the distance left
+    has fallen below 0.8 times its value twice, or below half once, it is watched for 192 drive
+    periods after eight times the transient, and is "not settled" if angle and speed are below 0.8
+    times all values before, or the distance left, which never exceeded 0.05 rad, is. Chaos, which
+    may come in bursts, hardly ever does so; with calms longer than the transient it may.
+
+    What it can miss: motion that settles more slowly than that, and chaos that ends later, count as
+    aperiodic, so repeat with a longer transient; a period above `longest`; a pulsation below
+    `angle_tolerance`; an impact that falls on the end of a drive period, where the angular velocity
+    jumps, so that recurrence is found late. Other starts may lead to other motions: see `basins`.
 
     Examples
     --------
@@ -119,19 +126,17 @@ def response_period(
         "initial_offset": initial_offset,
     }
     axes, start = start_axis(system, start)
-    grid = run_samples(
+    grid, found = settled_motion(
         system,
         law,
         axes,
+        law.drive_frequency,
         longest=longest,
         angle_tolerance=angle_tolerance,
         transient_periods=transient_periods,
         tolerance=tolerance,
         rest_speed=rest_speed,
         **start,
-    )
-    found = motion_of(
-        grid, system, law.drive_frequency, longest=longest, angle_tolerance=angle_tolerance
     )
     variables: dict[str, Any] = {name: values[0] for name, values in found.items()}
     settings = {
@@ -166,6 +171,11 @@ def _message(found: dict[str, Any], longest: int, transient_periods: float) -> s
         return (
             f"no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
             f"{transient_periods:g} drive periods of transient; try a longer one"
+        )
+    if status == "not settled":
+        return (
+            f"after {transient_periods:g} drive periods the motion is still changing: try "
+            f"transient_periods of {4.0 * max(transient_periods, 3.0 * longest):g}"
         )
     if status == "grazing":
         return "an impact is nearly grazing: the period may change with the smallest change"

@@ -13,10 +13,9 @@ from latolato.analysis.stroboscopic import (
     QUANTITIES_HERE,
     checked_periodic,
     checked_transient,
-    motion_of,
     octaves,
     positive_values,
-    run_samples,
+    settled_motion,
     wilson,
 )
 from latolato.physics.drives import Drive, Harmonic
@@ -35,8 +34,8 @@ def response_period_map(
     system: System,
     drive: Drive | None = None,
     *,
-    drive_amplitudes: Sequence[float],
-    frequency_ratios: Sequence[float],
+    drive_amplitude: Sequence[float],
+    frequency_ratio: Sequence[float],
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -54,9 +53,9 @@ def response_period_map(
     ----------
     system, drive
         The laws; amplitude and frequency of the drive are replaced. None is harmonic.
-    drive_amplitudes : sequence of float
+    drive_amplitude : sequence of float
         A0 [m], at least 0.
-    frequency_ratios : sequence of float
+    frequency_ratio : sequence of float
         w/w0 [1], positive.
     initial_angle, initial_angular_velocity, initial_offset, transient_periods, longest, \
 angle_tolerance, tolerance, rest_speed
@@ -67,9 +66,9 @@ angle_tolerance, tolerance, rest_speed
     xarray.Dataset
         ``response_period``, ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``
         and ``status`` over (drive_amplitude, frequency_ratio), as in `response_period`.
-        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic"): the number of ``cells``,
-        their ``share`` of all cells with an answer and ``active_share`` of those not at rest,
-        with the ends of 95 % intervals, ``share_low`` and so on.
+        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic", "not settled"): the
+        number of ``cells``, their ``share`` of all cells with an answer and ``active_share`` of
+        those not at rest, with the ends of 95 % intervals, ``share_low`` and so on.
 
     Raises
     ------
@@ -89,7 +88,7 @@ angle_tolerance, tolerance, rest_speed
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> found = response_period_map(
-    ...     system, drive_amplitudes=[0.05], frequency_ratios=[1.7, 2.0], initial_angle=0.1
+    ...     system, drive_amplitude=[0.05], frequency_ratio=[1.7, 2.0], initial_angle=0.1
     ... )
     >>> found.response_period.values
     array([[1., 2.]])
@@ -97,8 +96,8 @@ angle_tolerance, tolerance, rest_speed
     given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
     law = checked_periodic(system, given, "a response period")
     transient_periods = checked_transient(transient_periods)
-    amplitudes = positive_values("drive_amplitudes", drive_amplitudes, "m")
-    ratios = positive_values("frequency_ratios", frequency_ratios, "1", POSITIVE)
+    amplitudes = positive_values("drive_amplitude", drive_amplitude, "m")
+    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
     shape = (len(amplitudes), len(ratios))
     w0 = system.natural_frequency
     start: dict[str, Any] = {
@@ -109,10 +108,11 @@ angle_tolerance, tolerance, rest_speed
     limits = {"longest": longest, "angle_tolerance": angle_tolerance}
     found: dict[str, NDArray[Any]] = {}
     for part in octaves(ratios):
-        grid = run_samples(
+        _, motion = settled_motion(
             system,
             law,
             {"drive_amplitude": amplitudes, "frequency_ratio": ratios[part]},
+            np.broadcast_to(ratios[part] * w0, (shape[0], len(part))),
             longest=longest,
             angle_tolerance=angle_tolerance,
             transient_periods=transient_periods,
@@ -120,10 +120,6 @@ angle_tolerance, tolerance, rest_speed
             tolerance=tolerance,
             rest_speed=rest_speed,
             **start,
-        )
-        frequency = np.broadcast_to(ratios[part] * w0, (shape[0], len(part)))
-        motion = motion_of(
-            grid, system, frequency, longest=longest, angle_tolerance=angle_tolerance
         )
         for name in (*_MAPPED, "status"):
             values = motion[name].reshape(shape[0], len(part))
@@ -170,7 +166,7 @@ def shares_of(
     masks = {"rest": status == "rest"}
     for p in range(1, longest + 1):
         masks[f"period {p}"] = (status == "periodic") & (period == p)
-    masks |= {name: status == name for name in ("grazing", "aperiodic")}
+    masks |= {name: status == name for name in ("grazing", "aperiodic", "not settled")}
     cells = np.array([int(mask.sum()) for mask in masks.values()])
     shares: dict[str, NDArray[Any]] = {"cells": cells}
     active = np.where(np.arange(len(cells)) == 0, 0, cells)

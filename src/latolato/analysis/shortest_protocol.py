@@ -19,7 +19,7 @@ from latolato.physics.pendulum import Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
 from latolato.registry import checked_count, checked_number
 from latolato.simulate import simulate
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -78,9 +78,9 @@ def shortest_protocol(
     drive: Drive | None = None,
     *,
     frequency_ratio: float | None = None,
-    first_frequency_ratios: Sequence[float] | None = None,
-    dwell_times: Sequence[float] | None = None,
-    pushes: Sequence[float] | None = None,
+    first_frequency_ratio: Sequence[float] | None = None,
+    dwell_time: Sequence[float] | None = None,
+    push: Sequence[float] | None = None,
     ramp: float = 0.0,
     phases: int = 8,
     required_share: float = 0.5,
@@ -105,11 +105,11 @@ def shortest_protocol(
         Its amplitude is used, and its (last) frequency is the target where none is given.
     frequency_ratio : float, optional
         Target driving over natural frequency [1].
-    first_frequency_ratios : sequence of float, optional
+    first_frequency_ratio : sequence of float, optional
         First stages that are tried [1]; by default 12 from 1.05 to 1.6 times the target.
-    dwell_times : sequence of float, optional
+    dwell_time : sequence of float, optional
         How long the first stage is held [s], increasing; by default 16 from 0.25 to 4 s.
-    pushes : sequence of float, optional
+    push : sequence of float, optional
         Angular velocities that a hand gives each ball outwards, at the target frequency [rad/s],
         increasing; by default 21 up to one natural frequency.
     ramp : float
@@ -161,7 +161,7 @@ def shortest_protocol(
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * toy.natural_frequency)
     >>> found = shortest_protocol(
-    ...     toy, drive, first_frequency_ratios=[3.6], dwell_times=[1.0, 2.0, 4.0], phases=4
+    ...     toy, drive, first_frequency_ratio=[3.6], dwell_time=[1.0, 2.0, 4.0], phases=4
     ... )
     >>> found.status.item(), f"{np.rad2deg(found.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
@@ -172,11 +172,16 @@ def shortest_protocol(
             "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
         )
     amplitude, target = _drive_of(system, drive, frequency_ratio)
-    first = _listed("frequency_ratio", first_frequency_ratios, _spread(target / _rate(system)))
-    dwells = _listed("dwell_time", dwell_times, np.linspace(*_DEFAULT_DWELLS))
+    first = _listed(
+        "frequency_ratio",
+        first_frequency_ratio,
+        _spread(target / _rate(system)),
+        "first_frequency_ratio",
+    )
+    dwells = _listed("dwell_time", dwell_time, np.linspace(*_DEFAULT_DWELLS))
     largest, count = _DEFAULT_PUSHES
-    given = np.linspace(0.0, largest * _rate(system), count)[1:] if pushes is None else pushes
-    shoves = _listed("initial_angular_velocity", given, given, "pushes")
+    given = np.linspace(0.0, largest * _rate(system), count)[1:] if push is None else push
+    shoves = _listed("initial_angular_velocity", given, given, "push")
     search = _Search(
         system,
         amplitude,
@@ -270,6 +275,7 @@ def _drive_of(
     system: System, drive: Drive | None, frequency_ratio: float | None
 ) -> tuple[float, float]:
     """Return amplitude [m] and target frequency [rad/s]."""
+    checked_drive(drive)
     if isinstance(drive, Harmonic):
         amplitude, target = drive.drive_amplitude, drive.drive_frequency
     elif isinstance(drive, FrequencySchedule):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.starts import checked_system
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -20,6 +21,7 @@ from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import LatoLato, Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.registry import checked_number
+from latolato.start import checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -38,6 +40,13 @@ QUANTITIES_HERE: dict[str, Quantity] = {
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
 _TRANSIENTS = Range(0.0, 1e7)
+# What becomes smaller while a motion settles; by which factor: twice, or once.
+_DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
+_SLOWED, _FALLEN = 0.8, 0.5
+# Motion that recurs so closely is nearly periodic [rad].
+_NEARLY = 0.05
+# The longest period at the last look, which sets for how long that is.
+_LONGEST = 64
 
 
 def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic | CrankSlider:
@@ -48,17 +57,15 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
     TypeError, ValueError
         For a drive without a period, and for the linearised pendulum.
     """
-    if not isinstance(system, System):
-        raise TypeError(f"system must be a System such as Pendulum or LatoLato, got {system!r}")
+    checked_system(system)
     if isinstance(system, Mathieu):
         raise ValueError(
             f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
             "use Pendulum, or mathieu_growth_rate"
         )
+    checked_drive(drive)
     if drive is None:
         raise ValueError(f"{what} needs a drive with a period, got None; give Harmonic")
-    if not isinstance(drive, Drive):
-        raise TypeError(f"drive must be one of {', '.join(drives)}, got {drive!r}")
     if not isinstance(drive, (Harmonic, CrankSlider)):
         raise ValueError(
             f"{what} needs a drive with a single period, harmonic or crank_slider, got "
@@ -102,6 +109,93 @@ def run_samples(
     # A hair longer, so that the last mark is inside for every rounding.
     duration = math.tau / slowest * (transient_periods + watched.marks - 1) * (1.0 + 1e-12)
     return sweep(system, drive, axes=axes, duration=duration, observables=[watched], **options)
+
+
+def settled_motion(
+    system: System,
+    drive: Drive,
+    axes: Mapping[str, Any],
+    frequency: Any,
+    *,
+    transient_periods: float,
+    longest: int,
+    angle_tolerance: float,
+    **options: Any,
+) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
+    """Return the sweep of `run_samples` and what `motion_of` tells, settled or not.
+
+    Motion without a period is run again with two and four times the transient, and where it seems
+    to settle with eight times, watched for longer. It is "not settled" where it has a period then,
+    and where it goes on to settle. `frequency` is as in `motion_of`.
+    """
+    limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
+
+    def look(which: Mapping[str, Any], periods: float, at: Any, most: int) -> Any:
+        watched = {**limits, "longest": most}
+        grid = run_samples(system, drive, which, transient_periods=periods, **watched, **options)
+        return grid, motion_of(grid, system, at, **watched)
+
+    grid, motion = look(axes, transient_periods, frequency, longest)
+    status = motion["status"]
+    each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
+    left = np.flatnonzero(status == "aperiodic")
+    seen = [{name: motion[name][left] for name in _DECAYING}]
+    waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
+    for times, most in ((1.0, longest), (3.0, longest), (7.0, _LONGEST)):
+        if not left.size:
+            break
+        periods = transient_periods + times * waited
+        _, now = look(_chosen(axes, left), periods, each[left], most)
+        found = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
+        keep = np.isin(now["status"], PERIODICITY) & ~found
+        seen.append(now)
+        if len(seen) == 3:
+            keep &= _seems_to_settle(*seen)
+        elif len(seen) == 4:
+            found |= keep & _goes_on_to_settle(seen)
+        status[left[found]] = "not settled"
+        left = left[keep]
+        seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
+    return grid, motion
+
+
+def _seems_to_settle(
+    first: Mapping[str, Floats], second: Mapping[str, Floats], third: Mapping[str, Floats]
+) -> NDArray[np.bool_]:
+    """Return which aperiodic motions die down over three looks, as chaos in bursts may do too."""
+    found = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
+    for name in _DECAYING:
+        a, b, c = first[name], second[name], third[name]
+        found |= ((b < _SLOWED * a) & (c < _SLOWED * b)) | (c < _FALLEN * b)
+    return found
+
+
+def _goes_on_to_settle(seen: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
+    """Return which motions are less than ever at the last look, or ever nearer to a period."""
+    angle, speed, residual = (
+        row[-1] < _SLOWED * row[:-1].min(axis=0)
+        for row in (np.array([each[name] for each in seen]) for name in _DECAYING)
+    )
+    nearly = np.array([each["recurrence_residual"] for each in seen]).max(axis=0) < _NEARLY
+    return np.asarray((angle & speed) | (residual & nearly))
+
+
+def _chosen(axes: Mapping[str, Any], places: NDArray[np.int64]) -> dict[str, Any]:
+    """Return one axis with some of the points that axes span, counted in C order."""
+    columns = [
+        {name: np.asarray(each) for name, each in given.items()}
+        if isinstance(given, Mapping)
+        else {axis: np.asarray(given)}
+        for axis, given in axes.items()
+    ]
+    indices = np.unravel_index(places, [len(next(iter(c.values()))) for c in columns])
+    return {
+        "case": {
+            name: values[index]
+            for column, index in zip(columns, indices, strict=True)
+            for name, values in column.items()
+        }
+    }
 
 
 def motion_of(
@@ -178,6 +272,7 @@ def motion_of(
         "mirror_shift": shift,
         "recurrence_residual": residual,
         "largest_angle_watched": either("largest_angle_watched"),
+        "fastest_speed": either("fastest_speed"),
         "status": status,
     }
 
@@ -232,7 +327,8 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
 
 
 def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
-    """Return numbers along an axis, each of them checked."""
-    if isinstance(values, (str, bytes)) or np.ndim(values) != 1 or len(values) == 0:
+    """Return numbers along an axis, each of them checked; one number is an axis of one."""
+    if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
         raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
-    return np.array([checked_number(name, value, allowed, unit) for value in values])
+    several = values if np.ndim(values) else [values]
+    return np.array([checked_number(name, value, allowed, unit) for value in several])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.stroboscopic import positive_values
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
@@ -121,9 +122,9 @@ def pair_symmetry(
     angle, velocity = start.angles[0], start.velocities[0]
     axes: dict[str, Any] = {}
     if drive_amplitude is not None:
-        axes["drive_amplitude"] = drive_amplitude
+        axes["drive_amplitude"] = positive_values("drive_amplitude", drive_amplitude, "m")
     if frequency_ratio is not None:
-        axes["frequency_ratio"] = frequency_ratio
+        axes["frequency_ratio"] = positive_values("frequency_ratio", frequency_ratio, "1")
     varied = list(axes)
     grid = sweep(
         as_pair(system),

@@ -18,7 +18,7 @@ from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweep import sweep
 
 if TYPE_CHECKING:
@@ -169,8 +169,8 @@ def time_crystal(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratios: Sequence[float] | None = None,
-    drive_amplitudes: Sequence[float] | None = None,
+    frequency_ratio: Sequence[float] | None = None,
+    drive_amplitude: Sequence[float] | None = None,
     noise_strength: float = 0.0,
     trajectories: int = 1,
     noise_seed: int = 0,
@@ -193,9 +193,9 @@ def time_crystal(
         What moves; of two balls the right one is looked at.
     drive : Harmonic or CrankSlider
         The drive, whose frequency and amplitude stand where no others are given.
-    frequency_ratios : sequence of float, optional
+    frequency_ratio : sequence of float, optional
         Driving over natural frequencies [1].
-    drive_amplitudes : sequence of float, optional
+    drive_amplitude : sequence of float, optional
         Amplitudes [m].
     noise_strength : float
         Strength of velocity kicks [rad/s^(3/2)].
@@ -260,15 +260,16 @@ def time_crystal(
     ('locked', '0.500')
     """
     system = checked_system(system)
+    checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise ValueError(f"{name} drive has no single period to count in: give a Harmonic one")
-    ratios = _listed("frequency_ratio", frequency_ratios)
+    ratios = _listed("frequency_ratio", frequency_ratio)
     if ratios is None:
         ratios = [drive.drive_frequency / system.natural_frequency]
     if min(ratios) <= 0.0:
-        raise ValueError(f"frequency_ratios must be positive, got {min(ratios):g}; leave it out")
-    amplitudes = _listed("drive_amplitude", drive_amplitudes) or [drive.drive_amplitude]
+        raise ValueError(f"frequency_ratio must be positive, got {min(ratios):g}; leave it out")
+    amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
     strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
     count = checked_count("trajectories", trajectories)
     if count > 1 and strength == 0.0:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,11 +17,16 @@ from latolato.experiment.tracking.follow import Followed
 
 # Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
 _WIDE_ARC = math.radians(60.0)
-_NEAR, _NEAR_SHARE = 3.0, 0.02
+_NEAR, _NEAR_SHARE = 5.0, 0.01
+# Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
+# on the whole [pixels].
+_NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 # Residual of the circle above which lens or perspective are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
+# Error of positions that no scatter shows [pixels].
+_SYSTEMATIC = 0.05
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
 
@@ -120,7 +126,9 @@ def calibrate(
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
-    offset, arm, arc, residual, warnings = _hinge(away[use], seen.sigmas[use], seen.angles[use])
+    reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
+    noise = float(np.nanmin([_scatter(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
+    offset, arm, arc, residual, warnings = _hinge(away[use], seen.angles[use], noise)
     raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
     angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
     if optics.row_time:
@@ -128,6 +136,7 @@ def calibrate(
             angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
                 :, 0
             ]
+    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, arm)
     tilt, source = _gravity(pivots, angles, is_clean)
     if source == "image":
         warnings.append(
@@ -136,7 +145,7 @@ def calibrate(
         )
     return Calibration(
         angles - tilt,
-        seen.sigmas.copy(),
+        sigmas,
         pivots + offset,
         centres,
         arm,
@@ -189,10 +198,48 @@ def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndar
     return out
 
 
+def _honest(
+    times: np.ndarray, angles: np.ndarray, sigmas: np.ndarray, is_clean: np.ndarray, arm: float
+) -> np.ndarray:
+    """Return standard deviations that are not below the scatter seen from frame to frame [rad].
+
+    A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
+    nor of the pivot's. The scatter about the quintic through the six neighbours does; its median
+    raises all deviations by one factor.
+    """
+    raised: np.ndarray = np.hypot(sigmas, _SYSTEMATIC / arm)
+    for b in range(angles.shape[1]):
+        scatter = _scatter(times, np.where(is_clean[:, b], angles[:, b], np.nan))
+        if math.isfinite(scatter):
+            raised[:, b] *= max(1.0, scatter / float(np.median(raised[is_clean[:, b], b])))
+    return raised
+
+
+def _scatter(times: np.ndarray, values: np.ndarray) -> float:
+    """Return the noise of a smooth series: what neighbours do not foretell (robust)."""
+    if len(values) < 20:
+        return math.nan
+    others = np.array([-3, -2, -1, 1, 2, 3])
+    at = np.arange(3, len(values) - 3)
+    apart = times[at[:, None] + others] - times[at][:, None]
+    weights = np.ones_like(apart)
+    for j in range(6):
+        for k in range(6):
+            if j != k:
+                weights[:, j] *= apart[:, k] / (apart[:, k] - apart[:, j])
+    rest = values[at] - np.sum(weights * values[at[:, None] + others], axis=1)
+    rest = rest / np.sqrt(1.0 + np.sum(weights**2, axis=1))
+    rest = rest[np.isfinite(rest)]
+    return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
+
+
 def _hinge(
-    away: np.ndarray, sigmas: np.ndarray, angles: np.ndarray
+    away: np.ndarray, angles: np.ndarray, noise: float
 ) -> tuple[np.ndarray, float, float, float, list[str]]:
-    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings."""
+    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings.
+
+    `noise` is the scatter of the distances [pixels], which is no fault of the circle.
+    """
     from scipy.optimize import least_squares
 
     warnings: list[str] = []
@@ -212,21 +259,43 @@ def _hinge(
     residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
     as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
     if arc < _WIDE_ARC:
-        return none, arm, arc, as_clicked, warnings
+        return _across(away, angles, arc, arm), arm, arc, as_clicked, warnings
     # Lenses and perspective make an oval: its second harmonic beside the circle.
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
     oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
-    limit = max(_ROUND, _ROUND_SHARE * found)
+    limit = max(_ROUND, _ROUND_SHARE * found, 2.0 * noise)
     too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
-    if residual > limit or oval > 1.5 * limit or too_far:
+    bent = math.sqrt(max(residual**2 - noise**2, 0.0))
+    if bent > limit or oval > 1.5 * limit or too_far:
         warnings.append(
             f"the ball does not run on a circle about the pivot (centre off by "
-            f"{np.hypot(*offset):.1f} pixels, residual {max(residual, oval):.2f} pixels): lens or "
+            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens or "
             "perspective; the pivot is used as clicked"
         )
         return none, arm, arc, as_clicked, warnings
     return offset, found, arc, residual, warnings
+
+
+def _across(away: np.ndarray, angles: np.ndarray, arc: float, arm: float) -> np.ndarray:
+    """Return the hinge's offset across the middle of a narrow arc, along which it tells nothing.
+
+    Distances grow along the arc when the hinge lies aside; the click is believed to `_CLICK`, the
+    distances on the whole to `_UNROUND`.
+    """
+    if arc < _NARROW_ARC:
+        return np.zeros(2)
+    middle = 0.5 * float(np.sum(np.quantile(angles, [0.005, 0.995])))
+    lean = np.sin(np.mod(angles - middle + math.pi, 2.0 * math.pi) - math.pi)
+    distance = np.hypot(away[:, 0], away[:, 1])
+    # distance = arm + offset * lean, with the offset drawn to zero.
+    centred = lean - lean.mean()
+    fitted = float(np.sum(centred * distance) / np.sum(centred**2))
+    error = _UNROUND / float(np.std(lean))
+    offset = fitted / (1.0 + (error / _CLICK) ** 2)
+    if abs(offset) > max(_NEAR, _NEAR_SHARE * arm):
+        return np.zeros(2)
+    return offset * np.array([math.cos(middle), -math.sin(middle)])
 
 
 def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tuple[float, str]:
@@ -278,7 +347,7 @@ def _extremes(swing: np.ndarray) -> np.ndarray:
     side = np.sign(swing - middle)
     changes = np.flatnonzero(np.diff(side) != 0) + 1
     found = []
-    for begin, end in zip(changes[:-1], changes[1:]):
+    for begin, end in pairwise(changes):
         part = swing[begin:end] - middle
         if len(part) < 5:
             continue

@@ -74,6 +74,12 @@ def plot(
             f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
         )
     is_plain = not (variable or log or curves or select or overlays or points)
+    if is_fit(run):
+        if not is_plain:
+            raise ValueError("a fit is drawn whole: variable, log and the like belong to sweeps")
+        from latolato.figures.fits import draw_fit
+
+        return draw_fit(run)
     if is_analysis(run):
         if not is_plain:
             raise ValueError("an analysis is drawn whole: variable, log and the like fit a sweep")
@@ -105,6 +111,11 @@ def is_map(dataset: xr.Dataset) -> bool:
 def is_analysis(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is what an analysis found."""
     return "analysis" in dataset.attrs
+
+
+def is_fit(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is that of a fit of measurements."""
+    return "fit" in dataset.attrs
 
 
 def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:

@@ -12,13 +12,11 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.bounce import hop
-from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.flight import (
     ANGLE,
     SHORTEST,
     SHORTEST_REST,
     VELOCITY,
-    Law,
     Method,
     Part,
     follow_ledger,
@@ -42,6 +40,7 @@ from latolato.numerics.pair_flight import (
     point_of,
     write_pair_contact,
 )
+from latolato.numerics.pair_step import make_pair_step
 from latolato.numerics.pair_tangent import make_pair_tangent
 from latolato.numerics.records import (
     ANGLE_1,
@@ -61,8 +60,6 @@ from latolato.numerics.records import (
     REST_HIGH,
     REST_LOW,
     SAMPLE,
-    SLACK_FIRST,
-    SLACK_TOTAL,
     STEPS,
     STRETCH,
     T_BASE,
@@ -73,9 +70,7 @@ from latolato.numerics.records import (
     WORK,
 )
 from latolato.numerics.watch import BLIND, Hooks, make_watch
-from latolato.observables import Segment
-from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP, pair_impact
-from latolato.physics.damping import drag
+from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 
 _PARTS = 0.25  # see `latolato.numerics.fold`
 # Of a step within which the balls part too little to be seen: as long they stay together.
@@ -98,46 +93,22 @@ def make_pair_trajectory(
     """
     flight = make_flight(acceleration, restoring, compile_part)
     watch = make_watch(hooks, compile_part)
-    watch_step, watches = watch.step, bool(hooks[0])
+    watches = bool(hooks[0])
     follows_tangent = bool(hooks[4])
     deviate = make_pair_tangent(acceleration, restoring, watch.tangent, compile_part)
-    part: Part = compile_part or (lambda function: function)
-
-    @part
-    def notice(
-        acc: Any, column: int, columns: int, t: float, end: float, q: Any, r: Any, a0: float,
-        a1: float, ball: int, law: Law, held: float,
-    ) -> None:  # fmt: skip
-        """Show the observables a step of one ball, whose rates of energy follow from a and v."""
-        stiffness = law.gravity * law.body.coupling
-        x0, v0, x1, v1 = q[ball, X], q[ball, V], r[ball, X], r[ball, V]
-        segment = Segment(
-            t, end, x0, x1, v0, v1, a0, a1,
-            0.5 * v0 * v0 + stiffness * potential(x0), 0.5 * v1 * v1 + stiffness * potential(x1),
-            v0 * (a0 + stiffness * restoring(x0)), v1 * (a1 + stiffness * restoring(x1)), held,
-        )  # fmt: skip
-        watch_step(acc, column + ball, columns, segment)
-
-    @part
-    def slowed(a: float, v: float, sign: float, body: Any) -> float:
-        """Return the acceleration with all drag from that of a kick."""
-        return 0.0 if sign == STUCK else a - drag(v, sign, body.rate, body.quadratic, 0.0)
-
-    @part
-    def energy_of(q: Any, bodies: Any, gravity: float) -> float:
-        """Return the energy of both balls."""
-        energy = 0.0
-        for i in range(2):
-            speed, lifted = q[i, V], gravity * bodies[i].coupling * potential(q[i, X])
-            energy += bodies[i].inertia * (0.5 * speed * speed + lifted)
-        return energy
-
-    turn, follow_slack = flight.turn, flight.follow_slack
     fly, turn_back, move_jointly, unite, collide, jump = deviate
+    pair_flight = make_pair_flight(flight, acceleration, restoring, compile_part)
     (
-        free_force, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join,
-        split, joint_margin, joint_pulls, dip,
-    ) = make_pair_flight(flight, acceleration, restoring, compile_part)  # fmt: skip
+        _, go, go_by, both, locate_gap, leave_gap, parting, strike, settle_signs, join, split,
+        joint_margin, joint_pulls, dip,
+    ) = pair_flight  # fmt: skip
+    (
+        notice, slowed, energy_of, laws_of, part_at, first_turning, wall_met, sample_flight,
+        sample_joint, note_slack, shove, halt,
+    ) = make_pair_step(
+        flight, pair_flight, acceleration, restoring, potential, watch.step, compile_part
+    )  # fmt: skip
+    turn = flight.turn
 
     def trajectory(
         state: Any,
@@ -197,11 +168,7 @@ def make_pair_trajectory(
         rows, room = 0, len(contact_times) - 4
         t = t_base + n * h
         p = stretches[stretch]
-        laws = (
-            Law(g, bodies[0], p), Law(g, bodies[1], p), Law(g, bodies[2], p),
-            Law(g, bodies[3], p),
-        )  # fmt: skip
-        pair = Pair(signs, laws, methods)
+        pair = Pair(signs, laws_of(g, bodies, p), methods)
         done = 0
         # Which contact the balls are just leaving: their distance from it may be rounding.
         leaving = 0.0
@@ -295,32 +262,17 @@ def make_pair_trajectory(
                     end = dip(hs, margin, far, offset, gap, t, q, r, w, law, pair)
                     margin = margin if end == hs else -1.0
                 if margin < 0.0:
-                    begin = 0.0
-                    for _ in range(MOST_TRIALS):
-                        s = 0.5 * (begin + end)
-                        if s <= begin or s >= end:
-                            break
-                        margin = joint_margin(s, far, offset, gap, t, q, r, w, law, pair)
-                        if margin < 0.0:
-                            end = s
-                        else:
-                            begin = s
-                    hs, parts, turned = end, True, False
+                    hs = part_at(end, far, offset, gap, t, q, r, w, law, pair)
+                    parts, turned = True, False
                 if parts or turned:
                     reaches_goal = False
                     t_new = t + hs
                 whole = not (parts or turned or held or reaches_goal)
-                while sample < len(sample_times) and sample_times[sample] < t_new:
-                    s = sample_times[sample] - t
-                    go_by(s, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
-                    split(r[JOINT, X], r[JOINT, V], offset, gap, w)
-                    samples[0, sample], samples[1, sample] = w[0, X], w[0, V]
-                    samples[2, sample], samples[3, sample] = w[1, X], w[1, V]
-                    write_ledger(
-                        samples, sample, work + inertia * r[JOINT, GAIN],
-                        damped + inertia * r[JOINT, LOSS], lost, captured, noise, mode,
+                if sample < len(sample_times) and sample_times[sample] < t_new:
+                    sample = sample_joint(
+                        sample, sample_times, samples, t, t_new, q, r, w, offset, gap, law, pair,
+                        (work, damped, lost, captured, noise), mode,
                     )  # fmt: skip
-                    sample += 1
                 go_by(hs, JOINT, t, q, r, signs[JOINT], methods[JOINT], law)
                 if follows_tangent:
                     move_jointly(
@@ -353,16 +305,14 @@ def make_pair_trajectory(
                 if parts and not slips:
                     mode = FLIGHT
                     leaving = far
-                    velocities = (q[0, V], q[1, V])
-                    rows = write_pair_contact(
-                        *table_of_contacts, rows, t, RELEASE, velocities, velocities
-                    )
+                    now = (q[0, V], q[1, V])
+                    rows = write_pair_contact(*table_of_contacts, rows, t, RELEASE, now, now)
                 settle_signs(t, q, pair)
             elif hs > 0.0:
                 regular = not reaches_goal
                 if regular:
                     for i in range(2):
-                        go(i, t, q, r, signs[i], tables[i], laws[i])
+                        go(i, t, q, r, signs[i], tables[i], pair.laws[i])
                 else:
                     both(hs, t, q, r, pair)
                 gap, end_gap = q[0, X] - q[1, X], r[0, X] - r[1, X]
@@ -387,46 +337,14 @@ def make_pair_trajectory(
                 turning = -1
                 if nonlinear and small == 0.0:
                     for i in range(2):
-                        s = hs
-                        if signs[i] == STUCK:
-                            c = bodies[i].coulomb
-                            x = q[i, X]
-                            if abs(free_force(t + hs, x, laws[i])) <= c:
-                                continue
-                            begin = 0.0
-                            for _ in range(MOST_TRIALS):
-                                middle = 0.5 * (begin + s)
-                                if middle <= begin or middle >= s:
-                                    break
-                                if abs(free_force(t + middle, x, laws[i])) > c:
-                                    s = middle
-                                else:
-                                    begin = middle
-                        elif r[i, V] * signs[i] < 0.0:
-                            s = turn(hs, point_of(t, q, i), signs[i], methods[i], laws[i])
-                        else:
-                            continue
-                        s = max(s, SHORTEST * t)
-                        if turning < 0 or s < hs:
-                            hs, turning = s, i
-                        both(hs, t, q, r, pair)
+                        if turning < 0 and (signs[i] == STUCK or r[i, V] * signs[i] < 0.0):
+                            hs, turning = first_turning(hs, t, q, r, pair)
                     if turning >= 0:
                         regular, reaches_goal = False, False
 
                 end_gap, end_rate = r[0, X] - r[1, X], r[0, V] - r[1, V]
-                wall, toward = 0.0, 0.0
-                if small > 0.0:
-                    wall, toward = (low, -1.0) if leaving < 0.0 else (high, 1.0)
-                elif end_gap <= low:
-                    wall, toward = low, -1.0
-                elif end_gap >= high:
-                    wall, toward = high, 1.0
-                elif rate < 0.0 < end_rate and min(gap, end_gap) - max(-rate, end_rate) * hs <= low:
-                    wall, toward = low, -1.0
-                elif (
-                    end_rate < 0.0 < rate and max(gap, end_gap) + max(rate, -end_rate) * hs >= high
-                ):
-                    wall, toward = high, 1.0
+                known = leaving if small > 0.0 else 0.0
+                wall, toward = wall_met(known, gap, rate, end_gap, end_rate, hs, low, high)
                 beyond = small > 0.0 or (end_gap - wall) * toward >= 0.0
                 if toward != 0.0 and not beyond:  # a valley between the ends
                     s = locate_gap(VELOCITY, 0.0, 0.0, hs, t, q, r, pair)
@@ -453,10 +371,7 @@ def make_pair_trajectory(
                     rests_on = end_rate * far >= 0.0 or abs(end_gap - wall) > tiny
                 if rests_on:  # no: they stay together, for a short time without a question
                     counters[GRAZES] += 1
-                    i1, i2 = bodies[0].inertia, bodies[1].inertia
-                    captured += 0.5 * i1 * i2 / (i1 + i2) * (q[0, V] - q[1, V]) ** 2
-                    q[0, V], _ = pair_impact(q[0, V], q[1, V], i1, i2, 0.0)
-                    q[1, V] = q[0, V]
+                    captured += halt(q, bodies)
                     if follows_tangent:
                         unite(acc, column, columns, jacobian, share)
                     mode, leaving = (REST_LOW if far < 0.0 else REST_HIGH), 0.0
@@ -489,27 +404,17 @@ def make_pair_trajectory(
                     t_new = goal if reaches_goal else t + hs
 
                 if sample < len(sample_times) and sample_times[sample] < t_new:
-                    while sample < len(sample_times) and sample_times[sample] < t_new:
-                        s = sample_times[sample] - t
-                        both(s, t, q, w, pair)
-                        gain = loss = 0.0
-                        for i in range(2):
-                            samples[2 * i, sample] = w[i, X]
-                            samples[2 * i + 1, sample] = w[i, V]
-                            gain += bodies[i].inertia * w[i, GAIN]
-                            loss += bodies[i].inertia * w[i, LOSS]
-                        write_ledger(
-                            samples, sample, work + gain, damped + loss, lost, captured, noise,
-                            FLIGHT,
-                        )  # fmt: skip
-                        sample += 1
+                    sample = sample_flight(
+                        sample, sample_times, samples, t, t_new, q, w, pair,
+                        (work, damped, lost, captured, noise),
+                    )  # fmt: skip
 
                 if watches:
                     for i in range(2):
                         a0 = slowed(q[i, FORCE], q[i, V], signs[i], bodies[i])
                         a1 = slowed(r[i, FORCE], r[i, V], signs[i], bodies[i])
                         held = 1.0 if signs[i] == STUCK else 0.0
-                        notice(acc, column, columns, t, t_new, q, r, a0, a1, i, laws[i], held)
+                        notice(acc, column, columns, t, t_new, q, r, a0, a1, i, pair.laws[i], held)
                 if follows_tangent:
                     fly(acc, column, columns, jacobian, hs, t, q, r, pair)
                     for i in range(2):
@@ -521,18 +426,10 @@ def make_pair_trajectory(
                     end_pull = pull_at(r[i, X], r[i, V], r[i, LIFT], g, k)
                     smaller = min(end_pull, pull_at(q[i, X], q[i, V], q[i, LIFT], g, k))
                     largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
-                    if signs[i] == STUCK:
-                        lift = acceleration(t_new, laws[i].p)
-                        begin_pull = pull_at(q[i, X], 0.0, q[i, LIFT], g, k)
-                        end_pull = pull_at(q[i, X], 0.0, lift, g, k)
-                        r[i, LIFT] = lift
-                        add_slack(state, i, begin_pull, end_pull, t, t_new)
-                    elif smaller < settings.sag * largest:
-                        first, total = follow_slack(
-                            state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i], t_new - t,
-                            end_pull, point_of(t, q, i), signs[i], methods[i], laws[i],
-                        )  # fmt: skip
-                        state[SLACK_FIRST + 2 * i], state[SLACK_TOTAL + 2 * i] = first, total
+                    if signs[i] == STUCK or smaller < settings.sag * largest:
+                        note_slack(
+                            state, i, t, t_new, q, r, end_pull, signs[i], methods[i], pair.laws[i]
+                        )
                     work += bodies[i].inertia * r[i, GAIN]
                     damped += bodies[i].inertia * r[i, LOSS]
                     for j in range(5):
@@ -549,32 +446,21 @@ def make_pair_trajectory(
                     leaving = far if grazes else 0.0
                 if turning >= 0:
                     q[turning, V] = 0.0
-                if turning >= 0:
                     settle_signs(t, q, pair)
 
             if t >= goal and (at_stretch or at_kick) and not strikes:
                 given = False
                 for i in range(2):
-                    more, thrown = 0.0, 0.0
-                    if at_stretch:
-                        pushed = jumps[stretch + 1] * bodies[i].coupling
-                        more = -pushed * restoring(q[i, X])
-                        work += bodies[i].inertia * more * (q[i, V] + 0.5 * more)
-                    if at_kick:
-                        thrown = kicks_given[i, kicked]
-                        noise += bodies[i].inertia * thrown * (q[i, V] + more + 0.5 * thrown)
-                    q[i, V] += more + thrown
-                    given = given or more + thrown != 0.0
+                    pushed = jumps[stretch + 1] if at_stretch else 0.0
+                    thrown = kicks_given[i, kicked] if at_kick else 0.0
+                    worked, shaken, is_moved = shove(i, q, pushed, thrown, bodies)
+                    work, noise, given = work + worked, noise + shaken, given or is_moved
                 if at_stretch:
                     if follows_tangent:
                         jump(acc, column, columns, jacobian, jumps[stretch + 1], q, pair)
                     stretch += 1
                     p = stretches[stretch]
-                    laws = (
-                        Law(g, bodies[0], p), Law(g, bodies[1], p), Law(g, bodies[2], p),
-                        Law(g, bodies[3], p),
-                    )  # fmt: skip
-                    pair = Pair(signs, laws, methods)
+                    pair = Pair(signs, laws_of(g, bodies, p), methods)
                 if at_kick:
                     kicked += 1
                 gap = q[0, X] - q[1, X]
@@ -585,10 +471,8 @@ def make_pair_trajectory(
                     mode = FLIGHT
                 elif given and mode != FLIGHT and rate * far < 0.0:
                     mode, leaving = FLIGHT, far
-                    velocities = (q[0, V], q[1, V])
-                    rows = write_pair_contact(
-                        *table_of_contacts, rows, t, RELEASE, velocities, velocities
-                    )
+                    now = (q[0, V], q[1, V])
+                    rows = write_pair_contact(*table_of_contacts, rows, t, RELEASE, now, now)
                 settle_signs(t, q, pair)
                 t_base, n = t, 0
 

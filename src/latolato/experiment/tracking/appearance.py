@@ -8,15 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from latolato.experiment.tracking import kernels
-from latolato.experiment.tracking.sample import median_planes
-from latolato.experiment.video import Frame, Video
+from latolato.experiment.video import Video
 
 # Angles tried around the circle per radius of the ball.
 _FINENESS = 2.5
 # First steps take residuals this much larger for what they are, to be drawn from farther away.
 _TOLERANT = 4.0
+# Steps below this are the last [pixels]; balls beyond this radius need every second pixel only.
+_CONVERGED, _LARGE = 0.02, 14.0
 # Largest number of samples along the path of a smeared ball.
 _MOST_SAMPLES = 48
+
+
+_UNCHANGED = np.eye(3, dtype=np.float32)
 
 
 @dataclass
@@ -38,10 +42,18 @@ class Colours:
         corner: tuple[int, int],
         shape: tuple[int, int],
         stride: int = 1,
+        whiten: np.ndarray | None = None,
+        is_sparse: bool = False,
     ) -> np.ndarray:
-        """Return the colours of a window, shape (row, column, 3); NaN outside the frame."""
+        """Return the colours of a window, shape (row, column, 3); NaN outside the frame.
+
+        `whiten` is a matrix by which colours are multiplied.
+        """
         out = np.empty((*shape, 3), np.float32)
-        kernels.window(*planes, corner[0], corner[1], stride, self.table, self.mix, out)
+        x, y = int(corner[0]), int(corner[1])
+        matrix = _UNCHANGED if whiten is None else whiten
+        luma, blue, red = planes
+        kernels.window(luma, blue, red, x, y, stride, self.table, self.mix, matrix, is_sparse, out)
         return out
 
 
@@ -63,6 +75,10 @@ class Appearance:
         Whitened residual beyond which a pixel belongs to something else.
     exposure : float
         Share of the frame interval in which light is collected.
+    is_spinning : bool
+        Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    whiten, white_paint, white_behind : numpy.ndarray
+        The matrix that makes residuals white, and colours times it.
     """
 
     colours: Colours
@@ -74,28 +90,71 @@ class Appearance:
     weight: np.ndarray
     scale: float
     exposure: float = 0.0
-    gain: float = 0.5
-    _buffers: dict[tuple[int, ...], np.ndarray] = field(default_factory=dict)
+    is_spinning: bool = False
+    whiten: np.ndarray = field(init=False)
+    white_paint: np.ndarray = field(init=False)
+    white_behind: np.ndarray = field(init=False)
 
-    def ball(self, path: np.ndarray, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-        """Return one ball's layer in a window, averaged over the centres in `path`."""
-        layer = np.zeros((*shape, 4))
-        kernels.cover(
-            path, self.radius, self.blur, self.paint, int(corner[0]), int(corner[1]), layer
-        )
+    def __post_init__(self) -> None:
+        self.whitened()
+
+    def whitened(self) -> None:
+        """Bring the whitened colours into step with what they are made of."""
+        self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
+        self.white_paint = np.asarray(self.paint @ self.whiten.T)
+        self.white_behind = np.asarray(self.behind @ self.whiten.T)
+
+    @property
+    def radius_sigma(self) -> float:
+        """Uncertainty of the radius [pixels]: half the softness of the edge."""
+        return 0.5 * self.blur
+
+    def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
+        """Return by how much the paint is turned at centres (sample, 2) [rad]."""
+        if not self.is_spinning:
+            return np.zeros(len(centres))
+        away = centres - pivot
+        return np.asarray(np.arctan2(away[:, 0], away[:, 1]))
+
+    def ball(
+        self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
+    ) -> np.ndarray:
+        """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
+        layer = np.zeros((*shape, 4), np.float32)
+        x, y = int(corner[0]), int(corner[1])
+        turns = self.turns(path, pivot)
+        kernels.cover(path, turns, self.radius, self.blur, self.white_paint, x, y, layer)
         return layer
 
+    def seen(
+        self,
+        planes: tuple[np.ndarray, ...],
+        corner: np.ndarray,
+        shape: tuple[int, int],
+        stride: int = 1,
+        is_sparse: bool = False,
+    ) -> np.ndarray:
+        """Return the whitened colours of a window of a frame, if sparse of every second pixel."""
+        at = (int(corner[0]), int(corner[1]))
+        return self.colours.window(planes, at, shape, stride, self.whiten, is_sparse)
+
+    def wall(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+        """Return the background of a window in linear light."""
+        return self.background(corner, shape) @ np.linalg.inv(self.whiten).T
+
     def background(self, corner: np.ndarray, shape: tuple[int, int], stride: int = 1) -> np.ndarray:
-        """Return the background of a window; NaN beyond the part that was learned."""
+        """Return the whitened background of a window; NaN beyond the part that was learned."""
         x, y = np.asarray(corner) - self.corner
-        height, width = self.behind.shape[:2]
+        height, width = self.white_behind.shape[:2]
         rows, columns = shape
         if x >= 0 and y >= 0 and x + stride * columns <= width and y + stride * rows <= height:
-            return self.behind[y : y + stride * rows : stride, x : x + stride * columns : stride]
+            return self.white_behind[
+                y : y + stride * rows : stride, x : x + stride * columns : stride
+            ]
         out = np.full((rows, columns, 3), np.nan, np.float32)
         i, j = x + stride * np.arange(columns), y + stride * np.arange(rows)
         inside_i, inside_j = (i >= 0) & (i < width), (j >= 0) & (j < height)
-        out[np.ix_(inside_j, inside_i)] = self.behind[np.ix_(j[inside_j], i[inside_i])]
+        out[np.ix_(inside_j, inside_i)] = self.white_behind[np.ix_(j[inside_j], i[inside_i])]
         return out
 
 
@@ -128,7 +187,8 @@ def fit_balls(
     paths: list[np.ndarray],
     pivot: np.ndarray,
     prior: float = 0.0,
-    rounds: int = 5,
+    rounds: int = 6,
+    tolerant: int = 1,
 ) -> Fit:
     """Move balls from where they are expected until they explain a frame (Gauss-Newton).
 
@@ -144,8 +204,8 @@ def fit_balls(
         Pivot (column, row), from which rods run.
     prior : float
         Inverse variance [1/pixel^2] that keeps the balls where they are expected; 0 does not.
-    rounds : int
-        Most steps.
+    rounds, tolerant : int
+        Most steps, and how many of them overlook large residuals to be drawn from farther away.
     """
     balls = len(paths)
     margin = look.radius + 2.0 * look.blur + 0.35 * look.radius + 3.0
@@ -153,29 +213,23 @@ def fit_balls(
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    seen = look.colours.window(planes, (int(low[0]), int(low[1])), shape)
+    is_sparse = look.radius > _LARGE
+    seen = look.seen(planes, low, shape, is_sparse=is_sparse)
     behind = look.background(low, shape)
     shift = np.zeros((balls, 2))
     matrix, vector = np.empty((2 * balls, 2 * balls)), np.empty(2 * balls)
-    tally = np.empty((balls, 3))
+    tally = np.empty((balls, 4))
     cost = 0.0
     for round_ in range(rounds):
-        layers = np.stack([look.ball(p + s, low, shape) for p, s in zip(paths, shift)])
-        centres = np.stack([p.mean(axis=0) + s for p, s in zip(paths, shift)])
-        cost = kernels.normal_equations(
-            seen,
-            behind,
-            layers,
-            centres,
-            pivot,
-            look.radius,
-            low.astype(float),
-            look.weight,
-            look.scale * (_TOLERANT if round_ < 2 < rounds else 1.0),
-            matrix,
-            vector,
-            tally,
+        layers = np.stack(
+            [look.ball(p + s, pivot, low, shape) for p, s in zip(paths, shift, strict=True)]
         )
+        centres = np.stack([p.mean(axis=0) + s for p, s in zip(paths, shift, strict=True)])
+        scale = look.scale * (_TOLERANT if round_ < tolerant else 1.0)
+        cost = kernels.normal_equations(
+            seen, behind, layers, centres, pivot, look.radius, low.astype(float), scale, is_sparse,
+            matrix, vector, tally,
+        )  # fmt: skip
         matrix += np.eye(2 * balls) * (prior + 1e-9)
         vector -= prior * shift.ravel()
         if round_ == rounds - 1:
@@ -184,7 +238,7 @@ def fit_balls(
         length = np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-12)
         step *= np.minimum(1.0, 0.3 * look.radius / length)[:, None]
         shift += step
-        if round_ > 1 and np.max(np.abs(step)) < 5e-3:
+        if round_ >= tolerant and np.max(np.abs(step)) < _CONVERGED:
             break
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
@@ -193,14 +247,14 @@ def fit_balls(
     )
 
 
-def arc(pivots: np.ndarray, angles: np.ndarray, arm: float, radius: float) -> np.ndarray:
+def arc(pivots: np.ndarray, angles: np.ndarray, arm: float) -> np.ndarray:
     """Return centres of a ball for pivots (sample, 2) and angles from straight down (sample,)."""
     return pivots + arm * np.stack([np.sin(angles), np.cos(angles)], axis=-1)
 
 
 def samples_for(length: float) -> int:
     """Return how many samples make a smear of some pixels smooth."""
-    return int(min(max(1, math.ceil(length / 1.5)), _MOST_SAMPLES))
+    return int(min(max(1, math.ceil(length / 2.0)), _MOST_SAMPLES))
 
 
 def best_angles(
@@ -233,34 +287,27 @@ def gains_at(
     pivot: np.ndarray,
     arm: float,
     angles: np.ndarray,
-    stride: int = 2,
 ) -> np.ndarray:
     """Return how much better a ball at each angle explains a frame than the background does."""
-    centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm, look.radius)
+    stride = int(min(max(look.radius / 7.0, 2.0), 6.0))
+    centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm)
     low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
     size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
     shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
-    seen = look.colours.window(planes, (int(low[0]), int(low[1])), shape, stride)
+    seen = look.seen(planes, low, shape, stride)
     behind = look.background(low, shape, stride)
     out = np.empty(len(angles))
     kernels.gains(
-        seen,
-        behind,
-        low.astype(float),
-        stride,
-        centres,
-        look.radius,
-        look.paint,
-        look.weight,
-        look.scale,
-        out,
-    )
+        seen, behind, low.astype(float), stride, centres, look.turns(centres, pivot), look.radius,
+        look.white_paint,
+        look.scale, out,
+    )  # fmt: skip
     return out
 
 
 def median_background(
-    frames: list[Frame], colours: Colours, low: np.ndarray, high: np.ndarray
+    medians: tuple[np.ndarray, ...], colours: Colours, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
     """Return the linear colours of the median frame between two corners."""
     shape = (int(high[1] - low[1]), int(high[0] - low[0]))
-    return colours.window(median_planes(frames), (int(low[0]), int(low[1])), shape)
+    return colours.window(medians, (int(low[0]), int(low[1])), shape)

@@ -20,12 +20,16 @@ from latolato.experiment.tracking.learn import Scene
 from latolato.experiment.tracking.predict import Prediction, Predictor
 from latolato.experiment.video import Frame, Video
 
-# Share of a ball's pixels that must look like one to be measured, and to be measured as whole.
-_MEASURED, _WHOLE = 0.4, 0.8
+# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
+_MEASURED, _WHOLE = 0.4, 0.82
+# The same for a ball whose pattern turns through the light, which no one template describes.
+_WHOLE_TURNING = 0.55
 # Time after which a ball that was not seen is lost [s].
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
+# Error of the pivot's smear that is worth a second look [pixels].
+_SMEAR = 1.0
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # How far from the circle a centre may lie, as a share of the ball's radius.
@@ -113,28 +117,46 @@ class _Follower:
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
         self.is_begun = False
+        self.pivot_cost = 0.0
 
     def pivot_in(self, frame: Frame) -> np.ndarray:
         """Return the pivot's place in a frame."""
         tracker = self.scene.pivot
-        guess, velocity = None, np.zeros(2)
-        if len(self.pivots) >= 2:
-            (t0, p0), (t1, p1) = self.pivots[-2:]
-            speed = (p1 - p0) / (t1 - t0)
-            if len(self.pivots) >= 3:
-                t_, p_ = self.pivots[-3]
-                before = (p0 - p_) / (t0 - t_)
-                speed = speed + (speed - before) * 0.5
-                guess = p1 + (2.0 * speed - (p1 - p0) / (t1 - t0)) * (frame.time - t1)
-                velocity = (2.0 * speed - (p1 - p0) / (t1 - t0)) * self.interval
-        shift, cost = tracker.locate(frame.luma, None, velocity)
-        if guess is not None and np.max(np.abs(shift - guess)) > 6.0:
-            near, near_cost = tracker.locate(frame.luma, guess, velocity)
-            if near_cost < 1.5 * cost + 0.05:
-                shift = near
+        guess, velocity, room = None, np.zeros(2), 3
+        if len(self.pivots) >= 3:
+            guess, velocity, jerk = self._extrapolated(frame.time)
+            # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
+            room = 3 + math.ceil(jerk)
+        shift, cost = tracker.locate(frame.luma, guess, velocity, room)
+        if guess is not None and cost > 2.0 * self.pivot_cost + 0.1:
+            wide, wide_cost = tracker.locate(frame.luma, None, velocity)
+            if wide_cost < 0.7 * cost:
+                shift, cost = wide, wide_cost
+        if guess is not None:
+            exact = self._arrived(frame.time, shift)
+            if np.max(np.abs(exact - velocity)) * tracker.exposure > _SMEAR:
+                shift, cost = tracker.locate(frame.luma, shift, exact)
+        self.pivot_cost = 0.9 * self.pivot_cost + 0.1 * cost if guess is not None else cost
         self.pivots = [*self.pivots[-3:], (frame.time, shift)]
         place: np.ndarray = tracker.place(shift)
         return place
+
+    def _extrapolated(self, time: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the shift and velocity per interval to be expected, and half the last bend."""
+        (t0, p0), (t1, p1), (t2, p2) = self.pivots[-3:]
+        early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
+        bend = 2.0 * (late - early) / (t2 - t0)
+        passed = time - t2
+        guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
+        velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
+        return guess, velocity, 0.5 * float(np.max(np.abs(bend))) * self.interval**2
+
+    def _arrived(self, time: float, shift: np.ndarray) -> np.ndarray:
+        """Return the velocity per interval at a frame whose shift is known."""
+        (t0, p0), (t1, p1) = self.pivots[-2:]
+        early, late = (p1 - p0) / (t1 - t0), (shift - p1) / (time - t1)
+        bend = 2.0 * (late - early) / (time - t0)
+        return np.asarray((late + 0.5 * bend * (time - t1)) * self.interval)
 
     def _pivot_motion(self, instants: np.ndarray) -> tuple[np.ndarray, float]:
         """Return the pivot's places at instants near the last frame, and its upward acceleration.
@@ -169,20 +191,25 @@ class _Follower:
         expected = predictor.predict(frame.time, instants, lift / scene.arm)
         if np.any(self.unseen > _PATIENCE):
             self._search(frame, pivot, expected)
-        angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+        angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(angles, sigmas, fits, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
-            angles, sigmas, fits = self._measure(frame, pivot, places, expected)
+            angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=2)
             bad = self._is_bad(angles, sigmas, fits, expected)
         predictor.accept(frame.time, expected)
         return self._verdict(frame, pivot, angles, sigmas, fits, bad, expected)
 
     def _measure(
-        self, frame: Frame, pivot: np.ndarray, places: np.ndarray, expected: Prediction
+        self,
+        frame: Frame,
+        pivot: np.ndarray,
+        places: np.ndarray,
+        expected: Prediction,
+        tolerant: int,
     ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float, float]]]:
         """Fit the balls from where they are expected."""
         scene, balls = self.scene, self.scene.balls
-        paths = [arc(places, expected.path[:, b], scene.arm, 0.0) for b in range(balls)]
+        paths = [arc(places, expected.path[:, b], scene.arm) for b in range(balls)]
         groups = [[b] for b in range(balls)]
         if balls == 2:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
@@ -191,7 +218,9 @@ class _Follower:
         angles, sigmas = np.empty(balls), np.empty(balls)
         fits: list[tuple[np.ndarray, float, float]] = [(np.zeros(2), 0.0, 0.0)] * balls
         for group in groups:
-            fit: Fit = fit_balls(scene.look, frame[2:], [paths[b] for b in group], pivot)
+            fit: Fit = fit_balls(
+                scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
+            )
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(
@@ -215,7 +244,7 @@ class _Follower:
         fits: list[tuple[np.ndarray, float, float]],
         expected: Prediction,
     ) -> np.ndarray:
-        """Return which balls were not measured: hidden, off the circle, or not where they can be."""
+        """Return which balls were not measured: hidden, off the circle, or where none can be."""
         scene = self.scene
         pivot = scene.pivot.place(self.pivots[-1][1])
         bad = np.zeros(scene.balls, bool)
@@ -224,7 +253,7 @@ class _Follower:
             spread = math.sqrt(expected.covariance[b, 0, 0])
             jump = abs(angles[b] - expected.angles[b])
             bad[b] = (
-                explained < _MEASURED
+                explained < _MEASURED * scene.explained
                 or off > _OFF_CIRCLE * scene.look.radius
                 or jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm
             )
@@ -322,7 +351,8 @@ class _Follower:
                 self.unseen[b] = 0.0
                 centres[b] = centre
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
-                if explained < _WHOLE:
+                whole = _WHOLE_TURNING if scene.look.is_spinning else _WHOLE
+                if explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"

@@ -7,19 +7,25 @@ red, green and blue between 0 and 1.
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 
-_jit: Any = numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"}
-)
-
 # Steps of the table that turns a coded value between 0 and 255 into linear light.
 _FINENESS = 4
+_Kernel = TypeVar("_Kernel", bound=Callable[..., Any])
+# Part of a ball's largest share from which a pixel is the ball's.
+_CORE = 0.7
 # Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
 _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
+
+
+def _jit(kernel: _Kernel) -> _Kernel:
+    """Return a kernel compiled; its machine code is kept between processes."""
+    options: Any = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
+    return cast(_Kernel, numba.njit(cache=True, nogil=True, **options)(kernel))
 
 
 def linear_light() -> np.ndarray:
@@ -42,7 +48,8 @@ def colour_coefficients(matrix: str, is_full_range: bool) -> np.ndarray:
 def _linear(value: float, table: np.ndarray) -> float:
     """Look up the linear light of a coded value."""
     at = min(max(value, 0.0), 255.0) * _FINENESS
-    return table[int(at + 0.5)]
+    light: float = table[int(at + 0.5)]
+    return light
 
 
 @_jit
@@ -56,7 +63,8 @@ def _chroma(plane: np.ndarray, column: float, row: float) -> float:
     a, b = u - i, v - j
     top = (1.0 - a) * plane[j, i] + a * plane[j, i1]
     low = (1.0 - a) * plane[j1, i] + a * plane[j1, i1]
-    return (1.0 - b) * top + b * low - 128.0
+    chroma: float = (1.0 - b) * top + b * low - 128.0
+    return chroma
 
 
 @_jit
@@ -69,30 +77,36 @@ def window(
     stride: int,
     table: np.ndarray,
     mix: np.ndarray,
+    whiten: np.ndarray,
+    is_sparse: bool,
     out: np.ndarray,
 ) -> None:
-    """Write the linear colours of a window into `out`, shape (row, column, 3).
+    """Write the linear colours of a window, times a matrix, into `out`, shape (row, column, 3).
 
-    Positions outside the frame become NaN.
+    Positions outside the frame become NaN. A sparse window has the pixels only that a sparse sum
+    of `normal_equations` needs.
     """
     rows, columns = out.shape[0], out.shape[1]
     for j in range(rows):
         y = top + stride * j
-        for i in range(columns):
+        for i in range(1 - j % 2 if is_sparse else 0, columns, 2 if is_sparse else 1):
             x = left + stride * i
             if x < 0 or y < 0 or x >= luma.shape[1] or y >= luma.shape[0]:
                 out[j, i, 0] = out[j, i, 1] = out[j, i, 2] = np.nan
                 continue
             light = mix[0] * (luma[y, x] - mix[1])
             b, r = _chroma(blue, x, y), _chroma(red, x, y)
-            out[j, i, 0] = _linear(light + mix[2] * r, table)
-            out[j, i, 1] = _linear(light + mix[3] * b + mix[4] * r, table)
-            out[j, i, 2] = _linear(light + mix[5] * b, table)
+            first = _linear(light + mix[2] * r, table)
+            second = _linear(light + mix[3] * b + mix[4] * r, table)
+            third = _linear(light + mix[5] * b, table)
+            for c in range(3):
+                out[j, i, c] = whiten[c, 0] * first + whiten[c, 1] * second + whiten[c, 2] * third
 
 
 @_jit
 def cover(
     path: np.ndarray,
+    turns: np.ndarray,
     radius: float,
     blur: float,
     paint: np.ndarray,
@@ -102,7 +116,8 @@ def cover(
 ) -> None:
     """Add a moving disc, averaged over `path`, to `out`, shape (row, column, 4).
 
-    `path` holds centres, shape (sample, 2). The last channel of `out` is the share of the exposure
+    `path` holds centres, shape (sample, 2), `turns` the paint's turn at each from straight down to
+    the right [rad]. The last channel of `out` is the share of the exposure
     in which the disc covers a pixel, the others its premultiplied colour; `paint`, shape
     (2 m + 1, 2 m + 1, 3), is the disc's colour about its centre.
     """
@@ -112,17 +127,22 @@ def cover(
     reach = radius + 2.0 * blur
     for k in range(path.shape[0]):
         cx, cy = path[k, 0] - left, path[k, 1] - top
+        cosine, sine = math.cos(turns[k]), math.sin(turns[k])
         for j in range(max(0, int(cy - reach)), min(rows, int(cy + reach) + 2)):
-            for i in range(max(0, int(cx - reach)), min(columns, int(cx + reach) + 2)):
-                dx, dy = i - cx, j - cy
+            dy = j - cy
+            if abs(dy) >= reach:
+                continue
+            wide = math.sqrt(reach * reach - dy * dy)
+            for i in range(max(0, int(cx - wide)), min(columns, int(cx + wide) + 2)):
+                dx = i - cx
                 depth = (radius - math.sqrt(dx * dx + dy * dy)) / blur
                 if depth <= -2.0:
                     continue
                 # A smooth edge close to the integral of a bell of standard deviation `blur`.
                 share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 share *= weight
-                u = min(max(dx + half, 0.0), 2.0 * half - 1e-3)
-                v = min(max(dy + half, 0.0), 2.0 * half - 1e-3)
+                u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
+                v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
                 p, q = int(u), int(v)
                 a, b = u - p, v - q
                 for c in range(3):
@@ -142,96 +162,84 @@ def normal_equations(
     pivot: np.ndarray,
     radius: float,
     corner: np.ndarray,
-    weight: np.ndarray,
     scale: float,
+    is_sparse: bool,
     matrix: np.ndarray,
     vector: np.ndarray,
     tally: np.ndarray,
 ) -> float:
     """Fill the normal equations of shifts of the layers; return the robust cost.
 
-    The image is ``behind (1 - sum of shares) + sum of layers``. `layers` has shape (ball, row,
-    column, 4). `weight` whitens colours; residuals beyond `scale` count less and less (Geman and
-    McClure). `tally`, shape (ball, 3): pixels of each ball, those explained, those that look like
-    what is behind.
+    The image is ``behind (1 - sum of shares) + sum of layers``, all in whitened colours; `layers`
+    has shape (ball, row, column, 4). Residuals beyond `scale` count less and less (Geman and
+    McClure). A sparse sum leaves out every second pixel and those that no layer reaches.
+
+    `tally`, shape (ball, 4): pixels of each ball, those explained, those that look like what is
+    behind instead, and the ball's largest share, which decides what its pixels are.
     """
     balls, rows, columns = layers.shape[0], layers.shape[1], layers.shape[2]
     matrix[:] = 0.0
     vector[:] = 0.0
     tally[:] = 0.0
+    for b in range(balls):
+        for j in range(rows):
+            for i in range(columns):
+                if layers[b, j, i, 3] > tally[b, 3]:
+                    tally[b, 3] = layers[b, j, i, 3]
     cost = 0.0
-    size = 2 * balls
-    slope = np.zeros((size, 3))
-    white = np.zeros((size, 3))
+    limit = scale * scale
+    slope = np.zeros((4, 3))
     for j in range(1, rows - 1):
-        for i in range(1, columns - 1):
-            if not (seen[j, i, 0] >= 0.0 and behind[j, i, 0] >= 0.0):
+        for i in range(1 + j % 2 if is_sparse else 1, columns - 1, 2 if is_sparse else 1):
+            is_edge = _has_slope(layers, j, i)
+            if is_sparse and not is_edge:
                 continue
-            x, y = corner[0] + i, corner[1] + j
-            if _is_rod(x, y, centres, pivot, radius):
+            b0, b1, b2 = behind[j, i, 0], behind[j, i, 1], behind[j, i, 2]
+            d0, d1, d2 = seen[j, i, 0] - b0, seen[j, i, 1] - b1, seen[j, i, 2] - b2
+            if not (d0 == d0 and b0 == b0):
+                continue
+            if _is_rod(corner[0] + i, corner[1] + j, centres, pivot, radius):
                 continue
             shares = 0.0
+            r0, r1, r2 = d0, d1, d2
             for b in range(balls):
-                shares += layers[b, j, i, 3]
-            covered = min(shares, 1.0)
-            r0 = seen[j, i, 0] - (1.0 - covered) * behind[j, i, 0]
-            r1 = seen[j, i, 1] - (1.0 - covered) * behind[j, i, 1]
-            r2 = seen[j, i, 2] - (1.0 - covered) * behind[j, i, 2]
-            for b in range(balls):
-                r0 -= layers[b, j, i, 0]
-                r1 -= layers[b, j, i, 1]
-                r2 -= layers[b, j, i, 2]
-            w0 = weight[0, 0] * r0 + weight[0, 1] * r1 + weight[0, 2] * r2
-            w1 = weight[1, 0] * r0 + weight[1, 1] * r1 + weight[1, 2] * r2
-            w2 = weight[2, 0] * r0 + weight[2, 1] * r1 + weight[2, 2] * r2
-            square = r0 * w0 + r1 * w1 + r2 * w2
-            limit = scale * scale
-            robust = 1.0 / (1.0 + square / limit)
+                share = layers[b, j, i, 3]
+                shares += share
+                r0 -= layers[b, j, i, 0] - share * b0
+                r1 -= layers[b, j, i, 1] - share * b1
+                r2 -= layers[b, j, i, 2] - share * b2
+            square = r0 * r0 + r1 * r1 + r2 * r2
+            robust = limit / (limit + square)
             cost += square * robust
-            factor = robust * robust
-            if shares > 0.7:
+            if shares > 0.0:
+                gap = d0 * d0 + d1 * d1 + d2 * d2
                 for b in range(balls):
-                    if layers[b, j, i, 3] > 0.7:
+                    if layers[b, j, i, 3] > _CORE * tally[b, 3]:
                         tally[b, 0] += 1.0
                         if square < limit:
                             tally[b, 1] += 1.0
-                        d0 = seen[j, i, 0] - behind[j, i, 0]
-                        d1 = seen[j, i, 1] - behind[j, i, 1]
-                        d2 = seen[j, i, 2] - behind[j, i, 2]
-                        gap = (
-                            d0 * (weight[0, 0] * d0 + weight[0, 1] * d1 + weight[0, 2] * d2)
-                            + d1 * (weight[1, 0] * d0 + weight[1, 1] * d1 + weight[1, 2] * d2)
-                            + d2 * (weight[2, 0] * d0 + weight[2, 1] * d1 + weight[2, 2] * d2)
-                        )
                         if gap < square:
                             tally[b, 2] += 1.0
-            if shares <= 0.0 and not _has_slope(layers, j, i):
+            if not is_edge:
                 continue
+            factor = robust * robust
             for b in range(balls):
-                for c in range(3):
-                    across = layers[b, j, i + 1, c] - layers[b, j, i - 1, c]
-                    across -= behind[j, i, c] * (layers[b, j, i + 1, 3] - layers[b, j, i - 1, 3])
-                    down = layers[b, j + 1, i, c] - layers[b, j - 1, i, c]
-                    down -= behind[j, i, c] * (layers[b, j + 1, i, 3] - layers[b, j - 1, i, 3])
-                    # The layer moves with its centre: its value falls by its slope.
-                    slope[2 * b, c] = -0.5 * across
-                    slope[2 * b + 1, c] = -0.5 * down
-            for m in range(size):
-                for c in range(3):
-                    white[m, c] = (
-                        weight[c, 0] * slope[m, 0]
-                        + weight[c, 1] * slope[m, 1]
-                        + weight[c, 2] * slope[m, 2]
-                    )
-            for m in range(size):
-                vector[m] += factor * (white[m, 0] * r0 + white[m, 1] * r1 + white[m, 2] * r2)
+                left, right = layers[b, j, i - 1], layers[b, j, i + 1]
+                above, below = layers[b, j - 1, i], layers[b, j + 1, i]
+                across, down = right[3] - left[3], below[3] - above[3]
+                # The layer moves with its centre: its value falls by its slope.
+                slope[2 * b, 0] = -0.5 * (right[0] - left[0] - b0 * across)
+                slope[2 * b, 1] = -0.5 * (right[1] - left[1] - b1 * across)
+                slope[2 * b, 2] = -0.5 * (right[2] - left[2] - b2 * across)
+                slope[2 * b + 1, 0] = -0.5 * (below[0] - above[0] - b0 * down)
+                slope[2 * b + 1, 1] = -0.5 * (below[1] - above[1] - b1 * down)
+                slope[2 * b + 1, 2] = -0.5 * (below[2] - above[2] - b2 * down)
+            for m in range(2 * balls):
+                s0, s1, s2 = factor * slope[m, 0], factor * slope[m, 1], factor * slope[m, 2]
+                vector[m] += s0 * r0 + s1 * r1 + s2 * r2
                 for n in range(m + 1):
-                    matrix[m, n] += factor * (
-                        white[m, 0] * slope[n, 0]
-                        + white[m, 1] * slope[n, 1]
-                        + white[m, 2] * slope[n, 2]
-                    )
-    for m in range(size):
+                    matrix[m, n] += s0 * slope[n, 0] + s1 * slope[n, 1] + s2 * slope[n, 2]
+    for m in range(2 * balls):
         for n in range(m):
             matrix[n, m] = matrix[m, n]
     return cost
@@ -239,10 +247,11 @@ def normal_equations(
 
 @_jit
 def _has_slope(layers: np.ndarray, j: int, i: int) -> bool:
-    """Return whether a neighbour is covered by any layer."""
+    """Return whether a pixel or a neighbour is covered by any layer."""
     for b in range(layers.shape[0]):
         if (
-            layers[b, j, i - 1, 3] > 0.0
+            layers[b, j, i, 3] > 0.0
+            or layers[b, j, i - 1, 3] > 0.0
             or layers[b, j, i + 1, 3] > 0.0
             or layers[b, j - 1, i, 3] > 0.0
             or layers[b, j + 1, i, 3] > 0.0
@@ -272,23 +281,24 @@ def gains(
     offset: np.ndarray,
     stride: int,
     centres: np.ndarray,
+    turns: np.ndarray,
     radius: float,
     paint: np.ndarray,
-    weight: np.ndarray,
     scale: float,
     out: np.ndarray,
 ) -> None:
     """Write how much better a ball at each centre explains the image than the background does.
 
-    `seen` and `behind` are sampled every `stride` pixels from `offset`. The gain is the mean over
-    the disc of the fall of the bounded squared residual, between -1 and 1.
+    `seen` and `behind`, in whitened colours, are sampled every `stride` pixels from `offset`. The
+    gain is the mean over the disc of the fall of the bounded squared residual, between -1 and 1.
     """
     half = (paint.shape[0] - 1) // 2
     limit = scale * scale
+    reach = 0.9 * radius / stride
     for k in range(centres.shape[0]):
         cx = (centres[k, 0] - offset[0]) / stride
         cy = (centres[k, 1] - offset[1]) / stride
-        reach = 0.9 * radius / stride
+        cosine, sine = stride * math.cos(turns[k]), stride * math.sin(turns[k])
         total, count = 0.0, 0
         for j in range(int(cy - reach), int(cy + reach) + 2):
             for i in range(int(cx - reach), int(cx + reach) + 2):
@@ -298,23 +308,14 @@ def gains(
                 count += 1
                 if j < 0 or i < 0 or j >= seen.shape[0] or i >= seen.shape[1]:
                     continue
-                if not (seen[j, i, 0] >= 0.0 and behind[j, i, 0] >= 0.0):
-                    continue
-                p = min(max(int(dx * stride + half + 0.5), 0), 2 * half)
-                q = min(max(int(dy * stride + half + 0.5), 0), 2 * half)
+                p = min(max(int(dx * cosine - dy * sine + half + 0.5), 0), 2 * half)
+                q = min(max(int(dx * sine + dy * cosine + half + 0.5), 0), 2 * half)
                 as_ball, as_wall = 0.0, 0.0
-                for m in range(3):
-                    for n in range(3):
-                        w = weight[m, n]
-                        as_ball += (
-                            w * (seen[j, i, m] - paint[q, p, m]) * (seen[j, i, n] - paint[q, p, n])
-                        )
-                        as_wall += (
-                            w
-                            * (seen[j, i, m] - behind[j, i, m])
-                            * (seen[j, i, n] - behind[j, i, n])
-                        )
-                total += as_wall / (limit + as_wall) - as_ball / (limit + as_ball)
+                for c in range(3):
+                    as_ball += (seen[j, i, c] - paint[q, p, c]) ** 2
+                    as_wall += (seen[j, i, c] - behind[j, i, c]) ** 2
+                if as_wall == as_wall:  # both are known
+                    total += as_wall / (limit + as_wall) - as_ball / (limit + as_ball)
         out[k] = total / max(count, 1)
 
 
@@ -392,18 +393,19 @@ def search_shift(
 ) -> None:
     """Write the robust difference between `model` and the plane at each whole-pixel corner."""
     height, width = plane.shape
+    stride = max(2, model.shape[0] // 18)
     for k in range(corners.shape[0]):
         cost, total = 0.0, 0.0
-        for j in range(0, model.shape[0], 2):
+        for j in range(0, model.shape[0], stride):
             y = corners[k, 1] + j
-            for i in range(0, model.shape[1], 2):
+            for i in range(0, model.shape[1], stride):
                 x = corners[k, 0] + i
                 if weight[j, i] <= 0.0:
                     continue
-                total += weight[j, i]
+                total += 1.0
                 if x < 0 or y < 0 or x >= width or y >= height:
-                    cost += weight[j, i]
+                    cost += 1.0
                     continue
                 r = plane[y, x] - model[j, i]
                 cost += weight[j, i] * r * r / (limit + weight[j, i] * r * r)
-        out[k] = cost / max(total, 1e-12)
+        out[k] = cost / max(total, 1.0)

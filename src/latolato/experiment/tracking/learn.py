@@ -15,20 +15,24 @@ from latolato.experiment.tracking.appearance import (
     best_angles,
     fit_balls,
     median_background,
-    samples_for,
 )
-from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot, learn_template, locate_all
+from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
+from latolato.experiment.tracking.pivot import (
+    PivotTracker,
+    learn_pivot,
+    learn_template,
+    locate_all,
+    velocities,
+)
 from latolato.experiment.tracking.sample import Sample, median_planes
+from latolato.experiment.tracking.teach import Found, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
 _NOISE, _BLUR = 0.03, 0.8
-# Share of the contrast between ball and wall from which a residual is something else.
-_OUTLYING = 0.3
-# Share of a ball's pixels that must look like one for a frame to teach.
-_TEACHES = 0.8
-# Frames whose ball moved less than this share of its radius in an interval teach its colours.
-_SLOW = 0.4
+# Gain at which a place on the circle is taken for a ball.
+_LIKELY = 0.2
 
 
 @dataclass
@@ -48,6 +52,8 @@ class Scene:
     starts, speeds : numpy.ndarray, shape (ball,)
         Angles in the first frame from straight down in the image [rad], right ball first, and how
         much they grow per frame interval; NaN if the second frame does not tell.
+    explained : float
+        Share of a ball's pixels that typically look like one; a pattern lowers it.
     """
 
     pivot: PivotTracker
@@ -56,26 +62,7 @@ class Scene:
     balls: int
     starts: np.ndarray
     speeds: np.ndarray
-
-
-@dataclass
-class _Found:
-    """A ball found in a frame of the sample."""
-
-    frame: int
-    centre: np.ndarray
-    pivot: np.ndarray
-    angle: float
-    speed: float
-    explained: float
-
-    def path(self, arm: float, exposure: float) -> np.ndarray:
-        """Return the ball's centres within the exposure, shape (sample, 2)."""
-        smear = 0.0 if math.isnan(self.speed) else self.speed * exposure
-        count = samples_for(abs(smear) * arm)
-        angles = self.angle + smear * ((np.arange(count) + 0.5) / count - 0.5)
-        path = arc(np.broadcast_to(self.pivot, (count, 2)), angles, arm, 0.0)
-        return path + (self.centre - path.mean(axis=0))
+    explained: float = 1.0
 
 
 def learn_scene(
@@ -113,35 +100,39 @@ def learn_scene(
     for k in range(1, len(centres)):
         centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
-    medians = median_planes(frames)
+    medians = median_planes(frames[::2])
     tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
     low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
-    behind = median_background(frames, colours, low, high)
+    behind = median_background(medians, colours, low, high)
     for centre in centres:
-        _uncover(behind, low, frames[0], colours, centre, size)
-    behind = _filled(behind)
-    paint = _first_paint(frames[0], colours, centres, size)
+        uncover(behind, low, frames[0], colours, centre, size)
+    behind = filled(behind)
+    paint = first_paint(frames[0], centres, np.zeros(len(centres)), colours, size)
     weight = np.eye(3) / _NOISE**2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
+    found: list[Found] = []
     for round_ in range(3):
-        found = _find(scene, frames, pivots)
+        if round_ == 0:
+            found = find_balls(scene, frames, pivots, centres)
+        found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
         if not found:
             raise ValueError(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
                 "found in other frames; point at the ball's centre in the first frame"
             )
-        _relearn(scene, frames, found)
+        scene.arm = learn_look(look, frames, found)
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in found]
-            _learn_background(scene, frames, covered)
+            learn_background(look, frames, covered)
         if round_ > 0:
-            _learn_exposure(scene, frames, found)
+            learn_exposure(look, frames, found, scene.arm, scene.balls)
+            tracker.exposure = look.exposure
             if not tracker.is_still and tracker.exposure > 0.0:
                 shifts = locate_all(tracker, frames, shifts)
                 learn_template(tracker, frames, medians[0], shifts)
@@ -150,6 +141,7 @@ def learn_scene(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / 3)
+    scene.explained = float(np.median([one.explained for one in found]))
     for b, start in enumerate(starts):
         own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]
         if own:
@@ -157,366 +149,66 @@ def learn_scene(
     return scene
 
 
-def disc_at(
-    frame: Frame,
-    colours: Colours,
-    click: np.ndarray,
-    radius: float,
-    pivot: np.ndarray,
-    is_known: bool,
-) -> tuple[np.ndarray, float]:
-    """Return centre and radius of the disc near a click: where the colour steps most outwards.
-
-    Daugman, IEEE Trans. Pattern Anal. Mach. Intell. 15 (1993) 1148: the mean difference across a
-    circle, here as the mean over directions of a difference that is bounded, so that rods, shadows
-    and another ball do not decide.
-    """
-    reach = int(3.2 * radius) + 8
-    corner = np.rint(click).astype(int) - reach
-    side = 2 * reach + 1
-    image = colours.window(frame[2:], (int(corner[0]), int(corner[1])), (side, side))
-    image = np.nan_to_num(np.sqrt(image), nan=0.0)
-    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-    away = np.stack([np.cos(turns), np.sin(turns)], axis=-1)
-    towards = (pivot - click) / max(float(np.hypot(*(pivot - click))), 1e-9)
-    away = away[away @ towards < 0.85]
-
-    def score(centre: np.ndarray, size: float) -> float:
-        gap = max(1.2, 0.07 * size)
-        inner = _looked_up(image, centre + away * (size - gap) - corner)
-        outer = _looked_up(image, centre + away * (size + gap) - corner)
-        step = inner - outer
-        typical = np.median(step, axis=0)
-        along = step @ typical / max(float(np.linalg.norm(typical)), 1e-6)
-        return float(np.mean(np.clip(along, -0.1, 0.25)))
-
-    sizes = radius * (np.linspace(0.9, 1.1, 9) if is_known else np.geomspace(0.4, 2.5, 24))
-    centre, size = np.array(click, float), radius
-    for reach_, count in ((0.3 * radius, 7), (0.06 * radius, 7), (0.015 * radius, 5)):
-        offsets = np.linspace(-reach_, reach_, count)
-        trials = [
-            (score(centre + np.array([dx, dy]), one), dx, dy, one)
-            for one in sizes
-            for dx in offsets
-            for dy in offsets
-        ]
-        _, dx, dy, size = max(trials)
-        centre = centre + np.array([dx, dy])
-        sizes = size * np.linspace(0.94, 1.06, 7)
-    return centre, float(size)
+def find_balls(
+    scene: Scene, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
+) -> list[Found]:
+    """Find the balls in the sample with colours that stay or that turn: as more are found."""
+    look = scene.look
+    some = slice(None, None, 4)
+    staying = _find(scene, frames[some], pivots[some])
+    paint = look.paint
+    angles = np.array([math.atan2(*(centre - pivots[0])) for centre in centres])
+    look.is_spinning = True
+    look.paint = first_paint(frames[0], centres, angles, look.colours, look.radius)
+    look.whitened()
+    turning = _find(scene, frames[some], pivots[some])
+    if sum(one.explained for one in turning) > 1.1 * sum(one.explained for one in staying):
+        return _find(scene, frames, pivots)
+    look.is_spinning, look.paint = False, paint
+    look.whitened()
+    return _find(scene, frames, pivots)
 
 
-def _looked_up(image: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the colours nearest to places (place, 2) of column and row."""
-    at = np.rint(places).astype(int)
-    i = np.clip(at[:, 0], 0, image.shape[1] - 1)
-    j = np.clip(at[:, 1], 0, image.shape[0] - 1)
-    colours: np.ndarray = image[j, i]
-    return colours
-
-
-def _uncover(
-    behind: np.ndarray,
-    low: np.ndarray,
-    frame: Frame,
-    colours: Colours,
-    centre: np.ndarray,
-    radius: float,
-) -> None:
-    """Mark the background as unseen where it shows the ball itself, which rested there mostly."""
-    j, i = np.indices(behind.shape[:2])
-    away = np.hypot(i + low[0] - centre[0], j + low[1] - centre[1])
-    shown = colours.window(frame[2:], (int(low[0]), int(low[1])), behind.shape[:2])
-    inside = away < 0.8 * radius
-    outside = (away > 1.3 * radius) & (away < 1.7 * radius)
-    if not inside.any() or not outside.any():
-        return
-    own = np.nanmedian(np.abs(behind - shown)[inside].sum(axis=-1))
-    wall = np.nanmedian(behind[outside], axis=0)
-    contrast = np.nanmedian(np.abs(behind - wall)[inside].sum(axis=-1))
-    if own < 0.5 * contrast:
-        behind[away < 1.25 * radius] = np.nan
-
-
-def _filled(behind: np.ndarray) -> np.ndarray:
-    """Return the background with unseen places filled from their nearest neighbours."""
-    from scipy.ndimage import distance_transform_edt
-
-    unseen = ~np.isfinite(behind).all(axis=-1)
-    if not unseen.any() or unseen.all():
-        return behind
-    at = distance_transform_edt(unseen, return_distances=False, return_indices=True)
-    filled: np.ndarray = behind[tuple(at)]
-    return filled
-
-
-def _first_paint(
-    frame: Frame, colours: Colours, centres: list[np.ndarray], radius: float
-) -> np.ndarray:
-    """Return the mean colours of the balls in the first frame about their centres."""
-    look = [_splatted([(frame, centre)], colours, radius, 0.88 * radius) for centre in centres]
-    return np.asarray(np.mean(look, axis=0))
-
-
-def _splatted(
-    seen: list[tuple[Frame, np.ndarray]], colours: Colours, radius: float, inner: float
-) -> np.ndarray:
-    """Return the mean colour about given centres, extended beyond `inner` by the nearest."""
-    half = int(np.ceil(1.3 * radius)) + 2
-    side = 2 * half + 1
-    total, weights = np.zeros((side, side, 3)), np.zeros((side, side))
-    for frame, centre in seen:
-        corner = np.floor(centre).astype(int) - half
-        image = colours.window(frame[2:], (int(corner[0]), int(corner[1])), (side + 1, side + 1))
-        rest = centre - np.floor(centre)
-        ok = np.isfinite(image[..., 0])
-        image = np.nan_to_num(image)
-        for dj, b in ((0, 1.0 - rest[1]), (1, rest[1])):
-            for di, a in ((0, 1.0 - rest[0]), (1, rest[0])):
-                part = slice(dj, dj + side), slice(di, di + side)
-                total += (a * b) * image[part]
-                weights += (a * b) * ok[part]
-    paint = total / np.maximum(weights, 1e-9)[..., None]
-    j, i = np.indices((side, side)) - half
-    paint[(np.hypot(i, j) > inner) | (weights < 1e-6)] = np.nan
-    return np.asarray(_filled(paint), float)
-
-
-def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[_Found]:
-    """Find the balls in every frame of the sample, with their speeds where pairs tell them."""
+def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Found]:
+    """Find the balls in every frame of the sample, on the whole circle."""
     look, found = scene.look, []
-    last: tuple[Frame, np.ndarray] | None = None
     for k, frame in enumerate(frames):
-        pivot = pivots[k]
-        angles, gain = best_angles(look, frame[2:], pivot, scene.arm, scene.balls)
-        paths = [arc(pivot[None], angles[[b]], scene.arm, look.radius) for b in range(len(angles))]
-        near = scene.balls == 2 and np.hypot(*(paths[0] - paths[1])[0]) < 3.5 * look.radius
-        groups = [paths] if near else [[path] for path in paths]
-        centres, explained = [], []
-        for group in groups:
-            fit = fit_balls(look, frame[2:], group, pivot, rounds=8)
-            for path, shift, share in zip(group, fit.shift, fit.explained):
-                centres.append(path.mean(axis=0) + shift)
-                explained.append(share)
-        turned = np.array([np.arctan2(c[0] - pivot[0], c[1] - pivot[1]) for c in centres])
-        speeds = np.full(len(centres), np.nan)
-        if last is not None and frame.number == last[0].number + 1:
-            gap = (turned[:, None] - last[1][None] + np.pi) % (2.0 * np.pi) - np.pi
-            nearest = np.argmin(np.abs(gap), axis=1)
-            speeds = gap[np.arange(len(turned)), nearest]
-            for one in found:
-                if one.frame == k - 1:
-                    change = (turned - one.angle + np.pi) % (2.0 * np.pi) - np.pi
-                    one.speed = float(change[np.argmin(np.abs(change))])
-        last = (frame, turned)
-        if look.exposure > 0.0 and np.isfinite(speeds).all():
-            for b, centre in enumerate(centres):
-                one = _Found(k, centre, pivot, float(turned[b]), float(speeds[b]), 0.0)
-                path = one.path(scene.arm, look.exposure)
-                if abs(one.speed) * look.exposure * scene.arm > 1.0 and not near:
-                    fit = fit_balls(look, frame[2:], [path], pivot, rounds=6)
-                    centres[b] = centre + fit.shift[0]
-                    explained[b] = float(fit.explained[0])
-        for b, centre in enumerate(centres):
-            off = abs(np.hypot(*(centre - pivot)) - scene.arm)
-            if gain[b] > 0.2 and off < 0.6 * look.radius:
+        angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls)
+        for angle, share in zip(angles, gain, strict=True):
+            if share > _LIKELY:
+                centre = arc(pivots[[k]], np.array([angle]), scene.arm)[0]
                 found.append(
-                    _Found(k, centre, pivot, float(turned[b]), float(speeds[b]), explained[b])
+                    Found(k, centre, pivots[k], float(angle), math.nan, float(share), np.zeros(2))
                 )
     return found
 
 
-def _relearn(scene: Scene, frames: list[Frame], found: list[_Found]) -> None:
-    """Learn arm, colours, radius, softness and noise anew from the balls found."""
-    look = scene.look
-    good = [one for one in found if one.explained > _TEACHES] or found
-    arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
-    scene.arm = float(np.median(arms))
-    known = [one for one in good if not math.isnan(one.speed)] or good
-    teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
-    seen = [(frames[one.frame], one.centre) for one in teachers]
-    look.paint = _splatted(seen, look.colours, look.radius, look.radius - 1.6 * look.blur - 0.3)
-    _learn_edge(scene, frames, teachers[:8])
-    _learn_noise(look, frames, good)
-
-
-def _learn_edge(scene: Scene, frames: list[Frame], teachers: list[_Found]) -> None:
-    """Learn radius and softness of the edge: those that explain the frames best."""
-    look = scene.look
-    paths = [one.path(scene.arm, look.exposure) for one in teachers]
-
-    def cost() -> float:
-        return sum(
-            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1).cost
-            for one, path in zip(teachers, paths)
-        )
-
-    for width in (0.08, 0.03, 0.01):
-        for name, low, high in (("radius", 0.0, 1e9), ("blur", 0.35, 0.25 * look.radius)):
-            middle = getattr(look, name)
-            spread = 3.0 * width if name == "blur" else width
-            trials = middle * (1.0 + spread * np.linspace(-1.5, 1.5, 7))
-            trials = np.unique(np.clip(trials, low, high))
-            costs = []
-            for trial in trials:
-                setattr(look, name, float(trial))
-                costs.append(cost())
-            setattr(look, name, float(trials[int(np.argmin(costs))]))
-
-
-def _learn_noise(look: Appearance, frames: list[Frame], found: list[_Found]) -> None:
-    """Learn the covariance of what the background does not explain around the balls."""
-    outer, inner, rest_walls = [], [], []
-    exposure = look.exposure or 0.5
-    for one in found[:: max(1, len(found) // 30)]:
-        arm = float(np.hypot(*(one.pivot - one.centre)))
-        smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
-        half = int(1.7 * look.radius + 0.5 * smear) + 2
-        side = 2 * half + 1
-        corner = np.rint(one.centre).astype(int) - half
-        image = look.colours.window(
-            frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
-        )
-        wall = look.background(corner, (side, side))
-        j, i = np.indices((side, side))
-        dx, dy = i + corner[0] - one.centre[0], j + corner[1] - one.centre[1]
-        away = np.hypot(dx, dy)
-        along = (one.pivot - one.centre) / np.hypot(*(one.pivot - one.centre))
-        is_rod = (dx * along[0] + dy * along[1] > 0.0) & (
-            np.abs(dx * along[1] - dy * along[0]) < 0.5 * look.radius
-        )
-        beyond = away - 0.5 * smear
-        ring = (beyond > 1.15 * look.radius) & (beyond < 1.7 * look.radius) & ~is_rod
-        if not np.isfinite(wall[ring]).any():
-            continue
-        outer.append((image - wall)[ring])
-        rest_walls.append(np.nanmedian(wall[ring], axis=0))
-        if one.explained > _TEACHES and smear < _SLOW * look.radius:
-            m = (look.paint.shape[0] - 1) // 2
-            core = away < 0.8 * look.radius
-            p = np.clip(np.rint(dx[core]).astype(int) + m, 0, 2 * m)
-            q = np.clip(np.rint(dy[core]).astype(int) + m, 0, 2 * m)
-            inner.append(image[core] - look.paint[q, p])
-    rest = np.concatenate(outer)
-    rest = rest[np.isfinite(rest).all(axis=1)]
-    if len(rest) < 200:
-        return
-    size = np.linalg.norm(rest, axis=1)
-    rest = rest[size <= np.quantile(size, 0.97)]
-    covariance = rest.T @ rest / len(rest) + np.eye(3) * 2e-6
-    look.weight = np.linalg.inv(covariance)
-    if inner:
-        own = np.concatenate(inner)
-        own = own[np.isfinite(own).all(axis=1)]
-        squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
-        look.scale = float(np.sqrt(max(12.0, 3.0 * np.quantile(squares, 0.8))))
-    m = (look.paint.shape[0] - 1) // 2
-    j, i = np.indices(look.paint.shape[:2]) - m
-    gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
-    contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
-    look.scale = max(look.scale, _OUTLYING * contrast**0.5)
-
-
-def _learn_background(
-    scene: Scene, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
-) -> None:
-    """Learn the background anew where balls hid it in much of the sample, from other frames."""
-    look = scene.look
-    height, width = look.behind.shape[:2]
-    hidden = np.zeros((len(frames), height, width), bool)
-    reach = 1.3 * look.radius + 2.0
-    for k, centre in covered:
-        x, y = centre - look.corner
-        i0, i1 = max(0, int(x - reach)), min(width, int(x + reach) + 2)
-        j0, j1 = max(0, int(y - reach)), min(height, int(y + reach) + 2)
-        if i0 >= i1 or j0 >= j1:
-            continue
-        j, i = np.mgrid[j0:j1, i0:i1]
-        hidden[k, j0:j1, i0:i1] |= np.hypot(i - x, j - y) < reach
-    often = hidden.mean(axis=0) > 0.2
-    if not often.any():
-        return
-    rows, columns = np.nonzero(often)
-    colours = np.full((len(frames), len(rows), 3), np.nan, np.float32)
-    low, shape = (
-        (int(rows.min()), int(columns.min())),
-        (int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1),
-    )
+def fit_sample(
+    scene: Scene, frames: list[Frame], found: list[Found], pivots: np.ndarray, tolerant: int
+) -> list[Found]:
+    """Fit the balls found in each frame together; keep those on the circle, with their speeds."""
+    look, kept = scene.look, []
+    drift = np.nan_to_num(velocities(frames, pivots))
     for k, frame in enumerate(frames):
-        corner = (int(look.corner[0]) + low[1], int(look.corner[1]) + low[0])
-        image = look.colours.window(frame[2:], corner, shape)
-        colours[k] = image[rows - low[0], columns - low[1]]
-        colours[k][hidden[k, rows, columns]] = np.nan
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # pixels that no frame shows
-        seen = np.nanmedian(colours, axis=0)
-    behind = look.behind.copy()
-    behind[rows, columns] = seen
-    look.behind = _filled(behind)
-
-
-def _learn_exposure(scene: Scene, frames: list[Frame], found: list[_Found]) -> None:
-    """Learn which share of the frame interval is exposed, from the fastest balls found."""
-    look = scene.look
-    moving = [one for one in found if abs(one.speed) * scene.arm > 3.0 and one.explained > 0.3]
-    if scene.balls == 2:  # away from contacts, where the speed is not that of the pair of frames
-        alone = []
-        for one in moving:
-            others = [o for o in found if o.frame == one.frame and o is not one]
-            if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
-                alone.append(one)
-        moving = alone
-    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:12]
-    if len(fastest) < 3:
-        return
-    trials = np.linspace(0.0, 1.0, 11)
-    costs = []
-    for share in trials:
-        total = 0.0
-        for one in fastest:
-            path = one.path(scene.arm, float(share))
-            # The window is that of the longest smear, so that costs compare.
-            total += _cost_in_window(look, frames[one.frame], path, one, scene.arm)
-        costs.append(total)
-    best = int(np.argmin(costs))
-    share = trials[best]
-    if 0 < best < len(trials) - 1:
-        a, b, c = costs[best - 1], costs[best], costs[best + 1]
-        share += 0.1 * 0.5 * (a - c) / max(a - 2.0 * b + c, 1e-12)
-    look.exposure = float(share)
-    scene.pivot.exposure = look.exposure
-
-
-def _cost_in_window(
-    look: Appearance, frame: Frame, path: np.ndarray, one: _Found, arm: float
-) -> float:
-    """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
-    fit = fit_balls(look, frame[2:], [path], one.pivot, rounds=4)
-    reach = abs(one.speed) * arm
-    margin = look.radius * 1.35 + 2.0 * look.blur + 3.0
-    ends = np.concatenate([path + fit.shift[0]])
-    low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
-    high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
-    shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    seen = look.colours.window(frame[2:], (int(low[0]), int(low[1])), shape)
-    from latolato.experiment.tracking import kernels
-
-    matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 3))
-    return float(
-        kernels.normal_equations(
-            seen,
-            look.background(low, shape),
-            look.ball(ends, low, shape)[None],
-            ends.mean(axis=0)[None],
-            one.pivot,
-            look.radius,
-            low.astype(float),
-            look.weight,
-            look.scale,
-            matrix,
-            vector,
-            tally,
-        )
-    )
+        own = [one for one in found if one.frame == k]
+        far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
+        for group in [[one] for one in own] if far else [own]:
+            paths = [one.path(scene.arm, look.exposure) for one in group]
+            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
+                one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
+                away = one.centre - one.pivot
+                one.angle, one.explained = float(np.arctan2(away[0], away[1])), float(share)
+                if abs(np.hypot(*away) - scene.arm) < 0.6 * look.radius:
+                    kept.append(one)
+    for one in kept:
+        one.speed = math.nan
+        for step in (-1, 1):
+            near = [
+                step * ((other.angle - one.angle + np.pi) % (2.0 * np.pi) - np.pi)
+                for other in kept
+                if frames[other.frame].number == frames[one.frame].number + step
+            ]
+            if near:
+                one.speed = float(min(near, key=abs))
+    return kept

@@ -15,6 +15,8 @@ _LIMIT = 16.0
 _STILL = 0.2
 # Half sides of templates that are tried [pixels].
 _SIZES = (9, 13, 19, 27, 38, 54)
+# Noise that is assumed at first, as a share of the template's contrast.
+_SHARE = 0.08
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
 _SIDEWAYS, _TILT = 3.0, 0.15
 
@@ -50,7 +52,7 @@ class PivotTracker:
     @property
     def half(self) -> int:
         """Half the template's side [pixels]."""
-        return (self.template.shape[0] - 1) // 2
+        return (int(self.template.shape[0]) - 1) // 2
 
     def place(self, shift: np.ndarray) -> np.ndarray:
         """Return where the pivot is (column, row) for shifts [pixels]."""
@@ -58,7 +60,11 @@ class PivotTracker:
         return at
 
     def locate(
-        self, luma: np.ndarray, guess: np.ndarray | None, velocity: np.ndarray
+        self,
+        luma: np.ndarray,
+        guess: np.ndarray | None,
+        velocity: np.ndarray,
+        room: int = 3,
     ) -> tuple[np.ndarray, float]:
         """Return the pivot's shift from the origin [pixels] and how badly the template fits.
 
@@ -70,12 +76,14 @@ class PivotTracker:
             Expected shift; None searches the whole reach.
         velocity : numpy.ndarray
             Pixels per frame interval, by which the template is smeared.
+        room : int
+            How far from the guess it may be [pixels].
         """
         if self.is_still:
             return np.zeros(2), 0.0
         smear = velocity * self.exposure
         model = self._smeared(smear)
-        start = self._search(luma, guess, model)
+        start = self._search(luma, guess, model, room)
         return self._refine(luma, start, model)
 
     def margin(self, luma: np.ndarray) -> float:
@@ -99,24 +107,29 @@ class PivotTracker:
         return total / count
 
     def _costs(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int = 3
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return corners by whole pixels and how badly the template fits there."""
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
-            low, high = np.rint(guess) - 2, np.rint(guess) + 2
+            near = np.rint(np.clip(guess, *self.reach))
+            low, high = near - 3, near + 3
+            low[1], high[1] = near[1] - room, near[1] + room
         columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
         shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
-        shifts = shifts[np.abs(shifts[:, 0]) <= _SIDEWAYS + _TILT * np.abs(shifts[:, 1])]
+        fan = _SIDEWAYS + _TILT * np.abs(shifts[:, 1])
+        shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
         corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
         cost = np.empty(len(corners))
         kernels.search_shift(luma, model, self.weight, corners, _LIMIT, cost)
         return corners, cost
 
-    def _search(self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray) -> np.ndarray:
+    def _search(
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int
+    ) -> np.ndarray:
         """Return the best shift by whole pixels."""
-        corners, cost = self._costs(luma, guess, model)
+        corners, cost = self._costs(luma, guess, model, room)
         best: np.ndarray = corners[np.argmin(cost)] + self.half - self.origin
         return best
 
@@ -170,11 +183,11 @@ def learn_pivot(
     if room < 4:
         raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
     tracker = _distinct(frames, click.astype(float), arm, room)
-    shifts = np.zeros((len(frames), 2))
+    shifts = np.array([tracker.locate(frame.luma, None, np.zeros(2))[0] for frame in frames])
     for round_ in range(4):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
-        slack = 3.0 + 0.1 * (spread[1] - spread[0])
+        slack = 4.0 + 0.3 * (spread[1] - spread[0])
         tracker.reach = spread + np.array([-slack, slack])
         if round_ == 1:  # the shifts are known: more of what moves with the pivot joins
             grown = min(max(2 * tracker.half, int(0.1 * arm)), int(max(_SIZES)), room)
@@ -200,10 +213,10 @@ def velocities(frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
 
 
 def locate_all(tracker: PivotTracker, frames: list[Frame], shifts: np.ndarray) -> np.ndarray:
-    """Return the pivot's shifts in the sample, smeared as the last ones tell."""
+    """Return the pivot's shifts in the sample, near and smeared as the last ones tell."""
     speed = np.nan_to_num(velocities(frames, shifts))
-    found = [tracker.locate(f.luma, None, v)[0] for f, v in zip(frames, speed)]
-    return np.array(found)
+    each = zip(frames, shifts, speed, strict=True)
+    return np.array([tracker.locate(frame.luma, near, v)[0] for frame, near, v in each])
 
 
 def learn_template(
@@ -220,12 +233,15 @@ def learn_template(
         else speed == speed
     )
     slow = slow if slow.sum() >= 6 else np.ones(len(frames), bool)
-    frames = [frame for frame, is_slow in zip(frames, slow) if is_slow]
+    frames = [frame for frame, is_slow in zip(frames, slow, strict=True) if is_slow]
     shifts = shifts[slow]
     half = tracker.half
     inside = np.hypot(*(np.indices(tracker.template.shape) - half)) <= half + 0.5
     stack = np.stack(
-        [_patch(f.luma, tracker.origin + shift, half) for f, shift in zip(frames, shifts)]
+        [
+            _patch(f.luma, tracker.origin + shift, half)
+            for f, shift in zip(frames, shifts, strict=True)
+        ]
     )
     wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
     template = np.median(stack, axis=0)
@@ -245,11 +261,13 @@ def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> 
     for half in sorted({min(size, room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
         radius = np.hypot(*(np.indices(template.shape) - half))
-        weight = np.where(radius <= half + 0.5, 1.0 / 49.0, 0.0)
+        contrast = float(np.ptp(np.quantile(template, [0.05, 0.95])))
+        noise = min(max(_SHARE * contrast, 1.0), 8.0)
+        weight = np.where(radius <= half + 0.5, 1.0 / noise**2, 0.0)
         reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
         tracker = PivotTracker(click, template, weight, reach)
         margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 12)]]
-        margin = float(np.median(margins))
+        margin = float(np.quantile(margins, 0.25))
         if best is None or margin > best[0]:
             best = (margin, tracker)
     assert best is not None

@@ -103,5 +103,7 @@ def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
         found.append(patch(_OTHER, f"{rest} further\n{share:.2f} %"))
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
-        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %"))
+        moving = 100.0 * dataset["not_settled_fraction"].item()
+        still = f", {moving:.2f} % not settled" if moving else ""
+        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
     return found

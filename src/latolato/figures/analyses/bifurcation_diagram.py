@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+_HATCH = "////"
 _WAYS = {"up": (style.RED, "o", "up"), "down": (style.BLUE, "s", "down")}
 
 
@@ -25,6 +26,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     if "is_hysteretic" in dataset:
         for panel in (samples, largest):
             _shade(panel, x, dataset["is_hysteretic"].values == 1)
+            _shade(panel, x, np.isnan(dataset["is_hysteretic"].values), hatch=_HATCH)
     for way in (str(each) for each in dataset["direction"].values):
         colour, mark, text = _WAYS[way]
         part = dataset.sel(direction=way)
@@ -48,19 +50,26 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.panel_title(samples, "a", "angle once per drive period")
     style.panel_title(largest, "b", "largest angle")
     handles, texts = largest.get_legend_handles_labels()
-    if "is_hysteretic" in dataset and (dataset["is_hysteretic"].values == 1).any():
+    if "is_hysteretic" in dataset:
         from matplotlib.patches import Patch
 
-        handles.append(Patch(facecolor=style.PALE_GREY))
-        texts.append("both ways differ")
+        if (dataset["is_hysteretic"].values == 1).any():
+            handles.append(Patch(facecolor=style.PALE_GREY))
+            texts.append("both ways differ")
+        if np.isnan(dataset["is_hysteretic"].values).any():
+            handles.append(Patch(facecolor="none", edgecolor=style.PALE_GREY, hatch=_HATCH))
+            texts.append("cannot be told")
     figure.legend(handles, texts, loc="outside lower center", ncols=len(handles), markerscale=2.0)
     return figure
 
 
-def _shade(panel: Any, x: Any, where: Any) -> None:
-    """Shade the values of a parameter at which both ways differ."""
+def _shade(panel: Any, x: Any, where: Any, hatch: str = "") -> None:
+    """Shade, or hatch, some values of a parameter."""
     half = 0.5 * (x[1] - x[0])
     padded = np.concatenate([[False], where, [False]]).astype(int)
     starts, ends = np.flatnonzero(np.diff(padded) == 1), np.flatnonzero(np.diff(padded) == -1)
     for start, end in zip(starts, ends, strict=True):
-        panel.axvspan(x[start] - half, x[end - 1] + half, color=style.PALE_GREY, lw=0.0, zorder=0)
+        panel.axvspan(
+            x[start] - half, x[end - 1] + half, facecolor="none" if hatch else style.PALE_GREY,
+            edgecolor=style.PALE_GREY, hatch=hatch, lw=0.0, zorder=0,
+        )  # fmt: skip

@@ -20,7 +20,7 @@ _MOST_CURVES = 4
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Return the first push over frequency: curves of few phases, or a map with many."""
+    """Return the first push over frequency: points for few phases, or a map with many."""
     figure, axes = style.new_figure(width=0.75 * style.PAGE, height=3.4)
     panel = axes[0, 0]
     x = dataset["frequency_ratio"].values
@@ -46,13 +46,18 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 
 def _draw_curves(panel: Any, dataset: xr.Dataset) -> None:
-    """Draw one curve for each phase, and ticks where no push was enough."""
+    """Draw points for each phase, and ticks where no push was enough.
+
+    Steps join neighbours: the push jumps where a stripe ends, and is not known between.
+    """
     x = dataset["frequency_ratio"].values
     few = len(x) <= 60
     for number, phase in enumerate(dataset["drive_phase"].values):
         column = dataset["first_push"].sel(drive_phase=phase).values
+        colour = style.COLOURS[number]
+        panel.step(x, column, where="mid", color=colour, lw=style.THIN, clip_on=False)
         panel.plot(
-            x, column, color=style.COLOURS[number], marker="o" if few else "", ms=2.5,
+            x, column, "o", color=colour, ms=3.0 if few else 1.5,
             label=rf"$\varphi$ = {phase:.3g} rad", clip_on=False,
         )  # fmt: skip
     none = np.isnan(dataset["first_push"].values).all(axis=1)

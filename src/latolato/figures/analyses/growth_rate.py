@@ -57,5 +57,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.growth_rate))
     names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']}; {told(about, *names)}")
+    axes.set_title(f"{about['position']}\n{told(about, *names)}")
     return figure

@@ -59,5 +59,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel("driving amplitude over length $A_0/l$")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"upright is stable inside; {told(about, *names)}")
+    axes.set_title(f"upright is stable inside\n{told(about, *names)}")
     return figure

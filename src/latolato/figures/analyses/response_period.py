@@ -58,6 +58,8 @@ def _told(dataset: xr.Dataset, cycle: int) -> str:
     status = str(dataset["status"].values)
     if status == "rest":
         return "at rest"
+    if status == "not settled":
+        return f"{status} after {dataset.attrs['transient_periods']:g} drive periods"
     if not cycle:
         return f"{status}: no period up to {dataset.attrs['longest']}"
     rotation = dataset["rotation_number"].item()

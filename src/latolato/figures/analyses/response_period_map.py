@@ -22,6 +22,7 @@ _CLASSES: dict[str, str] = {
     "longer period": style.GREY,
     "grazing": style.PALE_RED,
     "aperiodic": style.RED,
+    "not settled": style.PAPER,
     "no answer": style.INK,
 }
 
@@ -65,7 +66,7 @@ def _numbers(dataset: xr.Dataset) -> Any:
     names = list(_CLASSES)
     status, period = dataset["status"].values, dataset["response_period"].values
     found = np.full(status.shape, names.index("no answer"))
-    for name in ("rest", "grazing", "aperiodic"):
+    for name in ("rest", "grazing", "aperiodic", "not settled"):
         found[status == name] = names.index(name)
     regular = status == "periodic"
     for p in range(1, 5):
@@ -91,13 +92,9 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
     axes.set_yticks(range(len(rows)), [name for name, _ in rows])
     axes.set_ylim(len(rows) - 0.5 if rows else 0.5, -0.5)
     axes.set_xlim(0.0, 1.0)
-    axes.set_xlabel("share, with its 95 % interval")
     rest = dataset.isel(motion=0)["share"].item()
     text = f"{100.0 * rest:.0f} % of all cells are at rest (pale grey)"
     lost = dataset["status"].size - int(cells.sum())
     if lost:
         text += f"\n{lost} without an answer (black)"
-    axes.annotate(
-        text, (1.0, 0.0), (0, 5), "axes fraction",
-        textcoords="offset points", ha="right", fontsize=style.SMALL, color=style.INK,
-    )  # fmt: skip
+    axes.set_xlabel(f"share, with its 95 % interval\n{text}", fontsize=style.SMALL)

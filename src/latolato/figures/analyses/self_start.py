@@ -53,5 +53,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.drive_amplitude))
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
-    axes.set_title(f"leaves rest inside; {told(about, *names)}")
+    axes.set_title(f"leaves rest inside\n{told(about, *names)}")
     return figure

@@ -37,5 +37,5 @@ def draw(dataset: xr.Dataset) -> Figure:
         text = f"{1e3 * amplitude:.4g} mm"
         style.note(axes, text, (ratio, amplitude / length), (6.0, 0.0))
     names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"hanging is unstable inside; {told(about, *names)}")
+    axes.set_title(f"hanging is unstable inside\n{told(about, *names)}")
     return figure

@@ -38,5 +38,5 @@ def draw(dataset: xr.Dataset) -> Figure:
             shift = (-5.0, 5.0) if side == "right" else (5.0, 5.0)
             style.note(axes, f"{edge:.6f}", (edge, amplitude / length), shift, ha=side, va="bottom")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']} is unstable inside; {told(about, *names)}")
+    axes.set_title(f"{about['position']} is unstable inside\n{told(about, *names)}")
     return figure

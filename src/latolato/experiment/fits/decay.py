@@ -1,0 +1,446 @@
+"""Damping, length and drag law from a free decay: by the full equation and by its envelope."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
+from latolato.experiment.fits.least_squares import (
+    Data,
+    Floats,
+    Guess,
+    Solution,
+    lmfit_module,
+    solve,
+)
+from latolato.experiment.fits.motion import angles_at, step_of
+from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.samples import is_driven, length_of, pivot_swing, samples_of
+from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
+from latolato.experiment.table import checked_table
+from latolato.physics.drives import Static
+from latolato.physics.pendulum import GRAVITY, Pendulum
+from latolato.quantities import NON_NEGATIVE, POSITIVE
+from latolato.registry import checked_number, suggest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Drag laws and sums of them, by the terms that they have.
+LAWS: dict[str, tuple[str, ...]] = {
+    "linear": ("linear",),
+    "quadratic": ("quadratic",),
+    "coulomb": ("coulomb",),
+    "linear+quadratic": ("linear", "quadratic"),
+    "linear+coulomb": ("linear", "coulomb"),
+    "quadratic+coulomb": ("quadratic", "coulomb"),
+    "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
+}
+METHODS = ("both", "equation", "envelope")
+# The coefficient of each term as a parameter of `Pendulum`.
+_COEFFICIENTS = {
+    "linear": "damping",
+    "quadratic": "quadratic_damping",
+    "coulomb": "coulomb_damping",
+}
+# Differences of the criterion below the first say nothing, beyond the second they are strong.
+_WEAK, _STRONG = 2.0, 10.0
+# Samples from which laws are compared, and trials that a start of the fullest law may take.
+_ENOUGH, _TRIES = 1500, 600
+
+
+def fit_decay(
+    table: xr.Dataset,
+    *,
+    length: float | None = None,
+    mass: float | None = None,
+    radius: float | None = None,
+    method: str = "both",
+    law: str = "linear",
+    gravity: float = GRAVITY,
+    ball: int = 1,
+    start: float | None = None,
+    end: float | None = None,
+    compare: bool = True,
+    profile: bool = True,
+) -> Fit:
+    """Return damping, decay rate and length from a ball that swings freely on a pivot at rest.
+
+    Paper eq7 in full (``method="equation"``) and the envelope of eq13 (``"envelope"``).
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table; samples that are not flagged ok are left out.
+    length : float, optional
+        Pivot to ball centre [m]; by default the table's, else that from the dynamics.
+    mass : float, optional
+        Mass of the ball [kg]; without it there is a decay rate but no C.
+    radius : float, optional
+        Radius of a solid ball [m]: `centre_length`, where its centre is, is then told too.
+    method : {"both", "equation", "envelope"}
+        What is done.
+    law : str
+        The drag of the equation, one of `LAWS`, or "best" for the one with the least BIC.
+    gravity : float
+        Gravitational acceleration [m/s^2].
+    ball : int
+        Which ball of the table.
+    start, end : float, optional
+        Piece of the table that is used [s]; by default from the release on.
+    compare : bool
+        Whether all drag laws are fitted and compared.
+    profile : bool
+        Whether 95 percent intervals are profiled, rather than taken from the covariance.
+
+    Returns
+    -------
+    Fit
+        With `damping` [kg m/s], `decay_rate` [1/s], `natural_frequency`, `length` (from the
+        dynamics, of the equivalent point pendulum), `angle_offset` (gravity against the table's
+        vertical), and `damping_envelope` and `decay_rate_envelope`; of other drags
+        `quadratic_damping` [kg m] and `coulomb_damping` [N].
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, a pivot that moves, and angles without a free swing.
+    ModuleNotFoundError
+        Without lmfit.
+
+    Notes
+    -----
+    With c = C/(m l), c2 = C2/(m l), c0 = C0/(m l) the angle obeys
+    ``th'' = -(g/l) sin(th) - c th' - c2 th'|th'| - c0 sgn th'`` about `angle_offset`, from a free
+    start. C is ``c m l`` with the given length, or the one from the dynamics. Correlated
+    residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are compared
+    by BIC with the number of effective samples, all with the correlation and the samples of the
+    fullest law. A drag that the three terms do not describe (a string that rubs, a draught) shows
+    as correlation of the residuals only.
+    """
+    lmfit_module()
+    checked_table(table)
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+    if law != "best" and law not in LAWS:
+        raise ValueError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
+    if method == "envelope" and law != "linear":
+        raise ValueError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
+    gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
+    mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
+    radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
+    given = length_of(table, length)
+    data = samples_of(table, ball, start=start, end=end)
+    begin = free_start(data.times, data.values) if start is None else float(data.times[0])
+    data = _from(data, begin)
+    swings = swings_of(data.times, data.values - np.median(data.values))
+    swings = Swings(
+        swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
+    )
+    first = _first_guess(data, swings)
+    if is_driven(table, given or gravity / first["natural_frequency"] ** 2):
+        raise ValueError(
+            f"the pivot moves by {1e3 * pivot_swing(table):.3g} mm either way: a decay needs a "
+            "pivot at rest; use fit_model, or start and end for the piece at rest"
+        )
+    body = _Body(given, mass, radius, gravity)
+    estimates: dict[str, Estimate] = {}
+    curves: dict[str, tuple[str, Any]] = {}
+    about: dict[str, Any] = {
+        "start": begin, "end": float(data.times[-1]), "ball": ball, "mass": mass, "radius": radius,
+        "declared_length": given, "gravity": gravity, "method": method,
+        "samples": len(data), "source": table.attrs.get("source"),
+    }  # fmt: skip
+    told = []
+    if method != "envelope":
+        if compare or law == "best":
+            laws = _compared(data, first)
+            chosen = min(laws, key=lambda name: laws[name].bayes) if law == "best" else law
+            begun = laws[chosen].values
+            told.append(_law_verdict(laws, chosen))
+            curves |= {
+                "law": ("law", np.array(list(laws))),
+                "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
+                "law_aicc": ("law", np.array([s.akaike for s in laws.values()])),
+            }
+        else:
+            chosen = law
+            begun = _shared(first, LAWS[law])
+        profiles = [*LAWS[chosen], "natural_frequency"] if profile else []
+        found = _fit_equation(data, begun, LAWS[chosen], profiles=profiles)
+        estimates |= body.estimates(found, LAWS[chosen])
+        curves |= {
+            "time": ("sample", data.times),
+            "angle": ("sample", data.values),
+            "angle_fit": ("sample", found.curve),
+            "angle_residual": ("sample", found.residuals),
+            "is_outlier": ("sample", ~found.kept),
+        }
+        about |= _quality(found) | {"law": chosen}
+        told.insert(0, body.verdict(estimates, found, chosen))
+    if method != "equation":
+        envelope = fit_envelope(swings, first["angle_offset"], ("decay_rate",) if profile else ())
+        estimates |= body.envelope(envelope, estimates.get("length"), first)
+        curves |= {
+            "swing_time": ("swing", swings.times),
+            "swing_angle": ("swing", swings.angles),
+            "swing_angle_fit": ("swing", envelope.curve),
+        }
+        about["envelope_autocorrelation"] = envelope.correlation
+        told.append(_envelope_verdict(estimates))
+    return make_fit("decay", estimates, " ".join(told), curves, about)
+
+
+def _from(data: Data, begin: float) -> Data:
+    """Return the samples from an instant on."""
+    kept = data.times >= begin
+    return Data(data.times[kept], data.values[kept], data.sigmas[kept], data.series[kept])
+
+
+def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
+    """Return a guess of all parameters from the turning points and the first swing."""
+    sizes = np.abs(swings.angles)
+    # Turning points either side lie the offset above and below the envelope.
+    pairs = 0.5 * (swings.angles[1:-1] + 0.5 * (swings.angles[:-2] + swings.angles[2:]))
+    offset = float(np.median(pairs)) if len(pairs) else 0.0
+    factors = np.array([period_factor(size) for size in sizes])
+    weights = sizes**2
+    frequency = math.pi / float(np.sum(weights * swings.halves / factors) / np.sum(weights))
+    rate = 0.02
+    if len(sizes) > 3:
+        effective = effective_amplitude(np.abs(swings.angles - offset))
+        slope = np.polyfit(swings.times, np.log(effective), 1, w=effective)[0]
+        rate = max(-2.0 * float(slope), 1e-4)
+    else:
+        effective = effective_amplitude(sizes)
+    begin = float(data.times[0])
+    swing = effective[0] * math.exp(0.5 * rate * (swings.times[0] - begin))
+    amplitude = float(amplitude_of(np.array(min(swing, 3.0))))
+    guess = {
+        "natural_frequency": frequency,
+        "linear": rate,
+        "angle_offset": offset,
+        "quadratic": rate / max(frequency * float(np.mean(sizes)), 1e-6),
+        "coulomb": rate * frequency * float(np.mean(sizes)),
+    }
+    # The start: the first swing turned back by the phase from its turning point.
+    phase = frequency / period_factor(amplitude) * (begin - swings.times[0])
+    sign = float(np.sign(swings.angles[0]))
+    angle = sign * amplitude * math.cos(phase)
+    lift = 2.0 * max(math.cos(angle) - math.cos(amplitude), 0.0)
+    speed = -sign * math.copysign(frequency * math.sqrt(lift), math.sin(phase))
+    return guess | {"initial_angle": angle, "initial_angular_velocity": speed}
+
+
+def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
+    """Return the fit of every law, all with the samples and the correlation of the fullest."""
+    *_, fullest = LAWS
+    # A verdict needs no more samples than that.
+    thin = slice(None, None, max(1, len(data) // _ENOUGH))
+    data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
+    # Friction that holds the ball at last makes false minima: two starts, the better counts.
+    tries = []
+    for law in ("linear", fullest):
+        with suppress(ValueError):  # the other start is enough
+            start = _shared(first, LAWS[law])
+            tries.append(_fit_equation(data, start, LAWS[fullest], limit=_TRIES))
+    if not tries:
+        tries = [_fit_equation(data, _shared(first, LAWS["linear"]), LAWS[fullest])]
+    whole = min(tries, key=lambda found: found.scatter)
+    found = {}
+    for name, terms in LAWS.items():
+        start = {**whole.values, **_shared(first, terms)}
+        if len(terms) > 1:
+            least = {term: 1e-3 * first[term] for term in terms}
+            start = {**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}}
+        found[name] = whole if name == fullest else _fit_equation(
+            data, start, terms, correlation=whole.correlation, kept=whole.kept
+        )  # fmt: skip
+    return found
+
+
+def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
+    """Return a first guess whose drag is shared by some terms."""
+    shares = {term: first[term] * (1.0 / len(terms) if term in terms else 1e-3)
+              for term in ("linear", "quadratic", "coulomb")}  # fmt: skip
+    return {**first, **shares}
+
+
+def _fit_equation(
+    data: Data, first: Mapping[str, float], terms: Sequence[str], **options: Any
+) -> Solution:
+    """Return the least-squares solution of the equation with these drags."""
+    times = data.times - data.times[0]
+    guesses = {
+        "natural_frequency": Guess(first["natural_frequency"], 1e-3),
+        "angle_offset": Guess(first["angle_offset"]),
+        "initial_angle": Guess(first["initial_angle"]),
+        "initial_angular_velocity": Guess(first["initial_angular_velocity"]),
+    }
+    for term in terms:
+        guesses[term] = Guess(max(first[term], 1e-6), 0.0)
+    largest = float(np.max(np.abs(data.values)))
+    speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
+    about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
+    step = step_of(about, Static(), speed)
+
+    def model(p: Mapping[str, float]) -> Floats:
+        system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
+        start = (p["initial_angle"],), (p["initial_angular_velocity"],)
+        angles: Floats = angles_at(system, Static(), *start, times, step=step)[0]
+        return angles + p["angle_offset"]
+
+    return solve(model, guesses, data, **options)
+
+
+def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:
+    """Return the pendulum of length 1 m and mass 1 kg with this frequency and these drags."""
+    coefficients: dict[str, Any] = {_COEFFICIENTS[term]: value for term, value in drags.items()}
+    return Pendulum(length=1.0, mass=1.0, gravity=frequency**2, **coefficients)
+
+
+@dataclass(frozen=True)
+class _Body:
+    """What is known of the ball beforehand."""
+
+    length: float | None
+    mass: float | None
+    radius: float | None
+    gravity: float
+
+    def estimates(self, found: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
+        """Return the estimates in the terms of people."""
+        rate = _estimate(found, "natural_frequency", "rad/s")
+        length = self._length(rate)
+        told: dict[str, Estimate] = {}
+        lever = self.length or length.value
+        for term in terms:
+            raw = _estimate(found, term, "1/s")
+            unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
+            if self.mass is not None:
+                told[_COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
+            if term == "linear":
+                told["decay_rate"] = raw.scaled(0.5, "1/s")
+        told |= {"natural_frequency": rate, "length": length}
+        if self.radius is not None:
+            told["centre_length"] = self._centre(length)
+        for name, unit in (
+            ("angle_offset", "rad"),
+            ("initial_angle", "rad"),
+            ("initial_angular_velocity", "rad/s"),
+        ):
+            told[name] = _estimate(found, name, unit)
+        return told
+
+    def envelope(
+        self, found: Solution, length: Estimate | None, first: Mapping[str, float]
+    ) -> dict[str, Estimate]:
+        """Return what the envelope tells."""
+        told = {"decay_rate_envelope": _estimate(found, "decay_rate", "1/s")}
+        if self.mass is not None:
+            dynamic = length.value if length else self.gravity / first["natural_frequency"] ** 2
+            factor = 2.0 * self.mass * (self.length or dynamic)
+            told["damping_envelope"] = told["decay_rate_envelope"].scaled(factor, "kg*m/s")
+        return told
+
+    def _length(self, rate: Estimate) -> Estimate:
+        """Return g over the squared frequency."""
+        length = self.gravity / rate.value**2
+        return Estimate(
+            length,
+            2.0 * length * rate.sigma / rate.value,
+            "m",
+            self.gravity / rate.high**2,
+            self.gravity / rate.low**2,
+        )
+
+    def _centre(self, length: Estimate) -> Estimate:
+        """Return where a solid ball's centre c is: ``c + 2/5 r^2/c`` is the equivalent length."""
+        assert self.radius is not None
+        bulk = 1.6 * self.radius**2
+        if length.value**2 <= bulk:
+            raise ValueError(
+                f"radius must be less than the length {length.value:.4g} m from the dynamics, got "
+                f"{self.radius:g}"
+            )
+        centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
+        return length.scaled(centre / length.value, "m")
+
+    def verdict(self, told: Mapping[str, Estimate], found: Solution, law: str) -> str:
+        """Return what was found by the equation in plain words."""
+        parts = []
+        if "damping" in told:
+            parts.append(f"C = {told['damping']}")
+        if "decay_rate" in told:
+            parts.append(f"decay rate {told['decay_rate']}")
+        parts.append(f"length from the dynamics {told['length']}")
+        words = f"With {law} drag the equation gives {', '.join(parts)}."
+        if self.length is not None:
+            away = told["length"].value / self.length - 1.0
+            limit = max(3.0 * told["length"].sigma / self.length, 0.003)
+            if abs(away) > limit:
+                words += (
+                    f" The declared length {self.length:g} m is {abs(100 * away):.2g} % "
+                    f"{'less' if away > 0 else 'more'} than the dynamics say: check it, gravity, "
+                    "or the mass of the rod."
+                )
+        if (~found.kept).any():
+            words += f" {int((~found.kept).sum())} outliers were left out."
+        return words
+
+
+def _estimate(found: Solution, name: str, unit: str) -> Estimate:
+    """Return a parameter of a solution as an estimate."""
+    interval = found.intervals.get(name, (math.nan, math.nan))
+    return Estimate(found.values[name], found.sigma(name), unit, *interval)
+
+
+def _quality(found: Solution) -> dict[str, Any]:
+    """Return what is told of a solution's residuals."""
+    return {
+        "scatter": found.scatter,
+        "chi_square": found.chi_square,
+        "autocorrelation": found.correlation,
+        "effective_samples": found.effective_samples,
+        "outliers": int((~found.kept).sum()),
+    }
+
+
+def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
+    """Return which drag law a comparison is for, and whether the chosen one is in question."""
+    order = sorted(laws, key=lambda name: laws[name].bayes)
+    best = order[0]
+    ahead = {name: laws[name].bayes - laws[best].bayes for name in order[1:]}
+    near = [name for name, gap in ahead.items() if gap < _WEAK]
+    clear = [name for name, gap in ahead.items() if gap >= _STRONG]
+    rival = order[1]
+    if near:
+        words = f"{best} drag and {', '.join(near)} cannot be told apart"
+    else:
+        words = f"{best} drag describes this decay best (BIC {ahead[rival]:.3g} ahead of {rival})"
+    singles = [n for n in ("linear", "quadratic", "coulomb") if n in clear]
+    if singles:
+        words += f"; {', '.join(singles)} alone {'is' if len(singles) == 1 else 'are'} excluded"
+    if chosen in clear:
+        words += f". Do not trust the numbers of {chosen} drag then: use law 'best'"
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _envelope_verdict(told: Mapping[str, Estimate]) -> str:
+    """Return what the envelope gives, and whether it agrees with the equation."""
+    envelope = told["decay_rate_envelope"]
+    words = f"The envelope gives a decay rate of {envelope}"
+    if "damping_envelope" in told:
+        words += f", C = {told['damping_envelope']}"
+    if "decay_rate" in told:
+        gap = abs(envelope.value - told["decay_rate"].value)
+        both = math.hypot(envelope.sigma, told["decay_rate"].sigma)
+        agree = gap <= 3.0 * both
+        words += f", which {'agrees' if agree else 'does not agree'} with the equation"
+    return f"{words}."

@@ -1,0 +1,405 @@
+"""How the pivot was driven: amplitude, frequency, phase, overtones, drift and steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
+from latolato.experiment.fits.least_squares import (
+    Data,
+    Floats,
+    Guess,
+    Solution,
+    lmfit_module,
+    solve,
+)
+from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.samples import noise_of, within
+from latolato.experiment.fits.swings import crossings
+from latolato.experiment.table import checked_table
+from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
+from latolato.physics.drives.base import Drive
+from latolato.registry import checked_count
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_STAGES = 4
+# A richer model must lower the criterion by so much.
+_STRONG = 10.0
+# An amplitude below so many times the noise of a sample is a pivot at rest.
+_CLEAR = 3.0
+# Multiples of the driving frequency that are looked at.
+_OVERTONES = (2, 3, 4)
+# Within so many seconds of a step residuals this many times as large as elsewhere ask for a ramp,
+# whose fit may take so many trials.
+_NEAR_STEP, _ROUGH, _TRIES = 2.0, 1.3, 400
+# Drifts over the record below these shares are of no account, however surely they are seen.
+_AMPLITUDE_DRIFT, _FREQUENCY_DRIFT = 5e-3, 2e-4
+
+
+def fit_drive(
+    table: xr.Dataset,
+    *,
+    stages: int | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    profile: bool = True,
+) -> Fit:
+    """Return amplitude, frequency and phase of the pivot's motion, its overtones and steps.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table; `pivot_y` is fitted, from its first to its last passage through the middle.
+    stages : int, optional
+        Number of stages of constant frequency; by default found, up to 4.
+    start, end : float, optional
+        Piece of the table that is used [s].
+    profile : bool
+        Whether 95 percent intervals of amplitude and frequency are profiled.
+
+    Returns
+    -------
+    Fit
+        With `drive_amplitude` [m], `drive_frequency` [rad/s], `drive_phase` (at time zero of the
+        table), `crank_ratio` and, for one stage, `amplitude_drift` and `frequency_drift`. With
+        steps `drive_frequency` is the first stage's, `drive_frequency_final` the last one's and
+        `step_time` the last step; ``dataset`` has all of them on ``stage``. ``drive`` is a
+        `Harmonic`, a `CrankSlider` where the second harmonic is that of a crank, or a
+        `FrequencySchedule`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input and a pivot that does not move.
+    ModuleNotFoundError
+        Without lmfit.
+
+    Notes
+    -----
+    The height is ``y = A0 cos p - A0 q sin^2 p/(1 + sqrt(1 - q^2 sin^2 p))`` about a mean, with
+    the signed crank ratio q = s A0/L of the crank-slider (s = +1: guide above) and a phase p whose
+    frequency is constant in each stage and moves within `ramp` between them. Stages, ramp and
+    crank are kept if they lower BIC by 10 or more. A second harmonic that is not in phase, as an
+    eccentric bearing makes, is told but not part of ``drive``.
+    """
+    lmfit_module()
+    checked_table(table, "pivot_y")
+    if stages is not None:
+        stages = checked_count("stages", stages)
+        if not 1 <= stages <= MOST_STAGES:
+            raise ValueError(f"stages must lie in [1, {MOST_STAGES}], got {stages}")
+    data, zeros = _samples(table, start, end)
+    shape, found = _chosen(data, zeros, stages)
+    if profile:
+        names = [n for n in ("drive_amplitude", "drive_frequency") if n in found.names]
+        found = _fit(data, shape, _guesses_of(found), profiles=names)
+    drift: dict[str, Estimate] = {}
+    unsteady: list[str] = []
+    if shape.stages == 1:
+        drifting, other = _drifting(data, shape, found)
+        drift = _drift(other)
+        unsteady = _unsteady(drift, other, float(np.ptp(data.times)))
+        if unsteady:
+            shape, found = drifting, other
+    estimates = _estimates(found, shape) | drift
+    overtones = _overtones(data, shape, found)
+    drive, crank_words = _drive(found, shape, overtones)
+    words = [_main_words(estimates, found, shape), crank_words]
+    if unsteady:
+        span = float(np.ptp(data.times))
+        words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
+    elif drift:
+        words.append("It is steady.")
+    curves = {
+        "time": ("sample", data.times),
+        "pivot_height": ("sample", data.values),
+        "pivot_height_fit": ("sample", found.curve),
+        "pivot_height_residual": ("sample", found.residuals),
+        "is_outlier": ("sample", ~found.kept),
+        "harmonic": ("harmonic", np.array(_OVERTONES)),
+        "harmonic_amplitude": ("harmonic", np.array([o.amplitude for o in overtones])),
+        "harmonic_amplitude_sigma": ("harmonic", np.array([o.sigma for o in overtones])),
+        "stage_start": ("stage", np.array([0.0, *(found.values[n] for n in shape.times)])),
+        "drive_frequencies": ("stage", np.array([found.values[n] for n in shape.frequencies])),
+        "drive_frequencies_sigma": ("stage", np.array([found.sigma(n) for n in shape.frequencies])),
+    }
+    about = {
+        "start": float(data.times[0]), "end": float(data.times[-1]), "samples": len(data),
+        "stages": shape.stages, "scatter": found.scatter, "autocorrelation": found.correlation,
+        "effective_samples": found.effective_samples, "outliers": int((~found.kept).sum()),
+        "source": table.attrs.get("source"),
+    }  # fmt: skip
+    return make_fit("drive", estimates, " ".join(words), curves, about, drive)
+
+
+@dataclass(frozen=True)
+class _Overtone:
+    """A multiple of the driving frequency in the height: in phase and in quadrature [m]."""
+
+    cosine: float
+    sine: float
+    sigma: float
+
+    @property
+    def amplitude(self) -> float:
+        """Size [m]."""
+        return math.hypot(self.cosine, self.sine)
+
+
+def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple[Data, Floats]:
+    """Return the heights between the first and the last passage, and the passages."""
+    time, height = table["time"].values, table["pivot_y"].values
+    good = np.isfinite(height) & within(time, start, end)
+    if good.sum() < 16:
+        raise ValueError(f"the pivot is known in {good.sum()} samples, a fit needs at least 16")
+    time, height = time[good], height[good]
+    low, high = np.percentile(height, [2.0, 98.0])
+    noise = noise_of(height)
+    if 0.5 * (high - low) < _CLEAR * noise or high == low:
+        raise ValueError(
+            f"the pivot is at rest: it moves by {0.5e3 * (high - low):.3g} mm either way, its "
+            f"track scatters by {1e3 * noise:.3g} mm"
+        )
+    zeros = crossings(time, height - 0.5 * (low + high))
+    if len(zeros) < 6:
+        raise ValueError(
+            f"the pivot passes its middle {len(zeros)} times: a drive needs at least 3 periods"
+        )
+    chosen = (time >= zeros[0]) & (time <= zeros[-1])
+    count = int(chosen.sum())
+    ones = np.ones(count)
+    data = Data(time[chosen], height[chosen], ones, np.zeros(count, dtype=np.int64))
+    return data, zeros
+
+
+def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[Shape, Solution]:
+    """Return the model that the criterion is for, and its solution."""
+    shape = Shape(stages or 1)
+    best = _fit(data, shape, guesses_of_passages(data, zeros, shape))
+    if shape.stages > 1:
+        shape, best = _with_ramp(data, shape, best)
+    shape, best = _with_crank(data, shape, best)
+    if stages is not None:
+        return shape, best
+    # What stages must beat: one whose amplitude and frequency drift.
+    _, bar = _drifting(data, shape, best)
+    for count in range(2, MOST_STAGES + 1):
+        richer = Shape(count)
+        try:
+            trial = _fit(data, richer, guesses_of_passages(data, zeros, richer))
+            richer, trial = _with_ramp(data, richer, trial)
+            richer, trial = _with_crank(data, richer, trial)
+        except ValueError:
+            break
+        better = _is_better(trial, bar, data) and _is_better(trial, best, data)
+        if not (better and _is_real(trial, richer, data)):
+            break
+        shape, best, bar = richer, trial, trial
+    return shape, best
+
+
+def _with_crank(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
+    """Return the model with the overtones of a crank if that is better."""
+    richer = replace(shape, crank=True)
+    guesses = _guesses_of(best) | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
+    trial = _fit(data, richer, guesses)
+    return (richer, trial) if _is_better(trial, best, data) else (shape, best)
+
+
+def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
+    """Return the model with a ramp between stages if that is better."""
+    plain, richer = best, replace(shape, ramp=True)
+    near = np.zeros(len(data), dtype=bool)
+    for name in shape.times:
+        near |= np.abs(data.times - best.values[name]) < _NEAR_STEP
+    parts = [part & best.kept for part in (near, ~near)]
+    if not all(part.any() for part in parts):  # steps everywhere: nothing to compare with
+        return shape, best
+    sizes = [np.sqrt(np.mean(best.residuals[part] ** 2)) for part in parts]
+    if not sizes[0] > _ROUGH * sizes[1] and best.kept[near].all():
+        return shape, best
+    for value in (0.3, 1.0, 3.0):
+        guesses = _guesses_of(plain) | {"ramp": Guess(value, 0.0)}
+        for name in shape.times:
+            guesses[name] = Guess(plain.values[name] - 0.5 * value)
+        try:
+            trial = _fit(data, richer, guesses, limit=_TRIES)
+        except ValueError:
+            continue
+        if _is_better(trial, best, data):
+            shape, best = richer, trial
+    return shape, best
+
+
+def _is_better(trial: Solution, best: Solution, data: Data) -> bool:
+    """Return whether a richer model is worth its parameters, by BIC with one correlation."""
+    # The likelihoods of two correlations cannot be compared; the better fit's noise counts.
+    kept = trial.kept & best.kept
+    squares = [float(np.sum(s.residuals[kept] ** 2)) for s in (trial, best)]
+    count = kept.sum() * (1.0 - trial.correlation) / (1.0 + trial.correlation)
+    gain = count * math.log(squares[1] / max(squares[0], 1e-300))
+    extra = len(trial.names) - len(best.names)
+    return bool(gain - max(extra, 0) * math.log(max(count, 2.0)) >= _STRONG)
+
+
+def _is_real(found: Solution, shape: Shape, data: Data) -> bool:
+    """Return whether every stage lasts two periods and differs from the one before."""
+    marks = [float(data.times[0]), *(found.values[n] for n in shape.times), float(data.times[-1])]
+    rates = [found.values[name] for name in shape.frequencies]
+    long = all(
+        (b - a) * w > 2.0 * math.tau for (a, b), w in zip(pairwise(marks), rates, strict=True)
+    )
+    apart = all(
+        abs(b - a) > max(4.0 * found.sigma(name), 1e-3 * a)
+        for a, b, name in zip(rates[:-1], rates[1:], shape.frequencies[1:], strict=True)
+    )
+    return long and apart and min(rates) > 0.0
+
+
+def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any) -> Solution:
+    """Return the least-squares solution of a shape."""
+    return solve(lambda p: shape.height(p, data.times), guesses, data, **options)
+
+
+def _guesses_of(found: Solution) -> dict[str, Guess]:
+    """Return a solution's values as guesses."""
+    ranges = {"drive_amplitude": (0.0, math.inf), "ramp": (0.0, math.inf)}
+    ranges["crank_ratio"] = (-0.99, 0.99)
+    return {
+        name: Guess(value, *ranges.get(name, (-math.inf, math.inf)))
+        for name, value in found.values.items()
+    }
+
+
+def _estimates(found: Solution, shape: Shape) -> dict[str, Estimate]:
+    """Return the estimates in the terms of people."""
+    told = {}
+    for name, unit in (("drive_amplitude", "m"), ("drive_frequency", "rad/s")):
+        ends = found.intervals.get(name, (math.nan, math.nan))
+        told[name] = Estimate(found.values[name], found.sigma(name), unit, *ends)
+    if shape.stages > 1:
+        last, step = shape.frequencies[-1], shape.times[-1]
+        told["drive_frequency_final"] = Estimate(found.values[last], found.sigma(last), "rad/s")
+        told["step_time"] = Estimate(found.values[step], found.sigma(step), "s")
+    phase = math.remainder(found.values["drive_phase"], math.tau)
+    told["drive_phase"] = Estimate(phase, found.sigma("drive_phase"), "rad")
+    if shape.ramp:
+        told["ramp"] = Estimate(found.values["ramp"], found.sigma("ramp"), "s")
+    if shape.crank:
+        told["crank_ratio"] = Estimate(found.values["crank_ratio"], found.sigma("crank_ratio"), "1")
+    return told
+
+
+def _drifting(data: Data, shape: Shape, found: Solution) -> tuple[Shape, Solution]:
+    """Return the model of one stage whose amplitude and frequency drift, and its solution."""
+    drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
+    guesses = _guesses_of(found) | {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
+    return drifting, _fit(data, drifting, guesses)
+
+
+def _drift(drifting: Solution) -> dict[str, Estimate]:
+    """Return how amplitude and frequency drift over the record."""
+    return {
+        name: Estimate(drifting.values[name], drifting.sigma(name), unit)
+        for name, unit in (("amplitude_drift", "m/s"), ("frequency_drift", "rad/s^2"))
+    }
+
+
+def _overtones(data: Data, shape: Shape, found: Solution) -> list[_Overtone]:
+    """Return the multiples of the driving frequency in the measured height."""
+    phase = shape.phase(found.values, data.times)
+    columns = [np.ones(len(data))]
+    for k in (1, *_OVERTONES):
+        columns += [np.cos(k * phase), np.sin(k * phase)]
+    design = np.column_stack(columns)[found.kept]
+    values, *_ = np.linalg.lstsq(design, data.values[found.kept], rcond=None)
+    rest = data.values[found.kept] - design @ values
+    sigma = math.sqrt(2.0 * float(np.mean(rest**2)) / found.effective_samples)
+    return [
+        _Overtone(float(values[1 + 2 * i]), float(values[2 + 2 * i]), sigma)
+        for i in range(1, len(_OVERTONES) + 1)
+    ]
+
+
+def _drive(found: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
+    """Return the drive object, and what is said of its overtones."""
+    p = found.values
+    amplitude, phase = p["drive_amplitude"], math.remainder(p["drive_phase"], math.tau)
+    second = overtones[0]
+    share = 100.0 * second.amplitude / amplitude
+    if shape.crank:
+        q = p["crank_ratio"]
+        words = (
+            f"The second harmonic ({share:.2g} % of the amplitude) is that of a crank with "
+            f"A0/L = {abs(q):.3g} ± {found.sigma('crank_ratio'):.1g} and its guide "
+            f"{'above' if q > 0.0 else 'below'}."
+        )
+    elif second.amplitude > 4.0 * second.sigma:
+        words = f"A second harmonic of {share:.2g} % of the amplitude is not that of a crank."
+    else:
+        words = f"No second harmonic is seen (below {400 * second.sigma / amplitude:.2g} %)."
+    if abs(second.sine) > max(4.0 * second.sigma, abs(second.cosine)) and shape.crank:
+        words += " It is not in phase, so that a crank alone does not explain it."
+    if shape.stages > 1:
+        first: Any = {"drive_amplitude": amplitude, "drive_phase": phase}
+        times = [0.0, *(p[name] for name in shape.times)]
+        rates = [p[name] for name in shape.frequencies]
+        ramp = min(max(p.get("ramp", 0.0), 0.0), float(np.min(np.diff(times))))
+        if shape.crank:
+            words += " The schedule of frequencies has it left out."
+        drive: Drive = FrequencySchedule(times=times, drive_frequencies=rates, ramp=ramp, **first)
+        return drive, words
+    if shape.drifts_about is not None and p["frequency_drift"] != 0.0:
+        rate, middle = p["frequency_drift"], shape.drifts_about
+        drive = Chirp(
+            drive_amplitude=amplitude,
+            drive_frequency=p["drive_frequency"] - rate * middle,
+            drive_frequency_final=p["drive_frequency"] + rate * middle,
+            sweep_time=2.0 * middle,
+            drive_phase=math.remainder(phase + 0.5 * rate * middle**2, math.tau),
+        )
+        return drive, words
+    if shape.crank:
+        return CrankSlider(
+            drive_amplitude=amplitude,
+            drive_frequency=p["drive_frequency"],
+            drive_phase=phase,
+            connecting_rod_length=amplitude / abs(p["crank_ratio"]),
+            guide="above" if p["crank_ratio"] > 0.0 else "below",
+        ), words
+    return Harmonic(
+        drive_amplitude=amplitude, drive_frequency=p["drive_frequency"], drive_phase=phase
+    ), words
+
+
+def _main_words(told: Mapping[str, Estimate], found: Solution, shape: Shape) -> str:
+    """Return amplitude and frequencies in plain words."""
+    turns = 1.0 / math.tau
+    words = f"The pivot moves with A0 = {told['drive_amplitude'].scaled(1e3, 'mm')} at "
+    words += f"{told['drive_frequency']} ({told['drive_frequency'].scaled(turns, 'Hz')})"
+    for name, before in zip(shape.frequencies[1:], shape.times, strict=True):
+        rate = Estimate(found.values[name], found.sigma(name), "rad/s")
+        instant = Estimate(found.values[before], found.sigma(before), "s")
+        words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
+    if shape.ramp:
+        words += f", each reached within {told['ramp']}"
+    return f"{words}."
+
+
+def _unsteady(drift: Mapping[str, Estimate], found: Solution, duration: float) -> list[str]:
+    """Return what of a drive changes over the record, in plain words."""
+    told = []
+    for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
+        change = drift[f"{name}_drift"]
+        share = change.value * duration / found.values[f"drive_{name}"]
+        if abs(change.value) > 4.0 * change.sigma and abs(share) > limit:
+            told.append(f"its {name} changes by {100 * share:.2g} %")
+    return told

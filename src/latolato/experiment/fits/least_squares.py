@@ -1,0 +1,379 @@
+"""Least squares with residuals that may be correlated in time: what all fits share.
+
+A first fit shows how residuals of neighbouring samples go together; with that correlation
+residuals are whitened (generalised least squares, first-order autoregression in continuous time,
+so that gaps and variable frame rates are right) and fitted again. What correlation is left is
+allowed for by the prewhitened estimator of Andrews & Monahan (1992), which may only widen.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Model = Callable[[Mapping[str, float]], Floats]
+
+# Residuals beyond this many robust standard deviations are taken for mistakes of the tracker.
+_OUTLIER = 6.0
+# Correlations up to this size are kept; beyond, a series is a random walk.
+_MOST_CORRELATION = 0.99
+# Relative step of derivatives, squared.
+_STEP = 1e-12
+_ROUNDS = 2
+
+
+@dataclass(frozen=True)
+class Data:
+    """Samples of one or several series, one after the other.
+
+    Attributes
+    ----------
+    times : ndarray, shape (sample,)
+        Instants [s], increasing within a series.
+    values, sigmas : ndarray, shape (sample,)
+        What was measured and its relative uncertainty; equal ones where none is known.
+    series : ndarray of int, shape (sample,)
+        Which series a sample belongs to; correlation does not reach across.
+    """
+
+    times: Floats
+    values: Floats
+    sigmas: Floats
+    series: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Where a parameter's search starts, and the range that it is kept in."""
+
+    value: float
+    low: float = -math.inf
+    high: float = math.inf
+    free: bool = True
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A least-squares solution.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Free parameters, in the order of `covariance`.
+    values : dict
+        All parameters.
+    covariance : ndarray, shape (parameter, parameter)
+        Correlation of residuals allowed for, scaled by their scatter.
+    intervals : dict
+        95 percent profile intervals by name, where asked for.
+    kept : ndarray of bool, shape (sample,)
+        What was fitted; False for outliers.
+    residuals, curve : ndarray, shape (sample,)
+        Measured minus fitted, and fitted.
+    correlation : float
+        Of residuals one typical sample apart.
+    scatter : float
+        Root mean square of the residuals.
+    chi_square : float
+        Reduced, of the whitened residuals over their sigmas.
+    effective_samples : float
+        Independent samples that would tell a mean as well.
+    """
+
+    names: tuple[str, ...]
+    values: dict[str, float]
+    covariance: Floats
+    kept: NDArray[np.bool_]
+    residuals: Floats
+    curve: Floats
+    correlation: float
+    scatter: float
+    chi_square: float
+    effective_samples: float
+    log_likelihood: float
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def sigma(self, name: str) -> float:
+        """Return the standard deviation of a parameter, 0 for one that was held."""
+        if name not in self.names:
+            return 0.0
+        return math.sqrt(self.covariance[self.names.index(name), self.names.index(name)])
+
+    @property
+    def bayes(self) -> float:
+        """Schwarz's criterion (BIC), with the number of effective samples."""
+        return len(self.names) * math.log(self.effective_samples) - 2.0 * self.log_likelihood
+
+    @property
+    def akaike(self) -> float:
+        """Akaike's criterion, corrected for few samples (AICc)."""
+        count, free = self.effective_samples, len(self.names)
+        return 2.0 * free * count / max(count - free - 1.0, 1.0) - 2.0 * self.log_likelihood
+
+
+def lmfit_module() -> Any:
+    """Return lmfit, or raise with the extra that installs it."""
+    try:
+        import lmfit
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError('fits need lmfit: pip install "latolato[video]"') from None
+    return lmfit
+
+
+def solve(
+    model: Model,
+    guesses: Mapping[str, Guess],
+    data: Data,
+    *,
+    profiles: Sequence[str] = (),
+    correlation: float | None = None,
+    kept: NDArray[np.bool_] | None = None,
+    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None = None,
+    limit: int = 4000,
+) -> Solution:
+    """Return the least-squares solution.
+
+    Parameters
+    ----------
+    model : callable
+        Returns the fitted values, shape (sample,), for parameters by name.
+    guesses : mapping of str to Guess
+        The parameters.
+    data : Data
+        What was measured.
+    profiles : sequence of str
+        Parameters whose 95 percent interval is profiled (``lmfit.conf_interval``).
+    correlation : float, optional
+        Of residuals one typical sample apart; by default found from them.
+    kept : ndarray of bool, optional
+        What is fitted; by default all but outliers of the first fit.
+    jacobian : callable, optional
+        Derivatives of the model, shape (sample, name), where something faster than differences
+        of the model is known.
+    limit : int
+        Trials after which a fit is given up.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer samples than parameters, or the fit does not end.
+    """
+    lmfit = lmfit_module()
+    free = tuple(name for name, guess in guesses.items() if guess.free)
+    if len(data) < 2 * len(free):
+        raise ValueError(f"{len(data)} samples are too few to fit {', '.join(free)}")
+    parameters = lmfit.Parameters()
+    for name, guess in guesses.items():
+        parameters.add(name, guess.value, guess.free, guess.low, guess.high)
+    mask = np.ones(len(data), dtype=bool) if kept is None else kept
+    rho = correlation or 0.0
+    rounds = _ROUNDS + 1 if correlation is None else 1
+    found: Any = None
+    for turn in range(rounds):
+        minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
+        found = _minimized(minimizer, limit)
+        parameters = found.params
+        values = parameters.valuesdict()
+        residuals = data.values - model(values)
+        if turn == 0 and kept is None:
+            cleaned = _without_outliers(residuals / data.sigmas)
+            if not np.array_equal(cleaned, mask):
+                mask = cleaned
+                minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
+                found = _minimized(minimizer, limit)
+                parameters = found.params
+                values = parameters.valuesdict()
+                residuals = data.values - model(values)
+        if correlation is None and turn < rounds - 1:
+            rho = _correlation(data, mask, residuals)
+    values = parameters.valuesdict()
+    slopes = jacobian(values, free) if jacobian else _slopes(model, values, free)
+    white = whitened(data, mask, rho)
+    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(free))])
+    errors = white(residuals / data.sigmas)
+    freedom = max(len(errors) - len(free), 1)
+    spread = float(errors @ errors) / freedom
+    covariance, widening = _covariance(scores, errors, spread)
+    count = len(errors)
+    solution = Solution(
+        names=free,
+        values=dict(values),
+        covariance=covariance,
+        kept=mask,
+        residuals=residuals,
+        curve=data.values - residuals,
+        correlation=rho,
+        scatter=float(np.sqrt(np.mean(residuals[mask] ** 2))),
+        chi_square=spread,
+        effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(free) + 2.0),
+        log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
+    )
+    if profiles:
+        solution.intervals.update(_profiles(lmfit, minimizer, found, solution, widening, profiles))
+    return solution
+
+
+def _minimizer(
+    lmfit: Any,
+    model: Model,
+    parameters: Any,
+    data: Data,
+    mask: NDArray[np.bool_],
+    rho: float,
+    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
+) -> Any:
+    """Return lmfit's minimizer of the whitened residuals."""
+    white = whitened(data, mask, rho)
+
+    def errors(trial: Any) -> Floats:
+        return white((data.values - model(trial.valuesdict())) / data.sigmas)
+
+    options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-7, "ftol": 1e-9}
+    if jacobian is not None:
+
+        def slopes(trial: Any) -> Floats:
+            names = [name for name in trial if trial[name].vary]
+            found = jacobian(trial.valuesdict(), names)
+            columns = [white(-found[:, i] / data.sigmas) for i in range(len(names))]
+            return np.array(columns)
+
+        options |= {"Dfun": slopes, "col_deriv": True}
+        del options["epsfcn"]
+    return lmfit.Minimizer(errors, parameters, nan_policy="raise", calc_covar=True, **options)
+
+
+def _minimized(minimizer: Any, limit: int) -> Any:
+    """Return what lmfit finds."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = minimizer.minimize(method="leastsq", max_nfev=limit)
+    if not found.success:
+        raise ValueError(f"the fit does not end: {' '.join(str(found.message).split())}")
+    return found
+
+
+def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Floats], Floats]:
+    """Return what makes residuals independent, if neighbours' correlation is `rho`.
+
+    ``e_i = (r_i - f r_(i-1))/sqrt(1 - f^2)`` with ``f = rho^((t_i - t_(i-1))/spacing)``; the first
+    of a series is itself.
+    """
+    times, series = data.times[mask], data.series[mask]
+    if rho <= 0.0 or len(times) < 2:
+        return lambda residuals: residuals[mask]
+    steps = np.diff(times)
+    inside = series[1:] == series[:-1]
+    factor = np.where(inside, rho ** (np.maximum(steps, 0.0) / _spacing(times, series)), 0.0)
+    scale = np.sqrt(1.0 - factor**2)
+
+    def white(residuals: Floats) -> Floats:
+        kept = residuals[mask]
+        out = kept.copy()
+        out[1:] = (kept[1:] - factor * kept[:-1]) / scale
+        return out
+
+    return white
+
+
+def _spacing(times: Floats, series: NDArray[np.int64]) -> float:
+    """Return the typical time between samples [s]."""
+    inside = series[1:] == series[:-1]
+    return float(np.median(np.diff(times)[inside])) if inside.any() else 1.0
+
+
+def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> float:
+    """Return the correlation of residuals one typical sample apart, none for a negative one."""
+    times, series = data.times[mask], data.series[mask]
+    errors = (residuals / data.sigmas)[mask]
+    steps = np.diff(times)
+    near = (series[1:] == series[:-1]) & (steps < 1.6 * _spacing(times, series))
+    if near.sum() < 8:
+        return 0.0
+    a, b = errors[1:][near], errors[:-1][near]
+    size = math.sqrt(float(a @ a) * float(b @ b))
+    rho = float(a @ b) / size if size > 0.0 else 0.0
+    # Chance alone gives about one over the root of the number.
+    if rho < 2.0 / math.sqrt(near.sum()):
+        return 0.0
+    # Residuals of a fit look less correlated than the noise was (Kendall 1954).
+    return min(rho + (1.0 + 3.0 * rho) / int(near.sum()), _MOST_CORRELATION)
+
+
+def _without_outliers(errors: Floats) -> NDArray[np.bool_]:
+    """Return which errors are within six robust standard deviations."""
+    scale = 1.4826 * float(np.median(np.abs(errors)))
+    kept: NDArray[np.bool_] = np.abs(errors) <= max(_OUTLIER * scale, 1e-300)
+    return kept
+
+
+def _slopes(model: Model, values: Mapping[str, float], names: Sequence[str]) -> Floats:
+    """Return central differences of the model, shape (sample, name)."""
+    columns = []
+    for name in names:
+        step = 1e-5 * max(abs(values[name]), 1e-3)
+        ends = []
+        for sign in (1.0, -1.0):
+            try:
+                ends.append((sign, model({**values, name: values[name] + sign * step})))
+            except ValueError:  # beyond the range of the parameter
+                ends.append((0.0, model(values)))
+        (up, above), (down, below) = ends
+        columns.append((above - below) / ((up - down) * step))
+    return np.column_stack(columns)
+
+
+def _covariance(scores: Floats, errors: Floats, spread: float) -> tuple[Floats, Floats]:
+    """Return the covariance of the parameters and by how much correlation left widens each."""
+    scale = np.sqrt(np.sum(scores**2, axis=0))
+    scale[scale == 0.0] = 1.0
+    unit = scores / scale
+    inverse = np.linalg.pinv(unit.T @ unit, hermitian=True)
+    plain = spread * inverse
+    moments = unit * errors[:, None]
+    count = len(errors)
+    lags = int(1.3 * count ** (1.0 / 3.0))
+    middle = moments.T @ moments
+    for lag in range(1, min(lags, count - 1) + 1):
+        part = moments[lag:].T @ moments[:-lag]
+        middle += (1.0 - lag / (lags + 1.0)) * (part + part.T)
+    robust = inverse @ middle @ inverse
+    widening = np.sqrt(np.maximum(1.0, np.diag(robust) / np.maximum(np.diag(plain), 1e-300)))
+    covariance = plain * np.outer(widening, widening) / np.outer(scale, scale)
+    return covariance, widening
+
+
+def _profiles(
+    lmfit: Any,
+    minimizer: Any,
+    found: Any,
+    solution: Solution,
+    widening: Floats,
+    names: Sequence[str],
+) -> dict[str, tuple[float, float]]:
+    """Return 95 percent profile intervals, none where a profile does not end."""
+    # lmfit refuses without its own estimate, which a parameter at its bound has not.
+    if any(found.params[name].stderr is None for name in solution.names):
+        return {}
+    intervals: dict[str, tuple[float, float]] = {}
+    for name in names:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                told = lmfit.conf_interval(minimizer, found, p_names=[name], sigmas=[0.95])[name]
+        except (ValueError, lmfit.MinimizerException):
+            continue
+        (_, low), (_, best), (_, high) = told
+        wider = float(widening[solution.names.index(name)])
+        if math.isfinite(low) and math.isfinite(high):
+            intervals[name] = (best - wider * (best - low), best + wider * (high - best))
+    return intervals

@@ -1,0 +1,348 @@
+"""All parameters of a system against the measured angles, with the measured pivot as its drive."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.fits.least_squares import (
+    Data,
+    Guess,
+    Solution,
+    lmfit_module,
+    solve,
+)
+from latolato.experiment.fits.pivots import Pivot, given_pivot, measured_pivot
+from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
+from latolato.experiment.fits.samples import samples_of
+from latolato.experiment.fits.windows import WindowedModel, window_starts
+from latolato.experiment.table import balls_of, checked_table
+from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
+from latolato.physics.pendulum import LatoLato, System, systems
+from latolato.registry import describe, suggest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Windows in natural periods, from what any guess can follow to the whole.
+_LEVELS = (2.0, 6.0, 20.0, math.inf)
+# A longer window is taken if the scatter grows by no more than this.
+_GROWTH = 1.15
+# More samples left out than this share: the model does not follow.
+_MOST_OUTLIERS = 0.05
+_SIDES = ("right", "left")
+
+
+def fit_model(
+    table: xr.Dataset,
+    system: System,
+    drive: Drive | str | None = None,
+    vary: Sequence[str] | None = None,
+    *,
+    ball: int | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    window: float | None = None,
+    profile: bool = False,
+) -> Fit:
+    """Return the parameters of a system that describe measured angles best.
+
+    Paper eq10 with impacts by eq11, as `simulate` solves them.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table; samples that are not flagged ok are left out.
+    system : Pendulum, LatoLato or BallPair
+        What moves; its values are first guesses of what varies, and held otherwise.
+    drive : Drive or "measured", optional
+        How the pivot moves, in the table's time. By default as it was measured: at rest, or as
+        `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves more than 2
+        percent of the amplitude; "measured" takes the spline always.
+    vary : sequence of str, optional
+        Parameters of the system, of the drive, and ``angle_offset``; by default `length`,
+        `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and so on.
+    ball : int, optional
+        Which ball a system of one angle is about; by default 1, and for a `LatoLato` with both
+        balls in the table half the difference of their angles.
+    start, end : float, optional
+        Piece of the table that is used [s].
+    window : float, optional
+        Time after which the motion begins afresh [s]; by default as long as the model follows.
+    profile : bool
+        Whether 95 percent intervals are profiled.
+
+    Returns
+    -------
+    Fit
+        With what varied under its own name.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, parameters that the system has not and those that no motion tells (mass).
+    ModuleNotFoundError
+        Without lmfit.
+
+    Notes
+    -----
+    Multiple shooting: the record is cut into windows, each with a start of its own, fitted
+    together with the shared parameters. Windows of 2 natural periods come first, then longer ones
+    up to the whole record while the scatter of the residuals grows by less than 15 percent: a
+    regular motion ends in one window, a chaotic one in as many as it takes. How the uncertainty
+    of the pivot's motion changes the parameters is part of their standard deviations: the fit is
+    repeated with drives that the track allows as well. Gravity and length
+    cannot be told apart on a pivot at rest.
+    """
+    lmfit_module()
+    checked_table(table)
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    data = _data(table, system, ball, start, end)
+    first, last = float(data.times.min()), float(data.times.max())
+    if drive is None or drive == "measured":
+        length = system.balls[0].length
+        moving = measured_pivot(table, length, first, last, spline=drive == "measured")
+    else:
+        moving = given_pivot(drive)
+    pivot, origin = moving.drive, moving.origin
+    names = _names(system, pivot, vary)
+    held = {name: _value(system, pivot, name) for name in names}
+    shared = {name: _guess(system, pivot, name, value) for name, value in held.items()}
+
+    def laws(p: Mapping[str, float]) -> tuple[System, Drive]:
+        return _changed(system, pivot, {name: p[name] for name in names})
+
+    period = math.tau / system.natural_frequency
+    levels = [x * period for x in _LEVELS] if window is None else [window]
+    found, model = _longest(data, laws, shared, levels, origin)
+    if profile:
+        found = solve(
+            model, {n: replace(model.guesses()[n], value=v) for n, v in found.values.items()},
+            data, jacobian=model.jacobian, profiles=names,
+        )  # fmt: skip
+    widening = _by_pivots(data, system, moving, names, found, model)
+    estimates = {name: _estimate(found, name, widening[name]) for name in names}
+    best, best_drive = laws(found.values)
+    curves = {
+        "time": ("sample", data.times),
+        "ball_number": ("sample", data.series),
+        "angle": ("sample", data.values),
+        "angle_fit": ("sample", found.curve),
+        "angle_residual": ("sample", found.residuals),
+        "is_outlier": ("sample", ~found.kept),
+        "window_start": ("window", np.array([w.begin for w in model.windows])),
+    }
+    about = {
+        "start": first, "end": last, "samples": len(data), "pivot": moving.words,
+        "scatter": found.scatter, "chi_square": found.chi_square,
+        "autocorrelation": found.correlation, "effective_samples": found.effective_samples,
+        "outliers": int((~found.kept).sum()), "windows": len(model.windows),
+        "system": systems.name_of(best), "drive": drives.name_of(best_drive),
+        "system_description": json.dumps({"kind": systems.name_of(best), **describe(best)}),
+        "source": table.attrs.get("source"),
+    }  # fmt: skip
+    kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive
+    return make_fit(
+        "model", estimates, _verdict(estimates, found, model), curves, about, kept_drive
+    )
+
+
+def _data(
+    table: xr.Dataset, system: System, ball: int | None, start: float | None, end: float | None
+) -> Data:
+    """Return the samples of the angles that the system has."""
+    if system.angles == 2:
+        if balls_of(table) < 2:
+            raise ValueError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
+        parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
+        return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
+    if ball is None and isinstance(system, LatoLato) and balls_of(table) == 2:
+        one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
+        times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
+        sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
+        series = np.ones(len(times), dtype=np.int64)
+        return Data(times, 0.5 * (one.values[i] - two.values[j]), sigmas, series)
+    data = samples_of(table, ball or 1, start=start, end=end)
+    sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
+    return Data(data.times, sign * data.values, data.sigmas, np.ones(len(data), dtype=np.int64))
+
+
+def _parts(data: Data) -> tuple[Any, ...]:
+    """Return what samples are made of."""
+    return data.times, data.values, data.sigmas, data.series
+
+
+def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str]:
+    """Return what varies, checked."""
+    known = _known(system, drive)
+    if vary is None:
+        wanted = ["length", "damping", *(["restitution"] if system.has_contacts else [])]
+        if system.angles == 2:
+            wanted = [f"{s}_{n}" for n in wanted[:2] for s in _SIDES] + wanted[2:]
+        return wanted
+    if isinstance(vary, str):
+        vary = [vary]
+    for name in vary:
+        if name.endswith("mass"):
+            raise ValueError("mass acts through damping/mass only: vary damping and give the mass")
+        if name.endswith("radius"):
+            raise ValueError("the radius is geometry: measure it")
+        if name not in known:
+            raise ValueError(f"nothing called '{name}' can vary: {suggest(name, known)}")
+    if not vary:
+        raise ValueError("vary needs at least one name")
+    return list(dict.fromkeys(vary))
+
+
+def _known(system: System, drive: Drive) -> list[str]:
+    """Return what could vary."""
+    found = ["angle_offset"]
+    for law in (system, drive):
+        for f in fields(law):
+            value = getattr(law, f.name, None)
+            if is_dataclass(value) and f.name in _SIDES:
+                found += [f"{f.name}_{inner.name}" for inner in fields(value)]
+            elif isinstance(value, float) and "quantity" in f.metadata:
+                found.append(f.name)
+    return found
+
+
+def _value(system: System, drive: Drive, name: str) -> float:
+    """Return the value that a law has."""
+    if name == "angle_offset":
+        return 0.0
+    side, _, inner = name.partition("_")
+    if side in _SIDES:
+        return float(getattr(getattr(system, side), inner))
+    return float(getattr(system if hasattr(system, name) else drive, name))
+
+
+def _guess(system: System, drive: Drive, name: str, value: float) -> Guess:
+    """Return the guess of a parameter, clear of the ends of its range."""
+    if name == "angle_offset":
+        return Guess(0.0)
+    side, _, inner = name.partition("_")
+    law: Any = getattr(system, side) if side in _SIDES else system
+    plain = inner if side in _SIDES else name
+    law = law if hasattr(law, plain) else drive
+    allowed = next(f.metadata["range"] for f in fields(law) if f.name == plain)
+    if plain == "damping" and value == 0.0:
+        one = law if hasattr(law, "mass") else system.balls[0]
+        value = 0.01 * one.mass * one.length * system.natural_frequency
+    elif value <= allowed.low:
+        value = allowed.low + 1e-3
+    elif value >= allowed.high:
+        value = allowed.high - 0.05
+    return Guess(value, allowed.low + (1e-9 if allowed.open_low else 0.0), allowed.high)
+
+
+def _changed(system: System, drive: Drive, values: Mapping[str, float]) -> tuple[System, Drive]:
+    """Return the laws with other values."""
+    of_system: dict[str, Any] = {}
+    of_drive: dict[str, Any] = {}
+    for name, value in values.items():
+        side, _, inner = name.partition("_")
+        if name == "angle_offset":
+            continue
+        if side in _SIDES:
+            of_system[side] = replace(of_system.get(side, getattr(system, side)), **{inner: value})
+        elif hasattr(system, name):
+            of_system[name] = value
+        else:
+            of_drive[name] = value
+    changed = replace(system, **of_system) if of_system else system
+    return changed, (replace(drive, **of_drive) if of_drive else drive)
+
+
+def _longest(
+    data: Data, laws: Any, shared: Mapping[str, Guess], levels: Sequence[float], origin: float
+) -> tuple[Solution, WindowedModel]:
+    """Return the solution of the longest windows that the model follows."""
+    best: tuple[Solution, WindowedModel] | None = None
+    duration = float(np.ptp(data.times))
+    for level in levels:
+        if best is not None and len(best[1].windows) == 1:
+            break
+        span = level if level < duration else math.inf
+        begins = window_starts(data, span, int(data.series.max()))
+        model = WindowedModel(data, laws, shared, begins, origin)
+        states = None
+        if best is not None:
+            found, before = best
+            shared = {n: replace(g, value=found.values[n]) for n, g in shared.items()}
+            model = WindowedModel(data, laws, shared, begins, origin)
+            states = before.states_at(found.values, begins)
+        try:
+            trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
+        except ValueError:
+            if best is None:
+                raise
+            break
+        lost = float(np.mean(~trial.kept))
+        if best is not None and (
+            trial.scatter > _GROWTH * best[0].scatter
+            or lost > max(_MOST_OUTLIERS, 1.5 * float(np.mean(~best[0].kept)))
+        ):
+            break
+        best = trial, model
+    assert best is not None
+    return best
+
+
+def _by_pivots(
+    data: Data,
+    system: System,
+    moving: Pivot,
+    names: Sequence[str],
+    found: Solution,
+    model: WindowedModel,
+) -> dict[str, float]:
+    """Return the standard deviations that the uncertainty of the pivot's motion alone makes."""
+    squares = dict.fromkeys(names, 0.0)
+    begins = np.array([window.begin for window in model.windows])
+    for other, weight in moving.others:
+
+        def laws(p: Mapping[str, float], drive: Drive = other) -> tuple[System, Drive]:
+            return _changed(system, drive, {name: p[name] for name in names})
+
+        shared = {n: replace(g, value=found.values[n]) for n, g in model.shared.items()}
+        moved = WindowedModel(data, laws, shared, begins, model.origin)
+        guesses = {n: replace(g, value=found.values[n]) for n, g in moved.guesses().items()}
+        trial = solve(
+            moved, guesses, data, jacobian=moved.jacobian,
+            kept=found.kept, correlation=found.correlation,
+        )  # fmt: skip
+        for name in names:
+            squares[name] += weight * (trial.values[name] - found.values[name]) ** 2
+    return {name: math.sqrt(square) for name, square in squares.items()}
+
+
+def _estimate(found: Solution, name: str, further: float) -> Estimate:
+    """Return an estimate with a further independent deviation."""
+    value, own = found.values[name], found.sigma(name)
+    sigma = math.hypot(own, further)
+    low, high = found.intervals.get(name, (math.nan, math.nan))
+    wider = sigma / own if own > 0.0 else 1.0
+    ends = value - wider * (value - low), value + wider * (high - value)
+    return Estimate(value, sigma, quantity_of(name).unit, *ends)
+
+
+def _verdict(told: Mapping[str, Estimate], found: Solution, model: WindowedModel) -> str:
+    """Return what was found in plain words."""
+    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in told.items())
+    count = len(model.windows)
+    words = f"{values[0].upper()}{values[1:]}; the angle is described to "
+    words += f"{1e3 * found.scatter:.3g} mrad"
+    words += " in one piece." if count == 1 else f" in {count} pieces that begin afresh."
+    share = float(np.mean(~found.kept))
+    if share > _MOST_OUTLIERS:
+        words += f" The model does not follow {100 * share:.2g} % of the samples: do not trust it."
+    elif share > 0.0:
+        words += f" {int((~found.kept).sum())} outliers were left out."
+    return words

@@ -1,0 +1,112 @@
+"""The project's own integrator as fits need it: angles at given instants, from any instant on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from latolato.experiment.fits.least_squares import Floats
+from latolato.numerics.integrate import Start, choose_stepper, integrate, step_for
+from latolato.physics.drives import Drive, MeasuredPivot, Static
+from latolato.physics.drives.base import Stretch
+from latolato.physics.pendulum import System
+
+# Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
+TOLERANCE = 1e-8
+
+
+class LaterDrive:
+    """A drive whose time zero is `origin` of another one's; what `integrate` asks of a drive.
+
+    Formulas of drives read time only against a stretch's ``start`` or through ``drive_phase``,
+    so shifting these two is all.
+    """
+
+    def __init__(self, drive: Drive, origin: float, duration: float) -> None:
+        self.stretch_fields = drive.stretch_fields
+        self.height, self.velocity = drive.height, drive.velocity
+        self.acceleration, self.rotation = drive.acceleration, drive.rotation
+        # Properties of a measured pivot look at every sample: ask once.
+        self.fastest_frequency = drive.fastest_frequency
+        self.largest_acceleration = drive.largest_acceleration
+        end = origin + duration
+        if isinstance(drive, MeasuredPivot):  # whose last piece holds a moment longer
+            end = min(end, drive.times[-1])
+        found = drive.stretches(end)
+        jumps = drive.velocity_jumps(end)
+        begin = max((i for i, (start, _) in enumerate(found) if start <= origin), default=0)
+        self._stretches: list[Stretch] = [
+            (start - origin, self._shifted(numbers, origin)) for start, numbers in found[begin:]
+        ]
+        self._jumps = [0.0, *jumps[begin + 1 :]]
+
+    def _shifted(self, numbers: tuple[float, ...], origin: float) -> tuple[float, ...]:
+        """Return a stretch's numbers with time counted from `origin`."""
+        named = dict(zip(self.stretch_fields, numbers, strict=True))
+        if "start" in named:
+            named["start"] -= origin
+        elif "drive_phase" in named:
+            named["drive_phase"] += named["drive_frequency"] * origin
+        return tuple(named.values())
+
+    def stretches(self, duration: float) -> list[Stretch]:
+        """Return the stretches that meet [0, duration]."""
+        return [(start, numbers) for start, numbers in self._stretches if start <= duration]
+
+    def velocity_jumps(self, duration: float) -> list[float]:
+        """Return the transmitted velocity jump at each start."""
+        return self._jumps[: len(self.stretches(duration))]
+
+
+def step_of(system: System, drive: Any, speed: float, tolerance: float = TOLERANCE) -> float:
+    """Return the step [s] of a fit, the same for all trials so that they differ smoothly."""
+    shortest = min(ball.length for ball in system.balls)
+    pull = (system.gravity + drive.largest_acceleration) / shortest
+    rate = max(np.sqrt(pull), drive.fastest_frequency, speed)
+    return float(step_for(rate, tolerance, choose_stepper(system)))
+
+
+def angles_at(
+    system: System,
+    drive: Any,
+    angles: Sequence[float],
+    velocities: Sequence[float],
+    times: Floats,
+    *,
+    step: float,
+    walls: tuple[float, float] = (-np.inf, np.inf),
+    rest_speed: float = 1e-5,
+) -> Floats:
+    """Return angles at instants from 0 on, shape (angle, time) [rad]; NaN where the motion fails.
+
+    Parameters
+    ----------
+    system : System
+        What moves.
+    drive : Drive or LaterDrive
+        How the pivot moves.
+    angles, velocities : sequence of float
+        The start, right ball first [rad, rad/s].
+    times : ndarray, shape (time,)
+        Increasing instants [s].
+    step : float
+        Step of the integrator [s].
+    walls : tuple of float
+        Contact angles or separations [rad].
+    """
+    begin = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
+    end = max(float(times[-1]), 1e-9)
+    found = integrate(
+        system,
+        drive if drive is not None else Static(),
+        begin,
+        np.ascontiguousarray(times, dtype=np.float64),
+        end,
+        walls=walls,
+        step=step,
+        rest_speed=rest_speed,
+        contact_limit=10_000,
+    )
+    return found.samples[0 : 2 * system.angles : 2]

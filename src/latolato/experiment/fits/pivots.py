@@ -1,0 +1,116 @@
+"""The measured pivot as the drive of a model, and other pivots that its track allows as well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.fits.drive import fit_drive
+from latolato.experiment.fits.samples import is_driven, noise_of
+from latolato.physics.drives import Drive, MeasuredPivot, Static
+from latolato.start import checked_drive
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.experiment.fits.result import Fit
+
+# A fitted drive stands for the track if it leaves less than this share of the amplitude.
+_GOOD = 0.02
+# Noisy copies of a track from which the effect of its noise is seen.
+_COPIES = 4
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """A drive, the instant that is its time zero, and others that fit the track as well.
+
+    Attributes
+    ----------
+    others : list of (Drive, float)
+        Each with the weight of the squared change that it makes.
+    """
+
+    drive: Drive
+    origin: float
+    others: list[tuple[Drive, float]]
+    words: str
+
+
+def measured_pivot(
+    table: xr.Dataset, length: float, first: float, last: float, *, spline: bool = False
+) -> Pivot:
+    """Return the pivot of a table between two instants.
+
+    At rest; or what `fit_drive` finds, where that leaves less than 2 percent of the amplitude; or
+    else a smoothing spline of the heights.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table.
+    length : float
+        Of the pendulum [m], against which the pivot may be at rest.
+    first, last : float
+        What must be covered [s].
+    spline : bool
+        Take the spline, whatever the motion.
+    """
+    if not is_driven(table, length):
+        return Pivot(Static(), 0.0, [], "the pivot is at rest")
+    if not spline:
+        try:
+            fit = fit_drive(table, profile=False)
+        except ValueError:
+            fit = None
+        if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
+            assert fit.drive is not None
+            return Pivot(fit.drive, 0.0, _neighbours(fit, fit.drive), "the pivot's fitted drive")
+    return _spline(table, first, last)
+
+
+def given_pivot(drive: Any) -> Pivot:
+    """Return a drive that is known."""
+    return Pivot(checked_drive(drive), 0.0, [], "the given drive")
+
+
+def _neighbours(fit: Fit, drive: Drive) -> list[tuple[Drive, float]]:
+    """Return drives that differ by one standard deviation in one parameter each."""
+    found: list[tuple[Drive, float]] = []
+    for name in ("drive_amplitude", "drive_frequency", "drive_phase"):
+        if name in fit and hasattr(drive, name):
+            sigma = fit[name].sigma
+            moved: Any = {name: getattr(drive, name) + sigma}
+            if name == "drive_frequency":
+                # About the middle of the record, where frequency and phase are independent.
+                middle = 0.5 * (fit.dataset.attrs["start"] + fit.dataset.attrs["end"])
+                about: Any = drive
+                moved["drive_phase"] = about.drive_phase - sigma * middle
+            # The phase's own deviation at time zero holds the frequency's: half of it is left.
+            weight = 0.25 if name == "drive_phase" and hasattr(drive, "drive_frequency") else 1.0
+            found.append((replace(drive, **moved), weight))
+    return found
+
+
+def _spline(table: xr.Dataset, first: float, last: float) -> Pivot:
+    """Return a smoothing spline of the heights, and splines of noisier copies."""
+    time, height = table["time"].values, table["pivot_y"].values
+    known = np.isfinite(height)
+    time, height = time[known], height[known]
+    if not len(time) or time[0] > first or time[-1] < last:
+        raise ValueError(
+            "the pivot is not known over all of the motion: give start and end, or the drive"
+        )
+    noise = noise_of(height)
+    generator = np.random.default_rng(0)
+
+    def through(heights: Any) -> MeasuredPivot:
+        return MeasuredPivot(times=time - time[0], pivot_heights=heights, height_sigma=noise)
+
+    others = [
+        (through(height + noise * generator.normal(size=len(height))), 1.0 / _COPIES)
+        for _ in range(_COPIES)
+    ]
+    return Pivot(through(height), float(time[0]), [*others], "a spline of the pivot's track")

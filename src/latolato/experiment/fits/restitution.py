@@ -1,0 +1,351 @@
+"""The coefficient of restitution, impact by impact, from the free flights before and after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.experiment.fits.flights import (
+    FEWEST,
+    ROUGH,
+    Flights,
+    Pull,
+    drag_step,
+    good_flights,
+    pull_of,
+    widening_of,
+)
+from latolato.experiment.fits.least_squares import Floats
+from latolato.experiment.fits.pivots import given_pivot, measured_pivot
+from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.samples import filled, length_of, within
+from latolato.experiment.table import balls_of, checked_table
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import GRAVITY
+from latolato.quantities import NON_NEGATIVE, POSITIVE
+from latolato.registry import checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Time before and after an impact that its velocities are taken from [s].
+_REACH = 0.25
+# A jump of the velocity counts from so many of its standard deviations on, at this closing speed
+# [rad/s], which must itself be this sure: turns are picked where noise looks like a jump.
+_SURE, _SLOWEST, _SURE_SPEED = 6.0, 0.2, 12.0
+# A gap at contact may differ from geometry by this share beside its own uncertainty.
+_OFF = 0.15
+# Impacts of two evaluations this close are the same [s].
+_SAME = 0.01
+
+
+def fit_restitution(
+    table: xr.Dataset,
+    *,
+    length: float | None = None,
+    radius: float | None = None,
+    gravity: float = GRAVITY,
+    drive: Drive | None = None,
+    ball: int = 1,
+    start: float | None = None,
+    end: float | None = None,
+) -> Fit:
+    """Return the coefficient of restitution of every impact that is seen, and of all together.
+
+    Paper eq11: of a table with two balls from their relative angular velocity, of one with one
+    ball from its own at a wall.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table; samples flagged ok count.
+    length : float, optional
+        Pivot to ball centre [m]; by default the table's.
+    radius : float, optional
+        Radius of a ball [m], by default the table's: the gap at contact is then checked.
+    gravity : float
+        Gravitational acceleration [m/s^2].
+    drive : Drive, optional
+        How the pivot moves; by default as measured.
+    ball : int
+        Which ball of a table with one meets a wall.
+    start, end : float, optional
+        Piece of the table that is used [s].
+
+    Returns
+    -------
+    Fit
+        With `restitution`, pooled, and on ``impact`` the `contact_time`, the
+        `angular_velocity_before` and `angular_velocity_after` (of the separation for two balls),
+        `restitution_each` and its standard deviation.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, and if no impact is seen well enough.
+
+    Notes
+    -----
+    Before and after each turn of the separation the pendulum equation is fitted to up to 0.25 s of
+    each ball's samples, with the drag that all flights share as one more unknown; both are carried
+    to the instant at which they meet. Impacts with fewer than 5 samples on a side (a rattle of
+    short bounces), with closing speeds below 0.2 rad/s or 12 of their standard deviations are
+    counted as unseen. The pooled deviation grows with the scatter of the impacts, so that it holds
+    if e varies; a dependence on speed is told.
+    """
+    checked_table(table)
+    length = length_of(table, length)
+    if length is None:
+        raise ValueError("restitution needs length [m]: the flights are pendulum motion")
+    radius = table.attrs.get("radius") if radius is None else radius
+    radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
+    gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
+    two = balls_of(table) == 2
+    time, angles, sigmas = _series(table, ball, two, start, end)
+    gap = angles[0] - angles[1] if two else angles[0]
+    first, last = float(time[0]), float(time[-1])
+    moving = given_pivot(drive) if drive is not None else measured_pivot(table, length, first, last)
+    pull = pull_of(moving.drive, moving.origin, gravity, length)
+    turns = _turns(time, gap)
+    if not turns:
+        raise ValueError("no impact is seen: the angle between the balls never turns round")
+    sides = [_sides(time, gap, turns, k) for k in range(len(turns))]
+    drag = 0.0
+    for _ in range(3):
+        flights = [
+            [Flights(time, angles, sigmas, side, instant, pull, drag) for side in pair]
+            for instant, pair in zip(turns, sides, strict=True)
+        ]
+        good = good_flights([flight for pair in flights for flight in pair])
+        change, drag_sigma = drag_step(good)
+        drag = min(max(drag + change, 0.0), 10.0)
+    contact = 2.0 * math.asin(min(radius / length, 1.0)) if radius and two else None
+    spread = float(np.median([flight.spread for flight in good])) if good else 1.0
+    widen = widening_of(good)
+
+    def seen(others_pull: Pull, others_drag: float) -> list[_Impact]:
+        found = _impacts(
+            time, angles, sigmas, turns, sides, others_pull, others_drag, spread, widen
+        )
+        return _at_contact(found, contact)
+
+    impacts = seen(pull, drag)
+    unseen = len(turns) - len(impacts)
+    if not impacts:
+        raise ValueError(
+            f"no impact is seen well enough: {unseen} turns of the angle are smooth, too slow or "
+            "have too few samples; use a faster camera"
+        )
+    each = np.array([i.restitution for i in impacts])
+    deviations = np.array([i.sigma for i in impacts])
+    pooled, words = _pooled(each, deviations, np.array([abs(i.before) for i in impacts]))
+    # What all impacts share: the drag, and the pivot's motion.
+    dragged = seen(pull, drag + drag_sigma)
+    shared = _shift(impacts, dragged) ** 2
+    deviations = np.hypot(deviations, [_shift([impact], dragged) for impact in impacts])
+    for other, weight in moving.others:
+        moved = pull_of(other, moving.origin, gravity, length)
+        shared += weight * _shift(impacts, seen(moved, drag)) ** 2
+    pooled = Estimate(pooled.value, math.sqrt(pooled.sigma**2 + shared), "1")
+    curves = {
+        "contact_time": ("impact", np.array([i.time for i in impacts])),
+        "angular_velocity_before": ("impact", np.array([i.before for i in impacts])),
+        "angular_velocity_after": ("impact", np.array([i.after for i in impacts])),
+        "restitution_each": ("impact", each),
+        "restitution_each_sigma": ("impact", deviations),
+        "separation_at_contact": ("impact", np.array([i.gap for i in impacts])),
+        "time": ("sample", time),
+        "separation": ("sample", gap),
+    }
+    about = {
+        "start": first, "end": last, "impacts": len(impacts), "unseen": unseen, "length": length,
+        "radius": radius, "gravity": gravity, "damping_rate": drag, "pivot": moving.words,
+        "of": "two balls" if two else "one ball and a wall", "source": table.attrs.get("source"),
+    }  # fmt: skip
+    verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
+    if unseen:
+        verdict += f" {unseen} further turns are no impacts that can be seen."
+    return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
+
+
+@dataclass(frozen=True)
+class _Impact:
+    """One impact: its instant, velocities of the gap, the gap, and what follows."""
+
+    time: float
+    before: float
+    after: float
+    gap: float
+    gap_sigma: float
+    sigma: float
+
+    @property
+    def restitution(self) -> float:
+        """Speed after over speed before."""
+        return -self.after / self.before
+
+
+def _series(
+    table: xr.Dataset, ball: int, two: bool, start: float | None, end: float | None
+) -> tuple[Floats, list[Floats], list[Floats]]:
+    """Return instants, angles (NaN where not ok) and sigmas of the balls."""
+    chosen = within(table["time"].values, start, end)
+    if not two and ball != 1:
+        raise ValueError(f"ball must be 1 in this table, got {ball!r}")
+    angles, sigmas = [], []
+    for each in (1, 2) if two else (1,):
+        angle = table[f"angle_{each}"].values[chosen].copy()
+        angle[table[f"flag_{each}"].values[chosen] != "ok"] = np.nan
+        if np.isfinite(angle).sum() < 2 * FEWEST:
+            raise ValueError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
+        angles.append(angle)
+        sigmas.append(filled(table[f"angle_sigma_{each}"].values[chosen]))
+    return table["time"].values[chosen], angles, sigmas
+
+
+def _turns(time: Floats, gap: Floats) -> list[float]:
+    """Return the instants at which a gap turns round, with or without an impact."""
+    known = np.flatnonzero(np.isfinite(gap))
+    slopes = np.diff(gap[known]) / np.diff(time[known])
+    noise = 1.4826 * float(np.median(np.abs(np.diff(slopes)))) + 1e-12
+    found: list[float] = []
+    sign, place = 0.0, 0
+    for i, slope in enumerate(slopes):
+        # Small slopes are of either sign by noise alone.
+        if abs(slope) < min(noise, _SLOWEST):
+            continue
+        now = math.copysign(1.0, slope)
+        if sign and now != sign:
+            t0, t1 = time[known[place + 1]], time[known[i]]
+            found.append(float(0.5 * (t0 + t1)))
+        sign, place = now, i
+    return found
+
+
+def _sides(
+    time: Floats, gap: Floats, turns: list[float], k: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the samples of the flights before and after a turn, clear of it and the next ones."""
+    clear = 0.75 * float(np.median(np.diff(time)))
+    before = max(turns[k] - _REACH, turns[k - 1] + clear if k else -math.inf)
+    after = min(turns[k] + _REACH, turns[k + 1] - clear if k + 1 < len(turns) else math.inf)
+    known = np.isfinite(gap)
+    left = known & (time >= before) & (time < turns[k] - clear)
+    right = known & (time <= after) & (time > turns[k] + clear)
+    return np.flatnonzero(left), np.flatnonzero(right)
+
+
+def _shift(impacts: Sequence[_Impact], others: Sequence[_Impact]) -> float:
+    """Return by how much the mean of the same impacts differs."""
+    total = change = 0.0
+    for one in impacts:
+        same = [other for other in others if abs(other.time - one.time) < _SAME]
+        if same:
+            total += one.sigma**-2
+            change += (same[0].restitution - one.restitution) * one.sigma**-2
+    return change / total if total > 0.0 else 0.0
+
+
+def _impacts(
+    time: Floats,
+    angles: Sequence[Floats],
+    sigmas: Sequence[Floats],
+    turns: Sequence[float],
+    sides: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]],
+    pull: Pull,
+    drag: float,
+    spread: float,
+    widen: float,
+) -> list[_Impact]:
+    """Return the impacts that are seen among the turns."""
+    found = []
+    for turn, pair in zip(turns, sides, strict=True):
+        instant = turn
+        before = after = None
+        for _ in range(3):
+            before, after = (
+                Flights(time, angles, sigmas, side, instant, pull, drag, widen) for side in pair
+            )
+            rough = max(before.spread, after.spread) > ROUGH * spread
+            if rough or not (before.enough and after.enough):
+                break
+            jump = after.velocity - before.velocity
+            sigma = math.hypot(before.sigma, after.sigma)
+            if abs(jump) < max(_SURE * sigma, _SLOWEST):
+                break
+            shift = (before.gap - after.gap) / jump
+            # Never beyond the samples on either side.
+            low, high = float(time[pair[0][-1]]), float(time[pair[1][0]])
+            instant = min(max(instant + shift, low), high)
+        else:
+            assert before is not None
+            assert after is not None
+            slowest = max(_SLOWEST, _SURE_SPEED * before.sigma)
+            if abs(before.velocity) > slowest and before.velocity * after.velocity < 0.0:
+                ratio = -after.velocity / before.velocity
+                sigma = math.hypot(after.sigma, ratio * before.sigma) / abs(before.velocity)
+                gap = 0.5 * (before.gap + after.gap)
+                gap_sigma = math.hypot(before.gap_sigma, after.gap_sigma)
+                # Two impacts within one look: they gain speed, or the balls would have to jump.
+                if ratio > 1.0 + _SURE * sigma or not _meets(before, after):
+                    continue
+                found.append(
+                    _Impact(instant, before.velocity, after.velocity, gap, gap_sigma, sigma)
+                )
+    return found
+
+
+def _meets(before: Flights, after: Flights) -> bool:
+    """Return whether every ball is where it was, as its flights on both sides have it."""
+    for i, (one, other) in enumerate(zip(before.states, after.states, strict=True)):
+        sigma = math.sqrt(before.covariances[i][0, 0] + after.covariances[i][0, 0])
+        if abs(one[0] - other[0]) > _SURE * sigma:
+            return False
+    return True
+
+
+def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:
+    """Return the impacts that happen where balls of this radius touch, bottom or top."""
+    if contact is None:
+        return impacts
+    kept = []
+    for impact in impacts:
+        gap = abs(impact.gap) % math.tau
+        away = min(abs(gap - contact), abs(math.tau - gap - contact))
+        if away < _OFF * contact + 5.0 * impact.gap_sigma:
+            kept.append(impact)
+    return kept
+
+
+def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str]:
+    """Return the pooled coefficient, and what is said of its scatter and of speed."""
+    weights = 1.0 / sigmas**2
+    mean = float(np.sum(weights * each) / np.sum(weights))
+    own = 1.0 / math.sqrt(float(np.sum(weights)))
+    count = len(each)
+    chi_square = float(np.sum(weights * (each - mean) ** 2)) / max(count - 1, 1)
+    words = ""
+    if count > 3 and chi_square > 1.0 + 3.0 * math.sqrt(2.0 / (count - 1)):
+        # Impacts differ by more than they are uncertain: all count alike then.
+        extra = max(float(np.var(each, ddof=1)) - float(np.mean(sigmas**2)), 0.0)
+        weights = 1.0 / (sigmas**2 + extra)
+        mean = float(np.sum(weights * each) / np.sum(weights))
+        own = math.sqrt(1.0 / float(np.sum(weights)))
+        words = f"; they differ by {math.sqrt(extra):.2g}, more than their uncertainty"
+    else:
+        own *= math.sqrt(max(chi_square, 1.0)) if count > 1 else 1.0
+    if count > 5 and np.ptp(speeds) > 0.0:
+        late = speeds - np.average(speeds, weights=weights)
+        slope = float(np.sum(weights * late * each) / np.sum(weights * late**2))
+        spread = 1.0 / math.sqrt(float(np.sum(weights * late**2)))
+        if abs(slope) > 4.0 * spread:
+            words += (
+                f"; e {'falls' if slope < 0 else 'grows'} by {abs(slope):.2g} for each rad/s of "
+                "closing speed"
+            )
+    return Estimate(mean, own, "1"), words

@@ -1,0 +1,225 @@
+"""What every fit gives: estimates with their uncertainty, a plain verdict and curves to draw."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.quantities import QUANTITIES, Quantity
+from latolato.registry import suggest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.physics.drives import Drive
+
+# Half the width of a 95 percent interval in standard deviations.
+TWO_SIDED = 1.959964
+# Endings of the variables that go with an estimate.
+_PARTS = {
+    "sigma": "standard deviation of",
+    "low": "low end of the 95 % interval of",
+    "high": "high end of the 95 % interval of",
+}
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted number with its standard deviation and 95 percent interval, in `unit`.
+
+    Without an interval it is the value and 1.96 standard deviations either way.
+    """
+
+    value: float
+    sigma: float
+    unit: str
+    low: float = math.nan
+    high: float = math.nan
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.low):
+            object.__setattr__(self, "low", self.value - TWO_SIDED * self.sigma)
+        if math.isnan(self.high):
+            object.__setattr__(self, "high", self.value + TWO_SIDED * self.sigma)
+
+    def __str__(self) -> str:
+        if not (math.isfinite(self.value) and math.isfinite(self.sigma)) or self.sigma <= 0.0:
+            text = f"{self.value:.6g}"
+        else:
+            # Two digits of the deviation, and the value to the same place.
+            place = 1 - math.floor(math.log10(self.sigma))
+            largest = max(abs(self.value), self.sigma)
+            digits = max(1, place + 1 + math.floor(math.log10(largest)))
+            text = f"{self.value:.{digits}g} ± {self.sigma:.2g}"
+        return text if self.unit in ("", "1") else f"{text} {self.unit.replace('*', ' ')}"
+
+    def scaled(self, factor: float, unit: str) -> Estimate:
+        """Return the estimate of this quantity times a known factor."""
+        ends = sorted((self.low * factor, self.high * factor))
+        return Estimate(self.value * factor, self.sigma * abs(factor), unit, *ends)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit's result; everything in it lives in one dataset, which files can hold.
+
+    ``fit["damping"]`` is an `Estimate`, ``fit.verdict`` a sentence for people, ``fit.drive`` the
+    drive that was found (or None), ``fit.dataset`` all of it with the fitted curves: for an
+    estimate `name` the variables `name`, ``name_sigma``, ``name_low`` and ``name_high``.
+    """
+
+    dataset: xr.Dataset
+
+    @property
+    def kind(self) -> str:
+        """What was fitted: decay, drive, restitution or model."""
+        return str(self.dataset.attrs["fit"])
+
+    @property
+    def verdict(self) -> str:
+        """The result in plain words."""
+        return str(self.dataset.attrs["verdict"])
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """All estimates by name."""
+        names = [str(n) for n in self.dataset.data_vars if f"{n}_sigma" in self.dataset]
+        return {name: self[name] for name in names if self.dataset[name].ndim == 0}
+
+    @property
+    def drive(self) -> Drive | None:
+        """The drive that was found or given, None for a pivot at rest."""
+        text = self.dataset.attrs.get("drive_description")
+        if not text:
+            return None
+        from latolato.physics.drives import drives
+        from latolato.registry import rebuild
+
+        described = json.loads(text)
+        drive: Drive = rebuild(drives[described.pop("kind")], described)
+        return drive
+
+    def __contains__(self, name: str) -> bool:
+        return f"{name}_sigma" in self.dataset and self.dataset[name].ndim == 0
+
+    def __getitem__(self, name: str) -> Estimate:
+        if name not in self:
+            known = list(self.estimates)
+            raise KeyError(f"the fit has no '{name}': {suggest(name, known)}")
+        found = self.dataset
+        parts = [float(found[f"{name}_{part}"]) for part in _PARTS]
+        return Estimate(float(found[name]), parts[0], found[name].attrs["units"], *parts[1:])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return estimates, verdict and attributes as JSON knows them; NaN is None."""
+        return {
+            "fit": self.kind,
+            "verdict": self.verdict,
+            "values": {
+                name: {
+                    "value": _plain(estimate.value),
+                    "sigma": _plain(estimate.sigma),
+                    "low": _plain(estimate.low),
+                    "high": _plain(estimate.high),
+                    "units": estimate.unit,
+                }
+                for name, estimate in self.estimates.items()
+            },
+            "attributes": {str(key): _plain(value) for key, value in self.dataset.attrs.items()},
+        }
+
+    def save(self, path: str | Path) -> Path:
+        """Write the fit as a NetCDF file and return its path."""
+        from latolato.files import check_suffix, save
+
+        check_suffix(path, (".nc",), "the result of a fit")
+        return save(self.dataset, path)
+
+
+def load_fit(path: str | Path) -> Fit:
+    """Return the fit in a file that `Fit.save` wrote.
+
+    Raises
+    ------
+    ValueError
+        If the file holds something else.
+    """
+    from latolato.files import load
+
+    dataset = load(path)
+    if "fit" not in dataset.attrs:
+        raise ValueError(f"'{path}' holds no fit")
+    return Fit(dataset)
+
+
+def quantity_of(name: str) -> Quantity:
+    """Return a quantity by name; of one ball of a pair as in ``right_length``."""
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    side, _, inner = name.partition("_")
+    quantity = QUANTITIES[inner]
+    return replace(quantity, long_name=f"{quantity.long_name}, {side} ball")
+
+
+def make_fit(
+    kind: str,
+    estimates: Mapping[str, Estimate],
+    verdict: str,
+    curves: Mapping[str, tuple[str, Any]],
+    attributes: Mapping[str, Any],
+    drive: Drive | None = None,
+) -> Fit:
+    """Return a fit made of its parts.
+
+    Parameters
+    ----------
+    kind : str
+        What was fitted.
+    estimates : mapping of str to Estimate
+        Named as in `latolato.quantities`.
+    verdict : str
+        The result in plain words.
+    curves : mapping of str to (str, array_like)
+        Dimension and values of further variables, named as in `latolato.quantities`.
+    attributes : mapping
+        Numbers and texts; None is left out.
+    drive : Drive, optional
+        What was found of the pivot.
+    """
+    import xarray as xr
+
+    variables: dict[str, Any] = {}
+    for name, estimate in estimates.items():
+        quantity = quantity_of(name)
+        shared = {"units": estimate.unit, "symbol": quantity.symbol}
+        variables[name] = ((), estimate.value, {**shared, "long_name": quantity.long_name})
+        for part, words in _PARTS.items():
+            meaning = {**shared, "long_name": f"{words} {quantity.long_name}"}
+            variables[f"{name}_{part}"] = ((), getattr(estimate, part), meaning)
+    for name, (dimension, values) in curves.items():
+        quantity = QUANTITIES[name]
+        about = {
+            "units": quantity.unit,
+            "long_name": quantity.long_name,
+            "symbol": quantity.symbol,
+        }
+        variables[name] = (dimension, values, about)
+    kept = {key: value for key, value in attributes.items() if value is not None}
+    kept = {key: int(v) if isinstance(v, bool) else v for key, v in kept.items()}
+    if drive is not None:
+        from latolato.physics.drives import drives
+        from latolato.registry import describe
+
+        about_drive = {"kind": drives.name_of(drive), **describe(drive)}
+        kept["drive_description"] = json.dumps(about_drive)
+    return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    plain = value.tolist() if hasattr(value, "tolist") else value
+    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

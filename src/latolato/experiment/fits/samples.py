@@ -1,0 +1,96 @@
+"""Which samples of a track table a fit uses, and what is seen of them beforehand."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.experiment.fits.least_squares import Data, Floats
+from latolato.experiment.table import balls_of, checked_table
+from latolato.quantities import POSITIVE
+from latolato.registry import checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# A pivot that moves by less than this share of the length is at rest (its track is noisy).
+_STILL = 0.004
+
+
+def samples_of(
+    table: xr.Dataset, ball: int, *, start: float | None = None, end: float | None = None
+) -> Data:
+    """Return the samples of a ball's angle that are flagged ok, between `start` and `end` [s].
+
+    Raises
+    ------
+    ValueError
+        If there is no such ball or nothing is left.
+    """
+    if isinstance(ball, bool) or ball not in range(1, balls_of(checked_table(table)) + 1):
+        known = " or ".join(map(str, range(1, balls_of(table) + 1)))
+        raise ValueError(f"ball must be {known} in this table, got {ball!r}")
+    checked_table(table, f"angle_{ball}")
+    time, angle = table["time"].values, table[f"angle_{ball}"].values
+    good = np.isfinite(angle) & (table[f"flag_{ball}"].values == "ok") & within(time, start, end)
+    if good.sum() < 8:
+        raise ValueError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
+    sigma = table[f"angle_sigma_{ball}"].values[good]
+    return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
+
+
+def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.bool_]:
+    """Return which instants lie between `start` and `end`, where given."""
+    chosen = np.ones(len(time), dtype=bool)
+    if start is not None:
+        chosen &= time >= start
+    if end is not None:
+        chosen &= time <= end
+    if not chosen.any():
+        raise ValueError(
+            f"no sample lies between start and end: the table goes from {time[0]:g} to "
+            f"{time[-1]:g} s"
+        )
+    return chosen
+
+
+def filled(sigma: Floats) -> Floats:
+    """Return uncertainties with unknown ones replaced by the median, by 1 if none is known."""
+    known = np.isfinite(sigma) & (sigma > 0.0)
+    typical = float(np.median(sigma[known])) if known.any() else 1.0
+    return np.where(known, sigma, typical)
+
+
+def length_of(table: xr.Dataset, length: Any) -> float | None:
+    """Return the length that is given, else the table's, else None [m]."""
+    if length is None:
+        length = table.attrs.get("length")
+    return None if length is None else checked_number("length", length, POSITIVE, "m")
+
+
+def noise_of(values: Floats) -> float:
+    """Return the scatter of neighbours about a smooth curve, from third differences."""
+    if len(values) < 8:
+        return 0.0
+    third = np.abs(np.diff(values, 3))
+    return float(np.median(third)) * 1.4826 / math.sqrt(20.0)
+
+
+def pivot_swing(table: xr.Dataset) -> float:
+    """Return half the way that the pivot goes up and down [m], 0 where it is unknown."""
+    heights = table["pivot_y"].values
+    known = heights[np.isfinite(heights)]
+    if len(known) < 8:
+        return 0.0
+    low, high = np.percentile(known, [2.0, 98.0])
+    return 0.5 * float(high - low)
+
+
+def is_driven(table: xr.Dataset, length: float) -> bool:
+    """Return whether the pivot moves by more than its track scatters."""
+    heights = table["pivot_y"].values
+    noise = noise_of(heights[np.isfinite(heights)])
+    return pivot_swing(table) > max(_STILL * length, 4.0 * noise)

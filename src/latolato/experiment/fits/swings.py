@@ -1,0 +1,123 @@
+"""Swings of a noisy angle: zero crossings, turning points, the instant of release."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from latolato.experiment.fits.least_squares import Floats
+from latolato.experiment.fits.samples import noise_of
+
+# A swing must pass zero by so many times the noise, and this share of the largest, to count.
+_CLEAR = 6.0
+_SHARE = 0.02
+# A ball that stays near its largest angle longer than this many periods is being held.
+_HELD = 0.4
+
+
+@dataclass(frozen=True)
+class Swings:
+    """Turning points of a decaying swing.
+
+    Attributes
+    ----------
+    times, angles, sigmas : ndarray, shape (swing,)
+        Instants [s], signed angles and their standard deviations [rad].
+    halves : ndarray, shape (swing,)
+        Half periods [s].
+    """
+
+    times: Floats
+    angles: Floats
+    sigmas: Floats
+    halves: Floats
+
+
+def crossings(times: Floats, values: Floats) -> Floats:
+    """Return the instants at which a noisy oscillation crosses zero, each once [s]."""
+    threshold = max(_CLEAR * noise_of(values), _SHARE * float(np.max(np.abs(values))))
+    clear = np.flatnonzero(np.abs(values) > threshold)
+    signs = np.sign(values[clear])
+    found = []
+    for k in np.flatnonzero(signs[1:] != signs[:-1]):
+        first, last = clear[k], clear[k + 1]
+        # A line through everything between both clear sides is steadier than two samples.
+        t, v = times[first : last + 1], values[first : last + 1]
+        if len(t) > 2:
+            slope, height = np.polyfit(t - t[0], v, 1)
+            at = t[0] - height / slope if slope != 0.0 else 0.5 * (t[0] + t[-1])
+            at = min(max(at, t[0]), t[-1])
+        else:
+            at = t[0] - v[0] * (t[1] - t[0]) / (v[1] - v[0])
+        found.append(float(at))
+    return np.array(found)
+
+
+def swings_of(times: Floats, angles: Floats) -> Swings:
+    """Return the turning points between crossings, each from a fit of its half swing.
+
+    Between two crossings the swing is ``a cos(W s) + b sin(W s) + c cos(3 W s)`` of the time s
+    from their middle, W being pi over the half period; its turning angle is ``a + c`` to the
+    square of b/a.
+    """
+    zeros = crossings(times, angles)
+    rows = []
+    for begin, end in pairwise(zeros):
+        inside = (times > begin) & (times < end)
+        if inside.sum() < 5:
+            continue
+        half = end - begin
+        rate, middle = math.pi / half, 0.5 * (begin + end)
+        s = rate * (times[inside] - middle)
+        basis = [np.cos(s), np.sin(s)]
+        if inside.sum() >= 10:
+            basis.append(np.cos(3.0 * s))
+        design = np.column_stack(basis)
+        found, *_ = np.linalg.lstsq(design, angles[inside], rcond=None)
+        error = angles[inside] - design @ found
+        freedom = max(int(inside.sum()) - len(basis), 1)
+        inverse = np.linalg.pinv(design.T @ design)
+        weights = np.array([1.0, 0.0, 1.0][: len(basis)])
+        spread = float(error @ error) / freedom
+        top = float(weights @ found)
+        late = found[1] / (found[0] + 9.0 * (found[2] if len(basis) > 2 else 0.0))
+        top += 0.5 * late * float(found[1])
+        shape = math.sqrt(float(weights @ inverse @ weights))
+        rows.append((middle + late / rate, top, shape, half, spread))
+    if not rows:
+        raise ValueError("no swing is seen: the angle does not cross zero twice beyond its noise")
+    tops, angles_there, shapes, halves, spreads = np.array(rows).T
+    # One scatter for all: that of a single half swing is too uncertain to weigh it by.
+    return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
+
+
+def free_start(times: Floats, angles: Floats) -> float:
+    """Return the instant from which a ball swings freely [s]: after the hand that held it let go.
+
+    A ball that stays near its largest angle longer than a swing would is being held; what follows
+    is used from the next zero crossing on, clear of the release.
+    """
+    zeros = crossings(times, angles)
+    if len(zeros) < 3:
+        raise ValueError("no free swing is seen: the angle crosses zero less than three times")
+    period = 2.0 * float(np.median(np.diff(zeros)))
+    largest = float(np.max(np.abs(angles)))
+    first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
+    away = np.flatnonzero(np.abs(angles[first:]) < 0.9 * largest)
+    left = first + int(away[0]) if away.size else len(angles) - 1
+    if times[left] - times[0] < _HELD * period:
+        return float(times[0])
+    later = zeros[zeros > times[left]]
+    if len(later) < 3:
+        raise ValueError("no free swing is seen after the release; give start")
+    return float(later[0])
+
+
+def period_factor(amplitude: float) -> float:
+    """Return the period of a pendulum over that of small swings, 2 K(sin(amplitude/2))/pi."""
+    from scipy.special import ellipk
+
+    return float(ellipk(math.sin(0.5 * min(abs(amplitude), 3.1)) ** 2)) * 2.0 / math.pi

@@ -1,0 +1,229 @@
+"""A model of angles over windows that begin afresh: robust where motion is long or chaotic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.experiment.fits.least_squares import Data, Floats, Guess
+from latolato.experiment.fits.motion import LaterDrive, angles_at, step_of
+from latolato.physics.contacts import Exact
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.start import walls_of
+
+# Samples to either side from which the state at the start of a window is guessed.
+_NEAR = 4
+# Relative and absolute steps of derivatives.
+_RELATIVE, _ABSOLUTE = 1e-5, 1e-6
+Laws = Callable[[Mapping[str, float]], tuple[System, Drive]]
+
+
+@dataclass(frozen=True)
+class Window:
+    """A piece of the samples that one start belongs to.
+
+    Attributes
+    ----------
+    begin : float
+        Instant of the start [s].
+    places : list of ndarray of int
+        For each angle where its samples are in the data.
+    times : ndarray
+        Instants of all of them from `begin` on, each once [s].
+    inside : list of ndarray of int
+        For each angle the place of its samples in `times`.
+    """
+
+    begin: float
+    places: list[NDArray[np.int64]]
+    times: Floats
+    inside: list[NDArray[np.int64]]
+
+
+class WindowedModel:
+    """Angles of a system over windows, with shared parameters and a start for each window.
+
+    Parameters of window k are ``angle_k_j`` and ``velocity_k_j`` for angle j.
+    """
+
+    def __init__(
+        self, data: Data, laws: Laws, shared: Mapping[str, Guess], begins: Floats, origin: float
+    ) -> None:
+        self.data, self.laws, self.shared, self.origin = data, laws, dict(shared), origin
+        system, drive = laws({name: guess.value for name, guess in shared.items()})
+        self.angles = system.angles
+        self.windows = _windows(data, begins, self.angles)
+        self._held = not any(name.startswith("drive_") for name in shared)
+        self._drives = [self._later(drive, w) for w in self.windows] if self._held else []
+        reach = max(self._drives, key=lambda d: d.largest_acceleration) if self._held else drive
+        speed = 2.0 * float(np.sqrt((system.gravity + reach.largest_acceleration) / min(
+            ball.length for ball in system.balls)))  # fmt: skip
+        self.step = step_of(system, reach, speed)
+
+    def guesses(self, states: Floats | None = None) -> dict[str, Guess]:
+        """Return guesses of all parameters; of the starts from the samples about them."""
+        found = dict(self.shared)
+        system, _ = self.laws({name: guess.value for name, guess in found.items()})
+        for k, window in enumerate(self.windows):
+            seen = _states(self.data, window.begin, self.angles) if states is None else states[k]
+            inside = _within_walls(system, seen[:, 0])
+            for j in range(self.angles):
+                found[f"angle_{k}_{j}"] = Guess(float(inside[j]))
+                found[f"velocity_{k}_{j}"] = Guess(float(seen[j, 1]))
+        return found
+
+    def __call__(self, p: Mapping[str, float]) -> Floats:
+        """Return the angles at the samples [rad]."""
+        system, drives = self._laws(p)
+        out = np.empty(len(self.data))
+        for k in range(len(self.windows)):
+            self._run(out, system, drives[k], p, k)
+        return out
+
+    def jacobian(self, p: Mapping[str, float], names: Sequence[str]) -> Floats:
+        """Return the derivatives of the angles, shape (sample, name)."""
+        middle = self(p)
+        system, drives = self._laws(p)
+        found = np.zeros((len(self.data), len(names)))
+        for i, name in enumerate(names):
+            size = max(_RELATIVE * abs(p[name]), _ABSOLUTE)
+            # Towards the inside of a bounded range.
+            high = self.shared[name].high if name in self.shared else math.inf
+            change = -size if p[name] + size > high else size
+            moved = {**p, name: p[name] + change}
+            if name in self.shared:
+                found[:, i] = (self(moved) - middle) / change
+                continue
+            k = int(name.split("_")[1])
+            out = middle.copy()
+            self._run(out, system, drives[k], moved, k)
+            found[:, i] = (out - middle) / change
+        return found
+
+    def states_at(self, p: Mapping[str, float], begins: Floats) -> Floats:
+        """Return angles and velocities of the solution at instants, shape (instant, angle, 2)."""
+        system, drives = self._laws(p)
+        starts = np.array([window.begin for window in self.windows])
+        out = np.empty((len(begins), self.angles, 2))
+        for i, instant in enumerate(begins):
+            k = max(int(np.searchsorted(starts, instant + 1e-9)) - 1, 0)
+            state = self._start(p, k)
+            late = instant - starts[k]
+            if late <= 1e-9:
+                out[i] = state
+                continue
+            tiny = 1e-6
+            seen = self._angles(system, drives[k], state, np.array([late, late + tiny]))
+            out[i, :, 0] = seen[:, 0]
+            out[i, :, 1] = (seen[:, 1] - seen[:, 0]) / tiny
+        return out
+
+    def _laws(self, p: Mapping[str, float]) -> tuple[System, list[LaterDrive]]:
+        """Return the system, and the drive as each window sees it."""
+        system, drive = self.laws(p)
+        return system, self._drives or [self._later(drive, w) for w in self.windows]
+
+    def _later(self, drive: Drive, window: Window) -> LaterDrive:
+        """Return the drive with its time counted from the start of a window."""
+        return LaterDrive(drive, window.begin - self.origin, float(window.times[-1]) + 1e-5)
+
+    def _start(self, p: Mapping[str, float], k: int) -> Floats:
+        """Return the state at the start of a window, shape (angle, 2)."""
+        return np.array([[p[f"angle_{k}_{j}"], p[f"velocity_{k}_{j}"]] for j in range(self.angles)])
+
+    def _run(
+        self, out: Floats, system: System, drive: LaterDrive, p: Mapping[str, float], k: int
+    ) -> None:
+        """Write the angles of one window."""
+        window = self.windows[k]
+        seen = self._angles(system, drive, self._start(p, k), window.times)
+        offset = p.get("angle_offset", 0.0)
+        for j in range(self.angles):
+            out[window.places[j]] = seen[j, window.inside[j]] + offset
+
+    def _angles(self, system: System, drive: Any, state: Floats, times: Floats) -> Floats:
+        """Return angles at instants, shape (angle, instant)."""
+        walls = walls_of(system, Exact()) if system.has_contacts else (-math.inf, math.inf)
+        begun = _within_walls(system, state[:, 0])
+        start = begun.tolist(), state[:, 1].tolist()
+        return angles_at(system, drive, *start, times, step=self.step, walls=walls)
+
+
+def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
+    """Return the pieces of the samples that begin at these instants."""
+    ends = [*begins[1:], math.inf]
+    found = []
+    for begin, end in zip(begins, ends, strict=True):
+        chosen = (data.times >= begin - 1e-9) & (data.times < end - 1e-9)
+        places = [np.flatnonzero(chosen & (data.series == j + 1)) for j in range(angles)]
+        times = np.unique(np.maximum(data.times[chosen] - begin, 0.0))
+        inside = [
+            np.searchsorted(times, np.maximum(data.times[place] - begin, 0.0)) for place in places
+        ]
+        found.append(Window(float(begin), places, times, inside))
+    return found
+
+
+def _states(data: Data, instant: float, angles: int) -> Floats:
+    """Return angles and angular velocities about an instant from parabolas, shape (angle, 2)."""
+    out = np.zeros((angles, 2))
+    for j in range(angles):
+        own = np.flatnonzero(data.series == j + 1)
+        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
+        late = data.times[near] - instant
+        scale = max(float(np.max(np.abs(late))), 1e-6)
+        found = np.polyfit(late / scale, data.values[near], 2)
+        out[j] = found[2], found[1] / scale
+    return out
+
+
+def _within_walls(system: System, angles: Floats) -> Floats:
+    """Return angles that noise has put beyond a wall, moved onto it."""
+    if not system.has_contacts:
+        return angles
+    low, high = walls_of(system, Exact())
+    if len(angles) == 1:
+        return np.clip(angles, low, high)
+    gap = float(angles[0] - angles[1])
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return np.array([angles[0] + shift, angles[1] - shift])
+
+
+def window_starts(data: Data, length: float, angles: int) -> Floats:
+    """Return instants about `length` seconds apart at which the motion is smooth.
+
+    Near a contact the state cannot be guessed from the samples, so each start is moved to where a
+    parabola fits best within a quarter of the length.
+    """
+    first, last = float(np.min(data.times)), float(np.max(data.times))
+    count = max(1, round((last - first) / length)) if math.isfinite(length) else 1
+    starts = [first]
+    one = data.times[data.series == 1]
+    for k in range(1, count):
+        about = first + k * (last - first) / count
+        near = one[np.abs(one - about) < 0.25 * length]
+        if not len(near):
+            continue
+        picked = near[:: max(1, len(near) // 24)]
+        misfit = [_misfit(data, float(t), angles) for t in picked]
+        starts.append(float(picked[int(np.argmin(misfit))]))
+    return np.array(starts)
+
+
+def _misfit(data: Data, instant: float, angles: int) -> float:
+    """Return how badly parabolas describe the samples about an instant."""
+    total = 0.0
+    for j in range(angles):
+        own = np.flatnonzero(data.series == j + 1)
+        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
+        late = data.times[near] - instant
+        found = np.polyfit(late, data.values[near], 2)
+        total += float(np.sum((data.values[near] - np.polyval(found, late)) ** 2))
+        total += float(np.ptp(late))  # gaps are no good place
+    return total

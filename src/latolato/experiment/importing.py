@@ -1,0 +1,348 @@
+"""Tables of other programs become track tables: Tracker's exports, phone sensors, spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.experiment.table import column_names, track_table
+from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
+from latolato.registry import checked_number, suggest
+from latolato.units import to_si
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+# What people call the columns, in small letters and without units; used where nothing is said.
+_USUAL = {
+    "time": ("t", "time"),
+    "angle_1": ("theta", "angle", "θ", "angle_1"),
+    "ball_1_x": ("x", "ball_1_x"),
+    "ball_1_y": ("y", "ball_1_y"),
+}
+# What may be imported: the table's numbers.
+TARGETS = tuple(n for n in column_names(2) if n != "frame" and not n.startswith("flag"))
+_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
+# What a gyroscope measures; it becomes the angle.
+_RATE = "angular_velocity_1"
+# Files beyond this size are taken for mistakes [bytes].
+_LARGEST = 500_000_000
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A text table: names of its columns, and rows of cells."""
+
+    names: list[str]
+    columns: list[list[str]]
+    decimal_comma: bool
+
+
+def import_table(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    *,
+    length: float | None = None,
+    radius: float | None = None,
+    pivot: Sequence[float] | None = None,
+    angle_from: str = "down",
+    y_axis: str = "up",
+    angle_sigma: float | None = None,
+) -> xr.Dataset:
+    """Return the track table in a text file of another program.
+
+    Parameters
+    ----------
+    path : str or Path
+        A table of numbers with a line of names above them, cells parted by tabs, semicolons,
+        commas or blanks. Further lines above, and comments, are passed over; numbers may have
+        decimal commas unless commas part the cells.
+    columns : mapping of str to str, optional
+        For each column of the track table the file's: ``{"time": "t [s]", "angle_1":
+        "theta [deg]"}``. The unit stands in brackets here or in the file's own names, as in
+        "Time (s)". By default columns called t, theta, x and y are taken. Instead of an angle
+        ``angular_velocity_1`` may stand, a gyroscope's rate about the axis of the swing.
+    length, radius : float, optional
+        Pivot to ball centre and the ball's radius [m], kept with the table.
+    pivot : pair of float, optional
+        Where the pivot is in the file's coordinates [m], where angles come from positions and the
+        file has no pivot.
+    angle_from : {"down", "right"}
+        Direction from which the file counts angles, counter-clockwise: "right" is the x axis.
+    y_axis : {"up", "down"}
+        Way in which the file's y grows.
+    angle_sigma : float, optional
+        Standard deviation of the angles [rad], where the file has none.
+
+    Returns
+    -------
+    xarray.Dataset
+        A track table, see `latolato.experiment.table`. Angles are computed from positions where
+        the file has none; cells without a number are NaN and flagged lost.
+
+    Raises
+    ------
+    ValueError
+        For missing or double columns, missing or unfit units, cells that are no numbers, times
+        that do not increase, and positions without a pivot.
+    OSError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    _check_choice("angle_from", angle_from, ("down", "right"))
+    _check_choice("y_axis", y_axis, ("up", "down"))
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    if path.stat().st_size > _LARGEST:
+        raise ValueError(f"'{path}' is larger than {_LARGEST // 1_000_000} MB; cut it")
+    raw = path.read_bytes()
+    text = _split(raw, path)
+    mapping = _usual(text.names, path) if columns is None else dict(columns)
+    if "time" not in mapping:
+        raise ValueError(f"'{path}': say which column is the time, as in time = 't [s]'")
+    found = {target: _column(text, target, name, path) for target, name in mapping.items()}
+    if y_axis == "down":
+        found = {name: -v if name.endswith("_y") else v for name, v in found.items()}
+        pivot = None if pivot is None else (pivot[0], -pivot[1])
+    if _RATE in found:
+        if "angle_1" in found:
+            raise ValueError(f"'{path}': give angle_1 or {_RATE}, not both")
+        found["angle_1"] = _integrated(found["time"], found.pop(_RATE), path)
+    _place_angles(found, path, pivot, angle_from)
+    if angle_sigma is not None:
+        sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
+        for ball in (1, 2):
+            if f"angle_{ball}" in found:
+                count = len(found["time"])
+                found.setdefault(f"angle_sigma_{ball}", np.full(count, sigma))
+    attributes = {
+        "source": path.name,
+        "source_sha256": hashlib.sha256(raw).hexdigest(),
+        "imported": "; ".join(f"{target} = {name}" for target, name in mapping.items()),
+        "length": None if length is None else checked_number("length", length, POSITIVE, "m"),
+        "radius": None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m"),
+    }
+    try:
+        return track_table(found, attributes)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"'{path}': {error}") from None
+
+
+def _check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
+    """Raise ValueError unless a value is one of its choices."""
+    if value not in choices:
+        raise ValueError(f"{name} must be {' or '.join(choices)}, got {value!r}")
+
+
+def _split(raw: bytes, path: Path) -> _Text:
+    """Return the cells of a text table below its line of names."""
+    if not raw.strip():
+        raise ValueError(f"'{path}' is empty")
+    for encoding in ("utf-8-sig", "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252"):
+        try:
+            lines = raw.decode(encoding).splitlines()
+            break
+        except UnicodeDecodeError:
+            continue
+    else:
+        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text")
+    if "\0" in lines[0]:
+        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text")
+    for delimiter in ("\t", ";", ",", None):
+        rows = _rows(lines, delimiter)
+        body = next((i for i, row in enumerate(rows) if _is_numbers(row, delimiter)), None)
+        if body is not None:
+            break
+    else:
+        raise ValueError(f"'{path}' holds no rows of numbers below a line of names")
+    width = len(rows[body])
+    named = [row for row in rows[:body] if len(row) == width and any(row)]
+    if not named:
+        raise ValueError(
+            f"'{path}' has no names above its {width} columns: put a line such as 't [s]' there"
+        )
+    names = [name.strip().lstrip("#%").strip().strip('"') for name in named[-1]]
+    numbers = [row for row in rows[body:] if any(row)]
+    for i, row in enumerate(numbers):
+        if len(row) != width:
+            raise ValueError(f"'{path}': row {i + 1} has {len(row)} cells below {width} names")
+    return _Text(names, [list(cells) for cells in zip(*numbers, strict=True)], delimiter != ",")
+
+
+def _rows(lines: list[str], delimiter: str | None) -> list[list[str]]:
+    """Return the cells of every line."""
+    if delimiter is None:
+        return [line.split() for line in lines]
+    return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
+
+
+def _is_numbers(row: list[str], delimiter: str | None) -> bool:
+    """Return whether a row holds at least two numbers and nothing but numbers and empty cells."""
+    known = [_number(cell, delimiter != ",") for cell in row if cell]
+    return len(known) >= 2 and None not in known
+
+
+def _number(cell: str, decimal_comma: bool) -> float | None:
+    """Return a cell's number, None if it holds something else."""
+    plain = cell.strip('"').replace(",", ".") if decimal_comma else cell.strip('"')
+    try:
+        return float(plain) if plain else float("nan")
+    except ValueError:
+        return float("nan") if plain.lower() in ("-", "na", "n/a", "none", "null") else None
+
+
+def _parted(name: str) -> tuple[str, str]:
+    """Return a column's name and its unit, which may be empty."""
+    found = _WITH_UNIT.fullmatch(name)
+    if found is None:
+        return name.strip(), ""
+    unit = found["square"] if found["square"] is not None else found["round"]
+    return found["name"].strip(), unit.strip()
+
+
+def _usual(names: list[str], path: Path) -> dict[str, str]:
+    """Return the columns that are called as usual."""
+    plain = {_parted(name)[0].lower(): name for name in reversed(names)}
+    found = {
+        target: next(plain[word] for word in words if word in plain)
+        for target, words in _USUAL.items()
+        if any(word in plain for word in words)
+    }
+    if "angle_1" in found:
+        found = {k: v for k, v in found.items() if k in ("time", "angle_1")}
+    if "time" not in found or len(found) < 2:
+        raise ValueError(
+            f"'{path}': say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
+        )
+    return found
+
+
+def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
+    """Return a column of the file in SI units."""
+    if target not in (*TARGETS, _RATE):
+        known = [*TARGETS, _RATE]
+        raise ValueError(f"a track table has no column '{target}': {suggest(target, known)}")
+    index, unit = _found(text.names, wanted, path)
+    quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
+    if not unit:
+        raise ValueError(
+            f"'{path}': the unit of column '{wanted}' is missing; write it in brackets, as in "
+            f"{target} = '{wanted} [{quantity.unit}]'"
+        )
+    try:
+        factor = to_si(target, f"1 {unit}", quantity.unit)
+    except ValueError:
+        raise ValueError(
+            f"'{path}': column '{wanted}' is in [{unit}], which is no unit of {target} "
+            f"[{quantity.unit}]"
+        ) from None
+    numbers = []
+    for row, cell in enumerate(text.columns[index]):
+        number = _number(cell, text.decimal_comma)
+        if number is None:
+            raise ValueError(f"'{path}': row {row + 1} of column '{wanted}' holds {cell!r}")
+        numbers.append(number)
+    values: Floats = factor * np.array(numbers)
+    return values
+
+
+def _found(names: list[str], wanted: str, path: Path) -> tuple[int, str]:
+    """Return the place and the unit of the column that `wanted` names, with its unit or without."""
+    name, unit = _parted(wanted)
+    matches = [i for i, each in enumerate(names) if each == wanted]
+    if not matches:
+        matches = [i for i, each in enumerate(names) if each == name]
+    if not matches:
+        matches = [i for i, each in enumerate(names) if _parted(each)[0] == name]
+    if not matches:
+        known = ", ".join(names)
+        raise ValueError(f"'{path}' has no column '{name}'; it has {known}")
+    if len(matches) > 1:
+        raise ValueError(f"'{path}' has {len(matches)} columns '{name}': rename them")
+    own = _parted(names[matches[0]])[1]
+    if unit and own and unit != own:
+        raise ValueError(f"'{path}': column '{name}' is in [{own}] itself, not in [{unit}]")
+    return matches[0], unit or own
+
+
+def _place_angles(
+    found: dict[str, Floats], path: Path, pivot: Sequence[float] | None, angle_from: str
+) -> None:
+    """Put the origin at the mean pivot and add the angles that positions tell."""
+    for ball in (1, 2):
+        if f"angle_{ball}" in found and angle_from == "right":
+            found[f"angle_{ball}"] = found[f"angle_{ball}"] + 0.5 * np.pi
+    placed = [b for b in (1, 2) if f"ball_{b}_x" in found and f"ball_{b}_y" in found]
+    for ball in (1, 2):
+        half = {f"ball_{ball}_x", f"ball_{ball}_y"} & found.keys()
+        if len(half) == 1:
+            raise ValueError(f"'{path}': {half.pop()} needs its other coordinate too")
+    if pivot is not None:
+        if len(pivot) != 2:
+            raise ValueError(f"pivot must be two numbers x, y [m], got {pivot!r}")
+        if "pivot_x" in found or "pivot_y" in found:
+            raise ValueError("give the pivot either as numbers or as columns, not both")
+        found["pivot_x"] = np.full(len(found["time"]), float(pivot[0]))
+        found["pivot_y"] = np.full(len(found["time"]), float(pivot[1]))
+    if placed and not {"pivot_x", "pivot_y"} <= found.keys():
+        if any(f"angle_{b}" not in found for b in placed):
+            raise ValueError(
+                f"'{path}': angles from positions need the pivot: give pivot = (x, y) in m, or its "
+                "columns pivot_x and pivot_y"
+            )
+        return
+    for axis in ("x", "y"):
+        if f"pivot_{axis}" in found:
+            origin = float(np.nanmean(found[f"pivot_{axis}"]))
+            for name in (f"pivot_{axis}", *(f"ball_{b}_{axis}" for b in placed)):
+                found[name] = found[name] - origin
+    for ball in placed:
+        if f"angle_{ball}" not in found:
+            x = found[f"ball_{ball}_x"] - found["pivot_x"]
+            y = found[f"ball_{ball}_y"] - found["pivot_y"]
+            found[f"angle_{ball}"] = _unwrapped(np.arctan2(x, -y))
+
+
+def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
+    """Return the angle whose rate a gyroscope measured, swinging about zero.
+
+    The gyroscope's bias and the unknown first angle are a straight line under the swing: that
+    through the middles of its turning points is taken off.
+    """
+    from scipy.interpolate import CubicSpline
+
+    from latolato.experiment.fits.swings import crossings
+
+    known = np.isfinite(rate) & np.isfinite(time)
+    if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
+        raise ValueError(f"'{path}': {_RATE} needs at least 8 numbers at increasing times")
+    spline = CubicSpline(time[known], rate[known]).antiderivative()
+    turns = crossings(time[known], rate[known] - np.median(rate[known]))
+    if len(turns) < 6:
+        raise ValueError(
+            f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points, got "
+            f"{len(turns)}"
+        )
+    tops = spline(turns)
+    middles = 0.25 * (tops[:-2] + 2.0 * tops[1:-1] + tops[2:])
+    line = np.polyfit(turns[1:-1], middles, 1)
+    angle: Floats = np.where(known, spline(time) - np.polyval(line, time), np.nan)
+    return angle
+
+
+def _unwrapped(angle: Floats) -> Floats:
+    """Return an angle without jumps of a turn, also across samples without a number."""
+    out = angle.copy()
+    known = np.isfinite(angle)
+    out[known] = np.unwrap(angle[known])
+    return out

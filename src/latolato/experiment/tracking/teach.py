@@ -1,0 +1,234 @@
+"""Learns from balls found in a sample: colours, edge, noise, exposure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
+from latolato.experiment.tracking.paint import painted
+from latolato.experiment.video import Frame
+
+# Share of the contrast between ball and wall from which a residual is something else.
+_OUTLYING = 0.3
+# Share of a ball's pixels that must look like one for a frame to teach.
+_TEACHES = 0.8
+# Luminance of linear light (BT.709), its noise, and the difference that shows an edge.
+_LUMA = np.array([0.2126, 0.7152, 0.0722])
+_FAINT, _DIFFERS = 0.01, 0.06
+# Frames whose ball moved less than this share of its radius in an interval teach its colours.
+_SLOW = 0.4
+
+
+@dataclass
+class Found:
+    """A ball found in a frame of the sample."""
+
+    frame: int
+    centre: np.ndarray
+    pivot: np.ndarray
+    angle: float
+    speed: float
+    explained: float
+    drift: np.ndarray
+
+    def path(self, arm: float, exposure: float) -> np.ndarray:
+        """Return the ball's centres within the exposure, shape (sample, 2)."""
+        smear = 0.0 if math.isnan(self.speed) else self.speed * exposure
+        count = samples_for(abs(smear) * arm + exposure * float(np.hypot(*self.drift)))
+        angles = self.angle + smear * ((np.arange(count) + 0.5) / count - 0.5)
+        steps = exposure * ((np.arange(count) + 0.5) / count - 0.5)
+        path = arc(self.pivot + steps[:, None] * self.drift, angles, arm)
+        return np.asarray(path + (self.centre - path.mean(axis=0)))
+
+
+def learn_look(look: Appearance, frames: list[Frame], found: list[Found]) -> float:
+    """Learn colours, radius, softness and noise anew from the balls found; return their arm."""
+    good = [one for one in found if one.explained > _TEACHES] or found
+    arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
+    arm = float(np.median(arms))
+    known = [one for one in good if not math.isnan(one.speed)] or good
+    teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
+    _learn_paint(look, frames, teachers, arm)
+    _learn_edge(look, frames, teachers[:8], arm)
+    _learn_noise(look, frames, good)
+    return arm
+
+
+def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+    """Learn the balls' colours, and whether they turn with the rod or stay as the light does."""
+    inner = look.radius - 1.6 * look.blur - 0.3
+    best: tuple[float, bool, np.ndarray] | None = None
+    for is_spinning in (False, True):
+        each = [
+            painted(
+                frames[one.frame], one.centre, one.angle if is_spinning else 0.0, look.colours,
+                look.radius, inner,
+            )
+            for one in teachers
+        ]  # fmt: skip
+        look.is_spinning, look.paint = is_spinning, np.median(each, axis=0)
+        look.whitened()
+        cost = sum(
+            fit_balls(
+                look, frames[one.frame][2:], [one.path(arm, look.exposure)], one.pivot, rounds=1,
+                tolerant=0,
+            ).cost
+            for one in teachers
+        )  # fmt: skip
+        # Shading is the rule: a pattern has to show.
+        if best is None or cost < 0.9 * best[0]:
+            best = (cost, is_spinning, look.paint)
+    assert best is not None
+    _, look.is_spinning, look.paint = best
+    look.whitened()
+
+
+def _learn_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+    """Learn radius and softness of the edge: those that explain the frames best.
+
+    Colour is stored at half the resolution and suffers first from compression: where the ball
+    differs in brightness, that alone tells where its edge is.
+    """
+    weight, scale = look.weight, look.scale
+    middle = (look.paint.shape[0] - 1) // 2
+    walls = [look.wall(np.rint(one.centre).astype(int), (1, 1))[0, 0] for one in teachers]
+    contrast = abs(float((look.paint[middle, middle] - np.nanmedian(walls, axis=0)) @ _LUMA))
+    if contrast > _DIFFERS:
+        look.weight = np.outer(_LUMA, _LUMA) / _FAINT**2 + np.eye(3)
+        look.scale = max(3.0, _OUTLYING * contrast / _FAINT)
+        look.whitened()
+    paths = [one.path(arm, look.exposure) for one in teachers]
+
+    def cost() -> float:
+        return sum(
+            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
+            for one, path in zip(teachers, paths, strict=True)
+        )
+
+    for width in (0.08, 0.03, 0.01):
+        for name, low, high in (("radius", 0.0, 1e9), ("blur", 0.35, 0.25 * look.radius)):
+            middle = getattr(look, name)
+            spread = 3.0 * width if name == "blur" else width
+            trials = middle * (1.0 + spread * np.linspace(-1.5, 1.5, 7))
+            trials = np.unique(np.clip(trials, low, high))
+            costs = []
+            for trial in trials:
+                setattr(look, name, float(trial))
+                costs.append(cost())
+            setattr(look, name, float(trials[int(np.argmin(costs))]))
+    look.weight, look.scale = weight, scale
+    look.whitened()
+
+
+def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> None:
+    """Learn the covariance of what the background does not explain around the balls."""
+    outer, inner, rest_walls = [], [], []
+    exposure = look.exposure or 0.5
+    for one in found[:: max(1, len(found) // 30)]:
+        arm = float(np.hypot(*(one.pivot - one.centre)))
+        smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
+        half = int(1.7 * look.radius + 0.5 * smear) + 2
+        side = 2 * half + 1
+        corner = np.rint(one.centre).astype(int) - half
+        image = look.colours.window(
+            frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
+        )
+        wall = look.wall(corner, (side, side))
+        j, i = np.indices((side, side))
+        dx, dy = i + corner[0] - one.centre[0], j + corner[1] - one.centre[1]
+        away = np.hypot(dx, dy)
+        along = (one.pivot - one.centre) / np.hypot(*(one.pivot - one.centre))
+        is_rod = (dx * along[0] + dy * along[1] > 0.0) & (
+            np.abs(dx * along[1] - dy * along[0]) < 0.5 * look.radius
+        )
+        beyond = away - 0.5 * smear
+        ring = (beyond > 1.15 * look.radius) & (beyond < 1.7 * look.radius) & ~is_rod
+        if not np.isfinite(wall[ring]).any():
+            continue
+        outer.append((image - wall)[ring])
+        rest_walls.append(np.nanmedian(wall[ring], axis=0))
+        if one.explained > _TEACHES and smear < _SLOW * look.radius:
+            m = (look.paint.shape[0] - 1) // 2
+            core = away < 0.8 * look.radius
+            turn = one.angle if look.is_spinning else 0.0
+            back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
+            back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
+            p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
+            q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
+            inner.append(image[core] - look.paint[q, p])
+    rest = np.concatenate(outer)
+    rest = rest[np.isfinite(rest).all(axis=1)]
+    if len(rest) < 200:
+        return
+    size = np.linalg.norm(rest, axis=1)
+    rest = rest[size <= np.quantile(size, 0.97)]
+    covariance = rest.T @ rest / len(rest) + np.eye(3) * 2e-6
+    look.weight = np.linalg.inv(covariance)
+    look.whitened()
+    own_scale = look.scale
+    if inner:
+        own = np.concatenate(inner)
+        own = own[np.isfinite(own).all(axis=1)]
+        squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
+        own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
+    m = (look.paint.shape[0] - 1) // 2
+    j, i = np.indices(look.paint.shape[:2]) - m
+    gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
+    contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
+    # What the colours of the ball themselves leave open is no sign of something else.
+    look.scale = max(min(own_scale, 2.0 * _OUTLYING * contrast**0.5), _OUTLYING * contrast**0.5)
+
+
+def learn_exposure(
+    look: Appearance, frames: list[Frame], found: list[Found], arm: float, balls: int
+) -> None:
+    """Learn which share of the frame interval is exposed, from the fastest balls found."""
+    moving = [one for one in found if abs(one.speed) * arm > 3.0 and one.explained > 0.3]
+    if balls == 2:  # away from contacts, where the speed is not that of the pair of frames
+        alone = []
+        for one in moving:
+            others = [o for o in found if o.frame == one.frame and o is not one]
+            if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
+                alone.append(one)
+        moving = alone
+    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:8]
+    if len(fastest) < 3:
+        return
+
+    def cost(share: float) -> float:
+        # The window is that of the longest smear, so that costs compare.
+        return sum(
+            _cost_in_window(look, frames[one.frame], one.path(arm, share), one, arm)
+            for one in fastest
+        )
+
+    middle, step = (look.exposure, 0.1) if look.exposure > 0.0 else (0.5, 0.25)
+    while step > 0.04:
+        trials = np.unique(np.clip(middle + step * np.arange(-2, 3), 0.0, 1.0))
+        costs = [cost(float(share)) for share in trials]
+        middle, step = float(trials[int(np.argmin(costs))]), 0.5 * step
+    look.exposure = middle
+
+
+def _cost_in_window(
+    look: Appearance, frame: Frame, path: np.ndarray, one: Found, arm: float
+) -> float:
+    """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
+    fit = fit_balls(look, frame[2:], [path], one.pivot)
+    reach = abs(one.speed) * arm
+    margin = look.radius * 1.35 + 2.0 * look.blur + 3.0
+    ends = path + fit.shift[0]
+    low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
+    high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
+    shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
+    matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 4))
+    cost: float = kernels.normal_equations(
+        look.seen(frame[2:], low, shape), look.background(low, shape),
+        look.ball(ends, one.pivot, low, shape)[None], ends.mean(axis=0)[None], one.pivot,
+        look.radius, low.astype(float), look.scale, False, matrix, vector, tally,
+    )  # fmt: skip
+    return cost

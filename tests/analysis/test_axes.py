@@ -1,0 +1,54 @@
+"""What analyses call the values along their axes."""
+
+import inspect
+
+import pytest
+
+import latolato as ll
+from latolato.analysis.registry import analyses
+
+TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
+DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
+
+
+def sequences(name):
+    """Return the parameters of an analysis that take several values."""
+    parameters = inspect.signature(analyses[name]).parameters
+    return [n for n, p in parameters.items() if str(p.annotation).startswith("Sequence[")]
+
+
+@pytest.mark.parametrize("name", sorted(analyses))
+def test_values_along_an_axis_have_its_name(name):
+    plurals = [each for each in sequences(name) if each.removesuffix("s") != each]
+    assert plurals == []
+
+
+def test_one_number_is_an_axis_of_one_value():
+    found = ll.analysis.first_push(
+        TOY, DRIVE, frequency_ratio=2.4, drive_phase=0.0, scan_points=2, refinements=0,
+        transient_periods=1,
+    )  # fmt: skip
+    assert found.first_push.dims == ("frequency_ratio", "drive_phase")
+    assert found.first_push.shape == (1, 1)
+
+
+NEEDED = {
+    "frequency_ratio": 2.4, "drive_amplitude": 0.03, "parameter": "frequency_ratio", "low": 1.0,
+    "high": 2.0, "noise_strength": 0.1,
+}  # fmt: skip
+BALL = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+
+
+@pytest.mark.parametrize("name", sorted(analyses))
+@pytest.mark.parametrize("drive", [5, "harmonic"])
+def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
+    parameters = inspect.signature(analyses[name]).parameters
+    if "drive" not in parameters:
+        pytest.skip("has no drive")
+    system = TOY if name in ("self_start", "pair_symmetry", "impact_map") else BALL
+    asked = {n: v for n, v in NEEDED.items() if n in parameters}
+    asked = {n: v for n, v in asked.items() if parameters[n].default is parameters[n].empty}
+    if "initial_angle" in parameters:
+        asked["initial_angle"] = 0.2
+    with pytest.raises(TypeError, match="drive must be None or one of"):
+        analyses[name](system, drive=drive, **asked)

@@ -1,0 +1,95 @@
+"""`latolato fit` and `latolato import` read, fit, draw and refuse as they say."""
+
+import json
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.cli import main
+from latolato.experiment.fits.result import load_fit
+from latolato.experiment.table import read_table, write_table
+from track_tables import decay_table, drive_table, motion_table
+
+BODY = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
+
+
+@pytest.fixture(scope="module")
+def decay(tmp_path_factory):
+    return write_table(decay_table(**BODY), tmp_path_factory.mktemp("fits") / "decay.csv")
+
+
+def test_a_decay_is_fitted_drawn_stored_and_told_as_json(decay, tmp_path, capsys):
+    picture, result = tmp_path / "decay.png", tmp_path / "decay.nc"
+    given = ["--length", "36.3 cm", "--mass", "108.04 g", "--plot", picture, "--output", result]
+    assert main(["fit", "decay", str(decay), *map(str, given), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["values"]["damping"]["value"] == pytest.approx(0.00274, rel=0.01)
+    assert "Linear drag describes this decay best" in told["verdict"]
+    assert picture.stat().st_size > 10_000
+    assert load_fit(result)["damping"].value == told["values"]["damping"]["value"]
+    assert main(["plot", str(result), "--output", str(tmp_path / "again.png")]) == 0
+    assert (tmp_path / "again.png").read_bytes() == picture.read_bytes()
+    assert main(["plot", str(result), "--animate", str(tmp_path / "again.gif")]) == 2
+    assert "a fit" in capsys.readouterr().err
+
+
+def test_drive_restitution_and_model_have_a_command_and_a_picture(tmp_path, capsys):
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
+    ball = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+    pair = ll.BallPair(right=ball, left=ball, restitution=0.9)
+    moving = write_table(drive_table(drive, duration=6.0), tmp_path / "drive.csv")
+    table = motion_table(pair, drive, initial_angle=(0.5, -0.3), duration=4.0)
+    balls = write_table(table, tmp_path / "pair.csv")
+    body = ["--length", "0.245", "--radius", "0.02"]
+    system = ["--system", "latolato", "--mass", "0.106", "--damping", "0.004", *body]
+    given = ["--drive-amplitude", "3 cm", "--drive-frequency", "15.1"]
+    for name, rest in {
+        "drive": [str(moving)],
+        "restitution": [str(balls), *body],
+        "model": [str(balls), *system, *given, "--vary", "length,restitution", "--ball", "1"],
+    }.items():
+        picture = tmp_path / f"{name}.svg"
+        assert main(["fit", name, *rest, "--plot", str(picture)]) == 0
+        assert picture.exists()
+        out = capsys.readouterr().out
+        assert out.startswith("fit ")
+        assert "95 %" in out
+
+
+def test_a_table_of_another_program_is_imported_or_fitted_at_once(tmp_path, capsys):
+    table = decay_table(**BODY, duration=8.0)
+    degrees = np.rad2deg(table.angle_1.values)
+    rows = "\n".join(f"{t:.6f};{a:.5f}" for t, a in zip(table.time.values, degrees, strict=True))
+    path = tmp_path / "tracker.txt"
+    path.write_text(f"mass A\nt;theta\n{rows}\n")
+    columns = ["--column", "time=t [s]", "--column", "angle_1=theta [deg]"]
+    assert main(["import", str(path), *columns, "--length", "36.3 cm"]) == 0
+    target = tmp_path / "tracker.track.csv"
+    assert capsys.readouterr().out.strip() == str(target)
+    assert read_table(target).attrs["length"] == 0.363
+    assert main(["fit", "decay", str(path), *columns, "--method", "envelope"]) == 0
+    assert "decay_rate_envelope" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (["decay", "missing.csv"], "there is no file"),
+        (["decay", "TABLE", "--mass", "3 cm"], "mass must be given in kg"),
+        (["decay", "TABLE", "--column", "time"], "--column must be NAME=COLUMN"),
+        (["decay", "TABLE", "--output", "fit.txt"], "must end in .nc"),
+        (["decay", "TABLE", "--law", "cubic"], "unknown drag law"),
+        (["drive", "TABLE"], "'pivot_y' of the track table holds no number"),
+        (["restitution", "TABLE"], "no impact is seen"),
+        (["model", "TABLE"], "name the system"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(arguments, said, decay, tmp_path, capsys):
+    words = [str(decay) if word == "TABLE" else word for word in arguments]
+    before = sorted(decay.parent.iterdir())
+    assert main(["fit", *words]) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+    assert sorted(decay.parent.iterdir()) == before

@@ -1,0 +1,176 @@
+"""A free decay gives back the damping, the length and the drag law that made it."""
+
+import builtins
+import json
+import math
+
+import numpy as np
+import pytest
+
+from latolato.experiment.fits.decay import fit_decay
+from latolato.experiment.fits.result import load_fit
+from track_tables import decay_table
+
+SINGLE = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
+COUPLED = {"length": 0.2450, "mass": 0.10644, "damping": 0.00506}
+
+
+@pytest.mark.parametrize("body", [SINGLE, COUPLED], ids=["single", "coupled"])
+def test_the_papers_decays_give_the_papers_damping(body):
+    errors = {"damping": [], "damping_envelope": [], "length": []}
+    for seed in range(5):
+        table = decay_table(**body, seed=seed)
+        found = fit_decay(table, mass=body["mass"], compare=False, profile=False)
+        for name in errors:
+            truth = body[name.removesuffix("_envelope")]
+            assert abs(found[name].value - truth) < 4.0 * found[name].sigma
+            errors[name].append(abs(found[name].value / truth - 1.0))
+    assert np.median(errors["damping"]) < 0.015
+    assert np.median(errors["damping_envelope"]) < 0.04
+    assert np.median(errors["length"]) < 0.003
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.8])
+def test_the_truth_lies_within_two_sigma_as_often_as_it_should(correlation):
+    misses = []
+    for seed in range(24):
+        table = decay_table(**SINGLE, seed=seed, correlation=correlation, angle=0.3 + 0.03 * seed)
+        found = fit_decay(
+            table, mass=SINGLE["mass"], method="equation", compare=False, profile=False
+        )
+        pair = ("damping", "length")
+        misses += [(found[name].value - SINGLE[name]) / found[name].sigma for name in pair]
+    # 48 numbers: 95 percent and 68 percent within three deviations of the binomial.
+    assert np.mean(np.abs(misses) < 2.0) > 0.85
+    assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
+
+
+def test_correlated_noise_widens_what_it_should():
+    wide = fit_decay(decay_table(**SINGLE, correlation=0.8), mass=1.0, compare=False)
+    plain = fit_decay(decay_table(**SINGLE), mass=1.0, compare=False)
+    assert wide.dataset.attrs["autocorrelation"] == pytest.approx(0.8, abs=0.1)
+    assert plain.dataset.attrs["autocorrelation"] < 0.1
+    assert wide["decay_rate"].sigma > 1.5 * plain["decay_rate"].sigma
+
+
+def test_a_held_ball_flagged_samples_and_outliers_are_left_out():
+    table = decay_table(**SINGLE, held=1.5)
+    table["angle_1"].values[300:330] += 0.3
+    table["flag_1"].values[300:330] = "occluded"
+    table["angle_1"].values[[400, 500]] += 0.2
+    table["angle_1"].values[450:460] = np.nan
+    found = fit_decay(table, mass=SINGLE["mass"], compare=False, profile=False)
+    assert 1.5 < found.dataset.attrs["start"] < 2.2
+    assert found.dataset.attrs["outliers"] == 2
+    assert found["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
+    assert "2 outliers were left out" in found.verdict
+
+
+def test_the_drag_law_is_told():
+    body = {"length": 0.36, "mass": 0.1}
+    cases = {
+        "linear": {"damping": 0.003},
+        "quadratic": {"quadratic_damping": 0.002},
+        "linear+coulomb": {"damping": 0.003, "coulomb_damping": 0.001},
+    }
+    for law, drags in cases.items():
+        table = decay_table(**body, **drags, angle=0.8, duration=12.0)
+        found = fit_decay(table, mass=0.1, law="best", method="equation", profile=False)
+        assert found.dataset.attrs["law"] == law
+        for name, value in drags.items():
+            assert found[name].value == pytest.approx(value, rel=0.1)
+        assert f"{law[0].upper()}{law[1:]} drag describes this decay best" in found.verdict
+
+
+def test_gravity_may_be_tilted_and_the_swing_large():
+    table = decay_table(length=0.3, mass=0.1, damping=0.004, angle=2.4)
+    table["angle_1"].values[:] += 0.02
+    found = fit_decay(table, mass=0.1, compare=False)
+    assert found["angle_offset"].value == pytest.approx(0.02, abs=3e-4)
+    assert found["damping"].value == pytest.approx(0.004, rel=0.003)
+    assert found["damping_envelope"].value == pytest.approx(0.004, rel=0.01)
+    assert found["damping"].low < found["damping"].value < found["damping"].high
+
+
+def test_a_wrong_declared_length_is_told():
+    found = fit_decay(decay_table(**SINGLE), length=0.40, mass=0.1, compare=False)
+    assert "declared length 0.4 m is" in found.verdict
+    assert found["length"].value == pytest.approx(0.363, rel=1e-3)
+
+
+def test_a_fit_is_the_same_after_writing_and_json(tmp_path):
+    found = fit_decay(decay_table(**SINGLE), mass=0.1, radius=0.02, compare=False)
+    again = load_fit(found.save(tmp_path / "fit.nc"))
+    assert again.to_dict() == found.to_dict()
+    told = json.loads(json.dumps(found.to_dict()))
+    assert told["values"]["damping"]["units"] == "kg*m/s"
+    assert found["centre_length"].value == pytest.approx(0.363 - 0.4 * 0.02**2 / 0.363, rel=1e-3)
+    assert str(found["damping"]).endswith("kg m/s")
+    for variable in found.dataset.variables.values():
+        assert {"units", "long_name", "symbol"} <= variable.attrs.keys()
+    with pytest.raises(KeyError, match="the fit has no 'dampng'"):
+        found["dampng"]
+
+
+def test_without_a_mass_there_is_a_rate_but_no_coefficient():
+    found = fit_decay(decay_table(**SINGLE), compare=False, profile=False)
+    assert "damping" not in found
+    assert found["decay_rate"].value == pytest.approx(0.0349325, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({"ball": 2}, "ball must be 1"),
+        ({"method": "guess"}, "method must be one of"),
+        ({"law": "cubic"}, "unknown drag law 'cubic'"),
+        ({"law": "coulomb", "method": "envelope"}, "linear drag"),
+        ({"mass": -1.0}, "mass must"),
+        ({"start": 99.0}, "the table goes from 0 to"),
+    ],
+)
+def test_bad_options_are_refused(options, said):
+    with pytest.raises(ValueError, match=said):
+        fit_decay(decay_table(**SINGLE, duration=3.0), **options)
+
+
+def test_what_is_no_free_decay_is_refused():
+    table = decay_table(**SINGLE, duration=5.0)
+    driven = table.copy(deep=True)
+    driven["pivot_y"].values[:] = 0.02 * np.cos(12.0 * table.time.values)
+    with pytest.raises(ValueError, match="the pivot moves by 20 mm"):
+        fit_decay(driven)
+    still = table.copy(deep=True)
+    still["angle_1"].values[:] = 1e-3 * np.sin(1000.0 * table.time.values**2)
+    with pytest.raises(ValueError, match="swing"):
+        fit_decay(still)
+    lost = table.copy(deep=True)
+    lost["flag_1"].values[:] = "lost"
+    with pytest.raises(ValueError, match="0 samples flagged ok"):
+        fit_decay(lost)
+
+
+def test_a_missing_lmfit_is_named_with_its_extra(monkeypatch):
+    plain = builtins.__import__
+
+    def without(name, *rest, **more):
+        if name == "lmfit":
+            raise ModuleNotFoundError(name)
+        return plain(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(ModuleNotFoundError, match=r"latolato\[video\]"):
+        fit_decay(decay_table(**SINGLE, duration=3.0))
+
+
+def test_the_envelope_is_exact_for_large_swings():
+    from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude
+
+    sizes = np.array([1e-3, 0.5, 1.5, 2.8])
+    assert amplitude_of(effective_amplitude(sizes)) == pytest.approx(sizes, rel=1e-4)
+    assert effective_amplitude(np.array([1e-2])) == pytest.approx(1e-2, rel=1e-4)
+    # The action of a small swing is A^2 (1 - 5 A^2/96), and this its root.
+    assert effective_amplitude(np.array([0.2]))[0] / 0.2 - 1.0 == pytest.approx(
+        -5.0 * 0.2**2 / 192.0, rel=0.05
+    )
+    assert math.isclose(effective_amplitude(np.array([0.0]))[0], 0.0)

@@ -1,0 +1,97 @@
+"""Measured angles give back the parameters of the model that made them."""
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.fits.model import fit_model
+from track_tables import motion_table
+
+PENDULUM = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
+TOY = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
+BALL = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+PAIR = ll.BallPair(right=BALL, left=BALL, restitution=0.9)
+SLOW = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
+FAST = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
+
+
+def near(found, **truths):
+    for name, truth in truths.items():
+        assert abs(found[name].value - truth) < 4.0 * found[name].sigma, (name, str(found[name]))
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.7])
+def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(correlation):
+    guess = ll.Pendulum(length=0.35, mass=0.108, damping=0.004)
+    misses = []
+    for seed in range(8):
+        table = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, correlation=correlation)
+        found = fit_model(table, guess)
+        truths = {"length": 0.363, "damping": 0.00274}
+        misses += [(found[name].value - x) / found[name].sigma for name, x in truths.items()]
+        assert found["length"].value == pytest.approx(0.363, rel=1e-3)
+    assert np.mean(np.abs(misses) < 2.0) > 0.75  # 16 numbers
+    assert "in one piece" in found.verdict
+    assert isinstance(found.drive, ll.Harmonic)
+
+
+def test_the_spline_of_a_measured_pivot_may_be_the_drive():
+    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=6.0)
+    found = fit_model(table, PENDULUM, "measured", vary=["length"])
+    assert found.dataset.attrs["drive"] == "measured_pivot"
+    assert found["length"].value == pytest.approx(0.363, rel=2e-3)
+
+
+def test_a_colliding_pair_gives_its_restitution():
+    table = motion_table(TOY, FAST, initial_angle=0.5)
+    guess = ll.LatoLato(length=0.25, mass=0.106, damping=0.004, radius=0.02, restitution=0.8)
+    found = fit_model(table, guess)
+    near(found, length=0.245, damping=0.005, restitution=0.9)
+    assert found["restitution"].sigma < 5e-3
+
+
+def test_two_balls_give_a_value_each():
+    table = motion_table(PAIR, FAST, initial_angle=(0.5, -0.3), duration=10.0)
+    found = fit_model(table, PAIR, FAST)
+    near(found, right_length=0.245, left_length=0.245, right_damping=0.005, restitution=0.9)
+    assert found.dataset["right_length"].attrs["long_name"].endswith("right ball")
+
+
+def test_parameters_of_the_drive_and_the_direction_of_gravity_may_vary():
+    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=10.0)
+    table["angle_1"].values[:] += 0.01
+    found = fit_model(table, PENDULUM, SLOW, vary=["drive_amplitude", "angle_offset"], profile=True)
+    near(found, drive_amplitude=0.02, angle_offset=0.01)
+    assert found["angle_offset"].low < 0.01 < found["angle_offset"].high
+
+
+def test_chaotic_motion_is_cut_into_pieces():
+    wild = ll.Harmonic(drive_amplitude=0.2, drive_frequency=9.0)
+    table = motion_table(PENDULUM, wild, initial_angle=1.5, duration=25.0)
+    found = fit_model(table, PENDULUM, wild)
+    assert found.dataset.attrs["windows"] >= 1
+    assert found.dataset.attrs["scatter"] < 2e-3
+    near(found, length=0.363)
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        ({"vary": ["mass"]}, "damping/mass only"),
+        ({"vary": ["lenght"]}, "nothing called 'lenght'"),
+        ({"vary": []}, "at least one name"),
+        ({"ball": 3}, "ball must be 1"),
+    ],
+)
+def test_what_cannot_vary_is_refused(arguments, said):
+    table = motion_table(PENDULUM, duration=2.0, initial_angle=0.3)
+    with pytest.raises(ValueError, match=said):
+        fit_model(table, PENDULUM, **arguments)
+
+
+def test_a_pair_needs_two_balls_and_a_system_is_a_system():
+    table = motion_table(PENDULUM, duration=2.0, initial_angle=0.3)
+    with pytest.raises(ValueError, match="a table of two balls"):
+        fit_model(table, PAIR)
+    with pytest.raises(TypeError, match="system must be one of"):
+        fit_model(table, "pendulum")

@@ -1,0 +1,52 @@
+"""Impacts in a track table give back the coefficient of restitution, or say why not."""
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from track_tables import motion_table
+
+BALL = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
+
+
+def pair(restitution):
+    return ll.BallPair(right=BALL, left=BALL, restitution=restitution)
+
+
+@pytest.mark.parametrize("restitution, drive", [(0.9, DRIVE), (0.9, None), (0.6, DRIVE)])
+def test_two_balls_give_their_restitution_impact_by_impact(restitution, drive):
+    table = motion_table(pair(restitution), drive, initial_angle=(0.6, -0.4), duration=8.0)
+    found = ll.fit_restitution(table, length=0.245, radius=0.02)
+    pooled = found["restitution"]
+    assert abs(pooled.value - restitution) < 3.0 * pooled.sigma
+    assert pooled.sigma < 0.01
+    misses = (found.dataset.restitution_each - restitution) / found.dataset.restitution_each_sigma
+    assert np.mean(np.abs(misses) < 3.0) > 0.9
+    assert (found.dataset.angular_velocity_before * found.dataset.angular_velocity_after < 0).all()
+    theta = 2.0 * np.arcsin(0.02 / 0.245)
+    assert np.median(found.dataset.separation_at_contact) == pytest.approx(theta, abs=5e-3)
+
+
+def test_one_ball_and_a_wall_give_it_too():
+    toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
+    table = motion_table(toy, DRIVE, initial_angle=0.5, duration=8.0)
+    table = table.drop_vars(["ball_2_x", "ball_2_y", "angle_2", "angle_sigma_2", "flag_2"])
+    found = ll.fit_restitution(table, length=0.245)
+    assert abs(found["restitution"].value - 0.9) < 3.0 * found["restitution"].sigma
+    assert "one ball and a wall" in found.verdict
+
+
+def test_what_cannot_be_seen_is_refused():
+    swing = motion_table(ll.Pendulum(length=0.245, mass=0.1), initial_angle=0.5, duration=5.0)
+    with pytest.raises(ValueError, match="no impact is seen well enough"):
+        ll.fit_restitution(swing, length=0.245)
+    with pytest.raises(ValueError, match="restitution needs length"):
+        ll.fit_restitution(swing)
+    still = swing.copy(deep=True)
+    still["flag_1"].values[:] = "occluded"
+    with pytest.raises(ValueError, match="fewer than 10 samples flagged ok"):
+        ll.fit_restitution(still, length=0.245)
+    slow = motion_table(pair(0.9), initial_angle=(0.6, -0.4), duration=5.0, fps=8.0)
+    with pytest.raises(ValueError, match="faster camera"):
+        ll.fit_restitution(slow, length=0.245, radius=0.02)

@@ -1,0 +1,141 @@
+"""Tables of other programs become track tables, or are refused in one line."""
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.importing import import_table
+
+TIME = np.arange(0.0, 2.0, 0.05)
+ANGLE = 0.5 * np.cos(5.0 * TIME)
+
+
+def lines(*columns, delimiter=",", decimal="."):
+    rows = zip(*columns, strict=True)
+    return "\n".join(delimiter.join(f"{v:.9f}".replace(".", decimal) for v in row) for row in rows)
+
+
+def written(tmp_path, text, name="data.csv", encoding="utf-8"):
+    path = tmp_path / name
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+@pytest.mark.parametrize(
+    "head, delimiter, decimal",
+    [
+        ("mass A\nt,theta\n", ",", "."),
+        ("#t;theta\n", ";", ","),
+        ("# exported by Tracker\n\nt\ttheta\n", "\t", "."),
+        ("t theta\n", " ", "."),
+    ],
+)
+def test_exports_of_tracker_are_read_with_their_units(tmp_path, head, delimiter, decimal):
+    body = lines(TIME, np.rad2deg(ANGLE), delimiter=delimiter, decimal=decimal)
+    path = written(tmp_path, head + body, "track.txt")
+    table = import_table(path, {"time": "t [s]", "angle_1": "theta [deg]"}, length=0.36)
+    assert table.time.values == pytest.approx(TIME)
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-9)
+    assert table.attrs["length"] == 0.36
+    assert table.attrs["source"] == "track.txt"
+    assert len(table.attrs["source_sha256"]) == 64
+
+
+def test_units_in_the_names_of_a_phones_columns_are_enough(tmp_path):
+    text = '"Time (s)","Angle (°)"\n' + lines(TIME, np.rad2deg(ANGLE))
+    for encoding in ("utf-8", "cp1252"):
+        path = written(tmp_path, text, encoding=encoding)
+        for columns in (None, {"time": "Time", "angle_1": "Angle"}):
+            table = import_table(path, columns, angle_sigma=2e-3)
+            assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-9)
+            assert np.all(table.angle_sigma_1 == 2e-3)
+
+
+def test_positions_become_angles_about_the_pivot_and_full_turns_are_unwrapped(tmp_path):
+    angle = 4.0 * TIME
+    x, y = 1.0 + 0.3 * np.sin(angle), 2.0 - 0.3 * np.cos(angle)
+    path = written(tmp_path, "t,x,y\n" + lines(1e3 * TIME, 100 * x, 100 * y))
+    columns = {"time": "t [ms]", "ball_1_x": "x [cm]", "ball_1_y": "y [cm]"}
+    table = import_table(path, columns, pivot=(1.0, 2.0))
+    assert table.angle_1.values == pytest.approx(angle, abs=1e-6)
+    assert table.ball_1_x.values == pytest.approx(x - 1.0, abs=1e-9)
+    flipped = written(tmp_path, "t,x,y\n" + lines(1e3 * TIME, 100 * x, -100 * y), "flipped.csv")
+    table = import_table(flipped, columns, pivot=(1.0, -2.0), y_axis="down")
+    assert table.angle_1.values == pytest.approx(angle, abs=1e-6)
+
+
+def test_a_moving_pivot_is_taken_off_and_its_mean_is_the_origin(tmp_path):
+    height = 0.02 * np.cos(12.0 * TIME)
+    x, y = 0.3 * np.sin(ANGLE), height - 0.3 * np.cos(ANGLE)
+    head = "t [s],x [m],y [m],px [m],py [m]\n"
+    path = written(tmp_path, head + lines(TIME, x + 1.0, y + 2.0, 0.0 * x + 1.0, height + 2.0))
+    names = {"time": "t", "ball_1_x": "x", "ball_1_y": "y", "pivot_x": "px", "pivot_y": "py"}
+    table = import_table(path, names)
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-7)
+    assert float(table.pivot_y.mean()) == pytest.approx(0.0, abs=1e-12)
+    assert table.pivot_y.values == pytest.approx(height - height.mean(), abs=1e-8)
+
+
+def test_a_phone_that_swings_gives_its_angle_from_its_gyroscope(tmp_path):
+    time = np.arange(0.0, 20.0, 0.01)
+    envelope = 0.5 * np.exp(-0.03 * time)
+    angle = envelope * np.cos(5.0 * time)
+    rate = -0.03 * angle - 5.0 * envelope * np.sin(5.0 * time) + 0.02  # with a bias
+    head = '"Time (s)","Gyroscope x (rad/s)"\n'
+    path = written(tmp_path, head + lines(time, rate))
+    table = import_table(path, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
+    assert table.angle_1.values == pytest.approx(angle, abs=2e-3)
+    found = ll.fit_decay(table, method="envelope", profile=False)
+    assert found["decay_rate_envelope"].value == pytest.approx(0.03, rel=0.02)
+    short = written(tmp_path, head + lines(time[:50], rate[:50]), "short.csv")
+    with pytest.raises(ValueError, match="at least 6 turning points"):
+        import_table(short, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
+
+
+def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
+    body = lines(TIME, ANGLE - np.pi / 2).splitlines()
+    body[3] = body[3].split(",")[0] + ","
+    path = written(tmp_path, "t,theta\n" + "\n".join(body))
+    table = import_table(path, {"time": "t [s]", "angle_1": "theta [rad]"}, angle_from="right")
+    assert table.flag_1.values.tolist().count("lost") == 1
+    assert table.angle_1.values[:3] == pytest.approx(ANGLE[:3])
+    assert np.isnan(table.angle_1.values[3])
+
+
+@pytest.mark.parametrize(
+    "text, columns, said",
+    [
+        ("", None, "is empty"),
+        ("t,theta\n", None, "no rows of numbers"),
+        ("0,1\n1,2\n", None, "no names above"),
+        ("t,theta\n0,1\n1,2\n", None, "the unit of column 't' is missing"),
+        ("t,theta\n0,1\n1,2\n", {"angle_1": "theta [rad]"}, "which column is the time"),
+        ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle_1": "phi [rad]"}, "no column 'phi'; it"),
+        ("t,theta\n0,1\n1,2\n", {"time": "t [kg]"}, r"is in \[kg\], which is no unit of time"),
+        ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle": "theta [rad]"}, "no column 'angle'"),
+        ("t [ms],theta\n0,1\n1,2\n", {"time": "t [s]"}, r"is in \[ms\] itself"),
+        ("t,t\n0,1\n1,2\n", {"time": "t [s]"}, "2 columns 't'"),
+        ("t,theta\n0,1\n1,2\nx,3\n", {"time": "t [s]"}, "row 3 of column"),
+        ("t,theta\n0,1\n1\n", {"time": "t [s]"}, "row 2 has 1 cells"),
+        ("t,theta\n0,1\n0,2\n", {"time": "t [s]"}, "time must increase strictly"),
+        ("t,x\n0,1\n1,2\n", {"time": "t [s]", "ball_1_x": "x [m]"}, "its other coordinate"),
+        (
+            "t,x,y\n0,1,1\n1,2,2\n",
+            {"time": "t [s]", "ball_1_x": "x [m]", "ball_1_y": "y [m]"},
+            "need the pivot",
+        ),
+        ("a,b\n0,1\n1,2\n", None, "say what its columns are"),
+    ],
+)  # fmt: skip
+def test_what_is_missing_is_told_in_one_line(tmp_path, text, columns, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        import_table(written(tmp_path, text), columns)
+    assert "\n" not in str(caught.value)
+
+
+def test_files_that_are_no_text_or_not_there_are_refused(tmp_path):
+    (tmp_path / "a.csv").write_bytes(bytes(range(256)) * 4)
+    with pytest.raises(ValueError, match=r"is no text file|no rows"):
+        import_table(tmp_path / "a.csv")
+    with pytest.raises(FileNotFoundError, match="there is no file"):
+        import_table(tmp_path / "b.csv")

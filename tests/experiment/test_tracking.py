@@ -1,0 +1,209 @@
+"""Tracks synthetic clips, whose truth is known, through the whole core."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import latolato as ll
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.track import track
+
+SINGLE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
+TOY = ll.LatoLato(length=0.245, mass=0.1064, damping=0.005, radius=0.02, restitution=0.9)
+SMALL = {"width": 640, "height": 480}
+
+
+def _driven(system, ratio, duration=2.5, drive_amplitude=0.03, **start):
+    drive = ll.Harmonic(
+        drive_amplitude=drive_amplitude, drive_frequency=ratio * system.natural_frequency
+    )
+    return ll.simulate(system, drive, duration=duration, **start)
+
+
+def _free():
+    return ll.simulate(SINGLE, None, initial_angle=0.7, duration=5.0)
+
+
+# What is filmed, how, and the largest root mean square error of the angle [rad]. Half the pixels of
+# the clips for which the project states its accuracy: twice those errors.
+CLIPS = {
+    "tilted": (
+        lambda: _driven(SINGLE, 1.95, initial_angle=0.6),
+        Scene(ball_radius=0.02),
+        Camera(**SMALL, roll=0.04),
+        0.002,
+    ),
+    "contacts": (
+        lambda: _driven(TOY, 2.3, initial_angle=0.9),
+        Scene(background="texture", shadow_darkness=0.35),
+        Camera(**SMALL),
+        0.005,
+    ),
+    "top": (
+        lambda: _driven(
+            TOY, 2.6, drive_amplitude=0.045, initial_angle=0.5, initial_angular_velocity=12.0
+        ),
+        Scene(),
+        Camera(**SMALL),
+        0.008,
+    ),
+    "turns": (
+        lambda: _driven(
+            SINGLE, 2.0, drive_amplitude=0.05, initial_angle=1.0, initial_angular_velocity=11.0
+        ),
+        Scene(ball_radius=0.02, pattern=0.4),
+        Camera(**SMALL),
+        0.006,
+    ),
+    "smeared": (
+        lambda: _driven(SINGLE, 1.95, initial_angle=0.6),
+        Scene(ball_radius=0.02),
+        Camera(**SMALL, fps=30.0, exposure=0.9),
+        0.006,
+    ),
+    "hidden": (
+        lambda: _driven(TOY, 2.3, initial_angle=0.9),
+        Scene(post_width=0.02),
+        Camera(**SMALL, jitter=0.15, drop=0.04),
+        0.012,
+    ),
+    "decay": (
+        _free,
+        Scene(ball_radius=0.02, parked_x=0.25, parked_y=-0.2, rod_width=0.0015),
+        Camera(**SMALL, roll=-0.03),
+        0.002,
+    ),
+}
+
+
+@pytest.fixture(scope="session")
+def clips(tmp_path_factory):
+    """Return a function that films and tracks a clip once: truth and table."""
+    folder = tmp_path_factory.mktemp("clips")
+    made: dict[str, tuple[xr.Dataset, xr.Dataset]] = {}
+
+    def get(name):
+        if name not in made:
+            run, scene, camera, _ = CLIPS[name]
+            path = folder / f"{name}.mp4"
+            truth = synthesise_video(run(), path, scene, camera, seed=5)
+            clicks = truth.attrs
+            balls = [
+                (round(clicks[f"ball_{b}_pixel_u"]), round(clicks[f"ball_{b}_pixel_v"]))
+                for b in (1, 2)
+                if f"ball_{b}_pixel_u" in clicks
+            ]
+            pivot = round(clicks["pivot_pixel_u"]), round(clicks["pivot_pixel_v"])
+            found = track(
+                path, pivot=pivot, balls=balls, length=clicks["length"], radius=clicks["radius"]
+            )
+            made[name] = truth, found
+        return made[name]
+
+    return get
+
+
+def _errors(truth, found):
+    """Return errors of the angles [rad] and whether the samples are unflagged, (ball, frame)."""
+    names = [name for name in ("angle_1", "angle_2") if name in found]
+    errors = np.stack([(found[name] - truth[name]).values for name in names])
+    flags = np.stack([found[name.replace("angle", "flag")].values for name in names])
+    return errors, flags == "ok"
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_angles_are_those_that_were_filmed(clips, name):
+    truth, found = clips(name)
+    errors, ok = _errors(truth, found)
+    assert np.sqrt(np.mean(errors[ok] ** 2)) < CLIPS[name][3]
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_balls_keep_their_identity_and_turns_are_counted(clips, name):
+    errors, _ = _errors(*clips(name))
+    # A swap or a lost turn is an error of at least the balls' distance.
+    assert np.nanmax(np.abs(errors)) < 0.1
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_every_decoded_frame_has_a_row_at_its_time(clips, name):
+    truth, found = clips(name)
+    assert np.array_equal(found["frame"], truth["frame"])
+    assert np.allclose(found["time"], truth["time"], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name,share", [("tilted", 0.005), ("contacts", 0.1), ("turns", 0.05)])
+def test_few_samples_are_flagged_in_plain_view(clips, name, share):
+    _, ok = _errors(*clips(name))
+    assert np.mean(~ok) <= share
+
+
+def test_a_ball_behind_a_post_is_flagged_and_never_unflagged_and_wrong(clips):
+    truth, found = clips("hidden")
+    errors, ok = _errors(truth, found)
+    hidden = np.stack([truth["covered_1"].values, truth["covered_2"].values]) > 0.5
+    assert hidden.sum() > 5
+    assert not ok[hidden].any()
+    assert np.mean(np.abs(errors[ok]) > 0.1) <= 0.005
+
+
+def test_sigmas_cover_the_errors(clips):
+    for name in ("tilted", "contacts", "decay"):
+        truth, found = clips(name)
+        errors, ok = _errors(truth, found)
+        sigmas = np.stack([found[f"angle_sigma_{b + 1}"].values for b in range(len(errors))])
+        # Errors that all samples share (tilt, scale) are beyond a sample's own deviation.
+        spread = np.std((errors[ok] - errors[ok].mean()) / sigmas[ok])
+        assert 0.2 < spread < 2.5, name
+
+
+@pytest.mark.parametrize("name,source", [("tilted", "drive axis"), ("decay", "rest position")])
+def test_gravity_is_found_although_the_camera_is_tilted(clips, name, source):
+    _, found = clips(name)
+    assert found.attrs["gravity_source"] == source
+    assert abs(found.attrs["gravity_direction"] - CLIPS[name][2].roll) < 0.002
+
+
+def test_scale_radius_and_exposure_are_those_of_the_scene(clips):
+    truth, found = clips("tilted")
+    scale = found.attrs["metres_per_pixel"] / truth.attrs["metres_per_pixel"]
+    assert abs(scale - 1.0) < 0.004
+    assert abs(found.attrs["measured_radius"] / 0.02 - 1.0) < 0.04
+    assert abs(found.attrs["exposure"] - 0.25) < 0.1
+
+
+def test_positions_are_metres_from_the_mean_pivot(clips):
+    truth, found = clips("tilted")
+    for name in ("pivot_y", "ball_1_x", "ball_1_y"):
+        # Half a pixel of a click and the scale's 0.4 %.
+        assert np.max(np.abs(found[name] - truth[name])) < 0.003, name
+    angle = np.arctan2(found.ball_1_x - found.pivot_x, found.pivot_y - found.ball_1_y)
+    assert np.allclose(angle, found.angle_1, atol=2e-3)
+
+
+def test_the_chain_gives_the_drive_and_the_damping_back(clips):
+    drive = ll.fit_drive(clips("tilted")[1])
+    assert drive["drive_amplitude"].value == pytest.approx(0.03, rel=0.004)
+    assert drive["drive_frequency"].value == pytest.approx(
+        1.95 * SINGLE.natural_frequency, rel=1e-3
+    )
+    decay = ll.fit_decay(clips("decay")[1], length=SINGLE.length, mass=SINGLE.mass)
+    # Five seconds only.
+    assert decay["damping"].value == pytest.approx(SINGLE.damping, rel=0.03)
+    assert decay["length"].value == pytest.approx(SINGLE.length, rel=0.003)
+
+
+def test_an_undeclared_lens_is_told_and_not_mended(tmp_path):
+    run = _driven(SINGLE, 1.95, duration=2.0, initial_angle=0.9)
+    path = tmp_path / "lens.mp4"
+    clicks = synthesise_video(
+        run, path, Scene(ball_radius=0.02), Camera(**SMALL, k1=-0.08), seed=1
+    ).attrs
+    pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
+    ball = clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]
+    found = track(path, pivot=pivot, balls=[ball], length=0.363)
+    assert "lens or perspective" in found.attrs["warnings"]
+    assert found.attrs["pivot_offset_y"] == 0.0

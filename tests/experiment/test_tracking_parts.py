@@ -1,0 +1,166 @@
+"""Parts of the tracker against exact answers: layers, prediction, geometry of the circle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.calibrate import Optics, _extremes, _hinge, _scatter, undistorted
+from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking.predict import Predictor
+
+
+def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
+    """Return a layer (row, column, 4) with a disc of one colour."""
+    layer = np.zeros((size, size, 4), np.float32)
+    paint = np.ones((31, 31, 3)) * np.array(colour)
+    path = np.atleast_2d(np.asarray(centre, float))
+    kernels.cover(path, np.zeros(len(path)), radius, blur, paint, 0, 0, layer)
+    return layer
+
+
+@pytest.mark.parametrize("blur", [0.4, 0.8, 1.6])
+@pytest.mark.parametrize("centre", [(20.0, 20.0), (20.37, 19.81)])
+def test_a_disc_covers_its_area_whatever_its_place_and_blur(centre, blur):
+    area = _disc(centre, blur=blur)[..., 3].sum()
+    # A soft edge of a curved rim adds a share of about (blur / radius)^2.
+    assert area == pytest.approx(math.pi * 100.0, rel=(blur / 10.0) ** 2 + 2e-3)
+
+
+def test_a_smeared_disc_covers_the_same_area_about_the_middle_of_its_path():
+    path = np.stack([np.linspace(15.0, 25.0, 21), np.full(21, 20.0)], axis=-1)
+    layer = _disc(path)
+    assert layer[..., 3].sum() == pytest.approx(_disc((20.0, 20.0))[..., 3].sum(), rel=1e-3)
+    columns = np.arange(41)
+    assert (layer[..., 3].sum(axis=0) @ columns) / layer[..., 3].sum() == pytest.approx(20.0)
+
+
+def test_normal_equations_find_a_shift_of_a_disc():
+    behind = np.full((41, 41, 3), 0.3, np.float32)
+    true, guess = np.array([20.3, 19.6]), np.array([20.0, 20.0])
+    seen = _disc(true)
+    image = behind * (1.0 - seen[..., 3:]) + seen[..., :3]
+    for _ in range(6):
+        matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 4))
+        kernels.normal_equations(
+            image.astype(np.float32), behind, _disc(guess)[None], guess[None],
+            np.array([20.0, -200.0]),
+            10.0, np.zeros(2), 3.0, False, matrix, vector, tally,
+        )  # fmt: skip
+        guess = guess + np.linalg.solve(matrix, vector)
+    # Differences of two pixels as slopes, and four-byte colours.
+    assert np.allclose(guess, true, atol=1e-3)
+    assert tally[0, 1] == tally[0, 0] > 200
+
+
+def test_colours_of_grey_planes_are_linear_light():
+    luma = np.array([[16, 235, 126]], np.uint8)
+    chroma = np.full((1, 2), 128, np.uint8)
+    out = np.empty((1, 3, 3), np.float32)
+    mix = kernels.colour_coefficients("bt709", is_full_range=False)
+    kernels.window(
+        luma, chroma, chroma, 0, 0, 1, kernels.linear_light(), mix, np.eye(3, dtype=np.float32),
+        False, out,
+    )  # fmt: skip
+    # sRGB: half the coded range is 21.6 % of the light (IEC 61966-2-1); table of quarter steps.
+    half = ((110 / 219 + 0.055) / 1.055) ** 2.4
+    assert np.allclose(out[0, :, 0], [0.0, 1.0, half], atol=2e-3)
+    assert np.ptp(out, axis=2).max() == 0.0
+
+
+def test_a_prediction_follows_the_pendulum_between_frames():
+    system = ll.Pendulum(length=0.25, mass=0.1)
+    run = ll.simulate(
+        system, None, initial_angle=0.8, duration=0.1, times=[0.0, 1 / 60], tolerance=1e-10
+    )
+    predictor = Predictor(system.gravity / system.length, 0.0)
+    predictor.start(0.0, np.array([0.8]), np.array([0.0]), 0.01)
+    found = predictor.predict(1 / 60, np.array([1 / 60]), 0.0)
+    # Leapfrog of 2.4 ms steps: (w h)^2/24 of the change.
+    assert found.angles[0] == pytest.approx(run.angle.values[-1], abs=1e-5)
+    assert found.velocities[0] == pytest.approx(run.angular_velocity.values[-1], abs=1e-3)
+
+
+@pytest.mark.parametrize("middle", [0.0, math.pi])
+def test_predicted_balls_bounce_and_never_pass(middle):
+    gap = 0.16
+    predictor = Predictor(0.0, gap)
+    if middle == 0.0:
+        start, speed = np.array([0.15, -0.15]), np.array([-6.0, 6.0])
+    else:
+        start, speed = np.array([math.pi - 0.15, 0.15 - math.pi]), np.array([6.0, -6.0])
+    predictor.start(0.0, start, speed, 0.01)
+    found = predictor.predict(0.05, np.array([0.02, 0.05]), 0.0)
+    between = found.angles[0] - found.angles[1]
+    assert gap - 1e-9 <= between <= 2.0 * math.pi - gap + 1e-9
+    assert len(found.contact_times) == 1
+    assert np.sign(found.velocities[0]) == -np.sign(speed[0])
+
+
+def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):
+    """Return places of a ball about a hinge (column, row) and their angles."""
+    angles = wide * np.sin(np.linspace(0.0, 20.0, count))
+    radius = arm + oval * np.cos(2.0 * angles)
+    away = np.stack([radius * np.sin(angles), radius * np.cos(angles)], axis=-1)
+    return away + np.array(offset), angles
+
+
+def test_the_hinge_is_the_middle_of_a_wide_arc():
+    offset, arm, arc, residual, warnings = _hinge(*_arc((1.5, -2.0)), noise=0.0)
+    assert np.allclose(offset, [1.5, -2.0], atol=1e-6)
+    assert arm == pytest.approx(300.0)
+    assert arc == pytest.approx(2.4, rel=0.01)
+    assert residual < 1e-6
+    assert not warnings
+
+
+@pytest.mark.parametrize(
+    "case", [{"offset": (0.0, 9.0)}, {"offset": (0.5, 0.0), "oval": 2.0}], ids=["far", "oval"]
+)
+def test_what_is_no_circle_about_the_click_is_told_and_left(case):
+    offset, _, _, _, warnings = _hinge(*_arc(**case), noise=0.0)
+    assert np.all(offset == 0.0)
+    assert "lens or perspective" in warnings[0]
+
+
+def test_a_narrow_arc_moves_the_hinge_across_only():
+    offset, *_, warnings = _hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
+    # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
+    assert offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
+    assert abs(offset[1]) < 0.05
+    assert not warnings
+
+
+def test_a_very_narrow_arc_does_not_move_the_hinge():
+    offset, *_ = _hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0)
+    assert np.all(offset == 0.0)
+
+
+def test_undistorting_undoes_the_lens():
+    optics = Optics(lens_k1=-0.08, lens_k2=0.01)
+    places = np.array([[100.0, 50.0], [639.5, 479.5], [1200.0, 900.0]])
+    middle, unit = np.array([639.5, 479.5]), 800.0
+    true = (places - middle) / unit
+    square = np.sum(true**2, axis=1, keepdims=True)
+    seen = middle + true * (1.0 - 0.08 * square + 0.01 * square**2) * unit
+    assert np.allclose(undistorted(seen, (1280, 960), optics), places, atol=1e-6)
+
+
+def test_scatter_is_the_noise_and_not_the_swing():
+    times = np.cumsum(np.random.default_rng(1).uniform(0.8, 1.2, 2000)) / 60
+    swing = 0.7 * np.sin(6.0 * times)
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(2000)
+    assert _scatter(times, swing) < 2e-5
+    assert _scatter(times, swing + noise) == pytest.approx(1e-3, rel=0.08)
+
+
+def test_extremes_give_the_rest_position_of_a_decay():
+    times = np.arange(900) / 60
+    swing = 0.02 + 0.6 * np.exp(-0.1 * times) * np.cos(5.2 * times)
+    found = _extremes(swing)
+    middles = 0.25 * (found[:-2] + 2.0 * found[1:-1] + found[2:])
+    # Second order of the decrement: (k T / 2)^2 / 4 of the amplitude.
+    assert np.median(middles) == pytest.approx(0.02, abs=6e-4)

@@ -1,0 +1,56 @@
+"""Track tables with known truth: simulated angles with white or correlated noise."""
+
+import numpy as np
+
+import latolato as ll
+from latolato.experiment.table import track_table
+
+NOISE = 1e-3  # rad
+
+
+def noise(count, seed, correlation=0.0, size=NOISE):
+    """Noise of standard deviation `size`, of first-order autoregression."""
+    generator = np.random.default_rng(seed)
+    errors = generator.normal(size=count)
+    for i in range(1, count):
+        fresh = np.sqrt(1.0 - correlation**2) * errors[i]
+        errors[i] = correlation * errors[i - 1] + fresh
+    return size * errors
+
+
+def decay_table(
+    *, length, mass, damping=0.0, angle=0.6, duration=15.0, held=0.0, seed=0, correlation=0.0,
+    fps=60.0, **more,
+):  # fmt: skip
+    """A free decay as a tracker sees it, after `held` seconds in a hand."""
+    system = ll.Pendulum(length=length, mass=mass, damping=damping, **more)
+    time = np.arange(0.0, held + duration, 1.0 / fps)
+    free = time >= held
+    swing = ll.simulate(system, initial_angle=angle, times=time[free] - time[free][0])
+    angles = np.concatenate([np.full((~free).sum(), angle), swing.angle.values])
+    angles = angles + noise(len(time), seed, correlation)
+    columns = {"time": time, "angle_1": angles, "angle_sigma_1": np.full(len(time), NOISE)}
+    return track_table(columns, {"length": length})
+
+
+def drive_table(drive, *, duration=30.0, fps=60.0, seed=0, correlation=0.0, size=2e-4):
+    """A pivot that moves as `drive`, as a tracker sees it; `size` is the noise in m."""
+    time = np.arange(0.0, duration, 1.0 / fps)
+    still = ll.Pendulum(length=1.0, mass=1.0)
+    height = ll.simulate(still, drive, initial_angle=0.0, times=time).pivot_height.values
+    height = height - height.mean() + noise(len(time), seed, correlation, size)
+    return track_table({"time": time, "pivot_x": 0.0 * time, "pivot_y": height})
+
+
+def motion_table(system, drive=None, *, duration=15.0, fps=60.0, seed=0, correlation=0.0, **start):
+    """A system's motion as a tracker sees it; of a `LatoLato` both balls."""
+    time = np.arange(0.0, duration, 1.0 / fps)
+    run = ll.simulate(system, drive, times=time, **start)
+    angles = np.atleast_2d(run.angle.values)
+    if isinstance(system, ll.LatoLato):
+        angles = np.array([angles[0], -angles[0]])
+    columns = {"time": time, "pivot_y": run.pivot_height.values + noise(len(time), seed, 0.0, 2e-4)}
+    for ball, angle in enumerate(angles, 1):
+        columns[f"angle_{ball}"] = angle + noise(len(time), seed + 1000 * ball, correlation)
+        columns[f"angle_sigma_{ball}"] = np.full(len(time), NOISE)
+    return track_table(columns)
