@@ -12,7 +12,7 @@ from latolato.experiment.blobs import Backdrop, Disc
 from latolato.experiment.calibrate import Optics, undistorted
 from latolato.experiment.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.appearance import Colours
-from latolato.experiment.tracking.learn import disc_at
+from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
