@@ -153,6 +153,7 @@ def cropped(swing, tmp_path_factory):
     return path
 
 
+@pytest.mark.filterwarnings("ignore:found in the video|no period:RuntimeWarning")
 def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cropped, tmp_path):
     with pytest.warns(RuntimeWarning, match="geometry is unknown"):
         table = ll.track(cropped, length=0.363)

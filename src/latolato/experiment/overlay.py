@@ -162,26 +162,29 @@ class Artist:
         self.line = max(1, round(min(size) / 500.0))
         self.text = max(0.35, min(size) / 1300.0)
 
-    def drawn(self, picture: np.ndarray, number: int) -> np.ndarray:
-        """Return a picture with the samples of a frame on it."""
+    def drawn(self, picture: np.ndarray, number: int, *, is_told: bool = True) -> np.ndarray:
+        """Return a picture with the samples of a frame on it, and with what they are in words."""
         cv2 = import_cv2()
         picture = np.ascontiguousarray(picture)
         pivot = self.pivots[number]
         for b, flag in enumerate(self.flags[number]):
             centre, colour = self.centres[number, b], COLOURS[str(flag)]
-            if not np.isfinite(centre).all():
+            if is_told and flag != "ok":
                 self._written(cv2, picture, f"ball {b + 1} {flag}", (0, 2 + b), colour)
+            if not np.isfinite(centre).all():
                 continue
-            if np.isfinite(pivot).all():
-                self._line(cv2, picture, pivot, centre, colour)
+            away = centre - pivot
+            if np.isfinite(away).all():
+                end = centre - away * min(self.radius / max(float(np.hypot(*away)), 1e-9), 1.0)
+                self._line(cv2, picture, pivot, end, colour)
             self._circle(cv2, picture, centre, self.radius, colour)
             self._circle(cv2, picture, centre, 1.0, colour)
-            if flag != "ok":
-                self._written(cv2, picture, f"ball {b + 1} {flag}", (0, 2 + b), colour)
         if np.isfinite(pivot).all():
             reach = 0.5 * self.radius + 3.0
             for away in ([reach, 0.0], [0.0, reach]):
                 self._line(cv2, picture, pivot - away, pivot + away, _PIVOT)
+        if not is_told:
+            return picture
         degrees = ", ".join(
             f"{math.degrees(angle):.1f} deg"
             for angle in self.angles[number]
@@ -193,13 +196,13 @@ class Artist:
 
     def _line(self, cv2: Any, picture: Any, begin: Any, end: Any, colour: Any) -> None:
         """Draw a line over a darker one, to be seen on any ground."""
-        for width, ink in ((self.line + 2, _DARK), (self.line, colour)):
+        for width, ink in ((2 * self.line, _DARK), (self.line, colour)):
             cv2.line(picture, _fixed(begin), _fixed(end), ink, width, cv2.LINE_AA, _SHIFT)
 
     def _circle(self, cv2: Any, picture: Any, centre: Any, radius: float, colour: Any) -> None:
         """Draw a circle over a darker one."""
         size = round(radius * 2**_SHIFT)
-        for width, ink in ((self.line + 2, _DARK), (self.line, colour)):
+        for width, ink in ((2 * self.line, _DARK), (self.line, colour)):
             cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
 
     def _written(self, cv2: Any, picture: Any, text: str, at: tuple[int, int], colour: Any) -> None:
