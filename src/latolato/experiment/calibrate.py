@@ -27,8 +27,6 @@ _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 _STROKE = 6.0
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
-# Difference of declared and measured radius that is told.
-_RADIUS_TOLERANCE = 0.03
 
 
 @dataclass(frozen=True, kw_only=True)

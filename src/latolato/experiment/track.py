@@ -325,7 +325,8 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
         if not length:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(found_radius / radius - 1.0) > _RADIUS_TOLERANCE:
+    doubt = _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    if radius and length and abs(found_radius / radius - 1.0) > doubt:
         task.warnings.append(
             f"the balls' radius is {found_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"

@@ -175,6 +175,10 @@ def _angle_figure(table: xr.Dataset) -> Figure:
     upper.set_ylabel("angle [deg]")
     lower.set_ylabel("sigma [mrad]")
     lower.set_yscale("log")
+    low, high = lower.get_ylim()
+    if high < 10.0 * low:  # a narrow range of a logarithmic axis has no readable ticks
+        lower.set_yscale("linear")
+        lower.set_ylim(0.0, 1.5 * high)
     lower.set_xlabel("time [s]")
     handles, names = upper.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))

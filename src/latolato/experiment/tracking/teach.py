@@ -67,7 +67,7 @@ def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], a
     """Learn the balls' colours, and whether they turn with the rod or stay as the light does."""
     inner = look.radius - 1.6 * look.blur - 0.3
     best: tuple[float, bool, np.ndarray] | None = None
-    for is_spinning in (False, True):
+    for is_spinning in (look.is_spinning, not look.is_spinning):
         each = [
             painted(
                 frames[one.frame], one.centre, one.angle if is_spinning else 0.0, look.colours,
@@ -84,7 +84,7 @@ def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], a
             ).cost
             for one in teachers
         )  # fmt: skip
-        # Shading is the rule: a pattern has to show.
+        # What was believed so far stays until the other is clearly better.
         if best is None or cost < 0.9 * best[0]:
             best = (cost, is_spinning, look.paint)
     assert best is not None
