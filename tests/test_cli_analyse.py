@@ -359,3 +359,12 @@ def test_json_stays_json_while_kernels_compile(tmp_path):
     command = [sys.executable, "-m", "latolato", "analyse", "growth_rate", *PENDULUM, *SHAKE]
     done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout)["analysis"] == "growth_rate"
+
+
+def test_what_stands_in_the_way_of_an_answer_is_printed():
+    told = run(
+        "analyse", "response_period", "--system", "pendulum", "--length", "1", "--mass", "0.8",
+        *SHAKE, "--initial-angle", "0.5", "--transient-periods", "5", "--longest", "2",
+    )  # fmt: skip
+    assert "\nmessage " in told
+    assert "no period up to 2" in told
