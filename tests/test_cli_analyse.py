@@ -355,7 +355,45 @@ def test_nothing_is_told_where_nothing_compiles(capsys):
     assert capsys.readouterr() == ("", "")
 
 
+def in_new_process(code):
+    """What Python writes to standard error and says at the end."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return done.stdout.strip(), done.stderr
+
+
+def test_the_compiler_is_watched_once_kernels_need_it():
+    code = (
+        "from latolato.progress import working\n"
+        "with working('adding'):\n"
+        "    import latolato.numerics.compiled, numba\n"
+        "    numba.njit(lambda x: x + 1)(1)\n"
+        "numba.njit(lambda x: x + 2)(1)\n"
+    )
+    told = in_new_process(code)[1]
+    assert told.startswith("latolato: compiling")
+    assert told.count("\n") == 1
+
+
+def test_questions_without_kernels_do_without_the_compiler():
+    code = (
+        "import sys\n"
+        "from latolato.cli import main\n"
+        f"main(['analyse', 'tongue_edges', *{PENDULUM!r}, '--drive-amplitude', '0.05'])\n"
+        "print('numba' in sys.modules)\n"
+    )
+    assert in_new_process(code)[0].endswith("False")
+
+
 def test_json_stays_json_while_kernels_compile(tmp_path):
     command = [sys.executable, "-m", "latolato", "analyse", "growth_rate", *PENDULUM, *SHAKE]
     done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout)["analysis"] == "growth_rate"
+
+
+def test_what_stands_in_the_way_of_an_answer_is_printed():
+    told = run(
+        "analyse", "response_period", "--system", "pendulum", "--length", "1", "--mass", "0.8",
+        *SHAKE, "--initial-angle", "0.5", "--transient-periods", "5", "--longest", "2",
+    )  # fmt: skip
+    assert "\nmessage " in told
+    assert "no period up to 2" in told

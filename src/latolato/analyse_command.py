@@ -379,6 +379,8 @@ def as_lines(found: xr.Dataset) -> dict[str, str]:
         # Numbers of rows and names of balls say nothing by themselves.
         if name not in found.coords or variable.dtype.kind == "f":
             lines[str(name)] = _text_of(variable)
+    if "message" in found.attrs:
+        lines["message"] = str(found.attrs["message"])
     return lines
 
 

@@ -6,9 +6,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Any
+
+from latolato.numerics.compiler import with_compiler
 
 # A bar appears once work has taken this long [s].
 _PATIENCE = 0.7
@@ -98,33 +100,36 @@ def working(text: str) -> Iterator[None]:
 def _compiling(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
     """Call one function when numba begins to compile a kernel, and one when it is compiled.
 
-    Kernels that lie ready on disk count for nothing.
+    Kernels that lie ready on disk count for nothing. The compiler is not imported for this.
     """
-    from numba.core import event
+    depth = 0
 
-    class Watch(event.Listener):
-        """Counts kernels within kernels: the outermost begins and ends."""
+    def listen() -> None:
+        from numba.core import event
 
-        depth = 0
+        class Watch(event.Listener):
+            """Counts kernels within kernels: the outermost begins and ends."""
 
-        def on_start(self, event: Any) -> None:
-            """Tell of the outermost only."""
-            self.depth += 1
-            if self.depth == 1:
-                begins()
+            def on_start(self, event: Any) -> None:
+                """Tell of the outermost only."""
+                nonlocal depth
+                depth += 1
+                if depth == 1:
+                    begins()
 
-        def on_end(self, event: Any) -> None:
-            """Tell of the outermost only."""
-            self.depth -= 1
-            if self.depth == 0:
-                ends()
+            def on_end(self, event: Any) -> None:
+                """Tell of the outermost only."""
+                nonlocal depth
+                depth -= 1
+                if depth == 0:
+                    ends()
 
-    watch = Watch()
-    event.register("numba:compile", watch)  # type: ignore[no-untyped-call]
-    try:
+        watch = Watch()
+        event.register("numba:compile", watch)  # type: ignore[no-untyped-call]
+        last.callback(event.unregister, "numba:compile", watch)
+
+    with ExitStack() as last, with_compiler(listen):
         yield
-    finally:
-        event.unregister("numba:compile", watch)  # type: ignore[no-untyped-call]
 
 
 class SweepProgress:

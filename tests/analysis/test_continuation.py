@@ -113,6 +113,13 @@ def test_every_parameter_can_be_read_and_set():
     assert changed_pair.left.mass == 0.3
 
 
+def test_the_branch_of_a_shorter_period_is_named():
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=1.85 * NATURAL)
+    branch = continue_orbit(PENDULUM, drive, low=1.8, high=2.0, period=3)
+    assert "repeats after 1 of 3 drive periods" in branch.attrs["message"]
+    assert branch.special_value.values == pytest.approx([1.909946298], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     "changes, message",
     [
@@ -122,6 +129,10 @@ def test_every_parameter_can_be_read_and_set():
         ({"direction": "left"}, "'up' or 'down'"),
         ({"points": 0}, "points"),
         ({"drive": None}, "must repeat itself"),
+        ({"drive": ll.Harmonic(drive_amplitude=0.1, drive_frequency=0.0)}, "must lie in"),
+        ({"period": 1.5}, "whole number"),
+        ({"parameter": "drive_amplitude", "low": -0.1}, r"low .* must lie in \[0, inf\) m"),
+        ({"parameter": "drive_amplitude", "low": math.nan}, "low .* must be finite"),
     ],
 )
 def test_bad_input_is_refused(changes, message):
@@ -187,5 +198,5 @@ def test_orbits_of_absurdly_slow_drives_and_of_no_system_are_refused():
     slow = ll.Harmonic(drive_amplitude=1e-3, drive_frequency=1e-4)
     with pytest.raises(ValueError, match=r"at least 0\.01 natural frequencies"):
         continue_orbit(PENDULUM, slow, low=1.0, high=2.0)
-    with pytest.raises(TypeError, match="system must be a system"):
+    with pytest.raises(TypeError, match="system must be one of"):
         continue_orbit(5, slow, low=1.0, high=2.0)

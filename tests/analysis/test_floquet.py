@@ -74,6 +74,8 @@ def test_twice_the_period_squares_the_multipliers():
     once = floquet(TOY, TOY_SHAKE, initial_angle=0.3, initial_angular_velocity=1.0)
     names = ("initial_angle", "initial_angular_velocity")
     twice = floquet(TOY, TOY_SHAKE, period=2, **{name: once[name].item() for name in names})
+    assert "message" not in once.attrs
+    assert "repeats after 1 of 2 drive periods" in twice.attrs["message"]
     assert twice.response_period.item() == 1
     assert twice.multipliers.values == pytest.approx(once.multipliers.values**2, abs=1e-9)
 
@@ -136,6 +138,7 @@ def test_what_is_not_there_is_said_and_not_made_up():
         ({"drive": None}, "must repeat itself"),
         ({"drive": ll.Chirp(drive_amplitude=0.1, drive_frequency=2.0, drive_frequency_final=4.0,
                             sweep_time=10.0)}, "must repeat itself"),
+        ({"drive": ll.Harmonic(drive_amplitude=0.1, drive_frequency=0.0)}, "must lie in"),
         ({"period": 0}, "period must lie in"),
         ({"period": 17}, "period must lie in"),
         ({"period": 1.5}, "whole number"),

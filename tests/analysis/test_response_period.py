@@ -271,7 +271,9 @@ def test_slow_motion_settles_after_the_transient_that_is_recommended():
 
 
 def test_chaos_that_comes_in_bursts_stays_aperiodic():
-    # Its largest angle in 48 drive periods is between 0.1 and 3.04 rad, at any time.
+    # Its largest angle in 48 drive periods is between 0.1 and 3.04 rad, at any time. No law: other
+    # transients and tolerances lose up to 11 of 64 starts to "not settled". Of 64 starts within
+    # 1e-3 rad of this one none is lost, so that rounding does not decide.
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
     amplitudes, ratios = np.linspace(0.01, 0.5, 40)[[14, 29]], np.linspace(0.1, 5.0, 40)
     found = ll.analysis.response_period_map(

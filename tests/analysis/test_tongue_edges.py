@@ -226,3 +226,10 @@ def test_a_tongue_narrower_than_a_rounding_is_closed_by_any_damping(order):
     with pytest.warns(RuntimeWarning, match="closed"):
         found = ll.analysis.tongue_edges(system, drive_amplitude=0.02, order=order)
     assert found.status.item() == "closed"
+
+
+@pytest.mark.parametrize("order", [20, 40, 60])
+def test_edges_that_cannot_be_told_apart_are_in_order(order):
+    free = ll.Pendulum(length=1.0, mass=0.8)
+    edges = ll.analysis.tongue_edges(free, drive_amplitude=0.1, order=order)
+    assert 0.0 <= edges.high.item() - edges.low.item() < 1e-14

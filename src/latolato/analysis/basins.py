@@ -135,7 +135,8 @@ def basins(
 
     What it can miss: attractors whose basins are smaller than the grid's spacing or outside the
     range; motions still on their way after the transient. Those that die down, or have a period
-    after twice the transient, are "not settled" (see `response_period`) and belong to no attractor;
+    after twice the transient, are "not settled" and belong to no attractor, by a rule of thumb that
+    also takes some chaos in bursts for that (see `response_period`) and so makes its basin smaller;
     chaos that ends later counts as chaos. Chaotic attractors that come nearer
     to each other than `chaos_box` are taken as one, and two periodic ones nearer than
     `match_tolerance`. Aperiodic motion of fewer than 0.2 % of the starts, or of fewer than

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
-from latolato.analysis.flow import Floats, Flow, periodic_drive, value_of
-from latolato.analysis.orbits import CLOSED, LONGEST, checked_guess, find_orbit
+from latolato.analysis.floquet import smallest_period, told_of_period
+from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
+from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import ANY, NON_NEGATIVE, Quantity, Range
+from latolato.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.quantities import QUANTITIES as KNOWN
 from latolato.registry import checked_count, checked_number
 from latolato.start import DEFAULT_REST_SPEED
@@ -100,7 +101,8 @@ def continue_orbit(
     Special points are bisected to 1e-11 of a step, pitchforks in which the branch turns round are
     taken from a parabola (error about 1e-7 of the range). Missed are two of the same kind within
     one step, and branches that are not connected to the first orbit. At grazing the map has a
-    square root: a branch may end there, and says ``lost``.
+    square root: a branch may end there, and says ``lost``. If the first orbit has a shorter period
+    that fits into `period`, so has its branch; the attribute ``message`` says so.
 
     Examples
     --------
@@ -115,8 +117,11 @@ def continue_orbit(
     """
     driven = periodic_drive(system, drive)
     begun = value_of(system, driven, parameter)
-    low = checked_number("low", low, ANY, "1")
-    high = checked_number("high", high, ANY, "1")
+    allowed = allowed_of(system, driven, parameter)
+    # An end that the parameter itself may not have, such as no drive at all, may be approached.
+    closed, unit = replace(allowed, open_low=False, open_high=False), about_of(parameter).unit
+    low = checked_number(f"low ({parameter})", low, closed, unit)
+    high = checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
         raise ValueError(
             f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
@@ -124,7 +129,7 @@ def continue_orbit(
         )
     if direction not in ("up", "down"):
         raise ValueError(f"direction must be 'up' or 'down', got {direction!r}")
-    count = int(checked_number("period", period, Range(1, LONGEST), "1"))
+    count = checked_period(period)
     most = checked_count("points", points)
     flow = Flow(
         system,
@@ -139,8 +144,9 @@ def continue_orbit(
     first = find_orbit(flow, guess, count)
     places: list[Place] = []
     specials: list[tuple[str, Place]] = []
-    status = "not found"
+    status, message = "not found", None
     if first.defect <= CLOSED:
+        message = told_of_period(smallest_period(first), count)
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
@@ -156,8 +162,13 @@ def continue_orbit(
         warnings.warn(f"the branch was {status}{where}{hint}", RuntimeWarning, stacklevel=2)
     return _dataset(branch, places, specials, status, {
         "low": low, "high": high, "direction": direction, "period": count, "points": most,
-        "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
+        "tolerance": flow.tolerance, "rest_speed": flow.rest_speed, "message": message,
     })  # fmt: skip
+
+
+def about_of(parameter: str) -> Quantity:
+    """Return the quantity of a parameter; of one of two balls the name begins with the ball's."""
+    return KNOWN[parameter if parameter in KNOWN else parameter.split("_", 1)[1]]
 
 
 def _follow(
@@ -229,8 +240,7 @@ def _dataset(
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
 
-    # The name of a parameter of one of two balls begins with the ball's.
-    about = KNOWN[parameter if parameter in KNOWN else parameter.split("_", 1)[1]]
+    about = about_of(parameter)
     multipliers = np.array([p.orbit.multipliers for p in places], dtype=complex)
     multipliers = multipliers.reshape(-1, flow.size)
     largest = np.abs(multipliers).max(axis=1, initial=0.0)

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from latolato.analysis.flow import Floats, Flow, drive_period, periodic_drive
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
-    LONGEST,
     Orbit,
     checked_guess,
+    checked_period,
     find_orbit,
     multipliers_of,
 )
@@ -114,7 +114,9 @@ def floquet(
     The matrix is the exact derivative of the integrator's own steps. If Newton's method fails, the
     guess is followed for 40 and 400 periods first, which leads to attractors. Error of the
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
-    found, not always the nearest.
+    found, not always the nearest. It may have a shorter period that fits into `period`:
+    ``response_period`` and the attribute ``message`` say so, and the multipliers are still those
+    over `period`.
 
     Examples
     --------
@@ -127,9 +129,7 @@ def floquet(
     -1.13373 0.12505
     """
     driven = periodic_drive(system, drive)
-    count = int(checked_number("period", period, Range(1, LONGEST), "1"))
-    if count != period:
-        raise ValueError(f"period must be a whole number of drive periods, got {period}")
+    count = checked_period(period)
     flow = Flow(
         system,
         driven,
@@ -165,8 +165,19 @@ def floquet(
         settings={
             "period": count, "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
+            "message": told_of_period(found["response_period"], count),
         },
     )  # fmt: skip
+
+
+def told_of_period(smallest: Any, period: int) -> str | None:
+    """Return what is to be said of a motion that has a shorter period than was asked for."""
+    if smallest not in range(1, period):
+        return None
+    return (
+        f"the motion found repeats after {smallest:g} of {period} drive periods already; another "
+        f"start may lead to one of period {period}, if there is any"
+    )
 
 
 def describe_orbit(orbit: Orbit) -> dict[str, object]:

@@ -17,6 +17,7 @@ from latolato.observables.deviations import STATE, Deviations
 from latolato.physics.contacts import REST, Clamp
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System
+from latolato.quantities import POSITIVE, Range
 from latolato.registry import checked_number, suggest
 from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
 from latolato.sweep.axes import DERIVED, Parameter, parameters_of
@@ -163,10 +164,11 @@ def drive_period(drive: Drive) -> float:
     Raises
     ------
     ValueError
-        For a drive that does not repeat itself.
+        For a drive that does not repeat itself, which one of frequency zero does not.
     """
     if isinstance(drive, (Harmonic, CrankSlider)):
-        return math.tau / drive.drive_frequency
+        frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
+        return math.tau / frequency
     raise ValueError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
 
 
@@ -208,6 +210,11 @@ def value_of(system: System, drive: Drive, name: str) -> float:
     for part in parameter.path:
         owner = getattr(owner, part)
     return float(owner) / (_unit_of(system, drive, name) if name in DERIVED else 1.0)
+
+
+def allowed_of(system: System, drive: Drive, name: str) -> Range:
+    """Return the values that a parameter may take."""
+    return _parameter(system, drive, name).allowed
 
 
 def _parameter(system: System, drive: Drive, name: str) -> Parameter:

@@ -204,6 +204,7 @@ def mathieu_tongue_edges(
         return 2.0 * swing / math.sqrt(a) if a > 0.0 else math.inf
 
     sine_edge, cosine_edge = (characteristic_value(order, q, even) for even in (False, True))
+    cosine_edge = max(cosine_edge, sine_edge)  # where they differ by rounding errors only
     if cosine_edge <= 0.0:
         return math.nan, math.nan
     if zeta == 0.0 or q == 0.0:

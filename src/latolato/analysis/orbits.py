@@ -11,6 +11,8 @@ import numpy as np
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
+from latolato.quantities import Range
+from latolato.registry import checked_number
 from latolato.start import checked_start
 
 LONGEST = 16  # drive periods of an orbit
@@ -84,6 +86,14 @@ def multipliers_of(matrix: Floats) -> Floats:
     # Of two that are equally large, the one with the larger real part, then imaginary part, first.
     order = np.lexsort((-found.imag, -found.real, -np.round(np.abs(found), 12)))
     return np.asarray(found[order])
+
+
+def checked_period(period: Any) -> int:
+    """Return how many drive periods an orbit lasts."""
+    number = checked_number("period", period, Range(1, LONGEST), "1")
+    if number != int(number):
+        raise ValueError(f"period must be a whole number of drive periods, got {period}")
+    return int(number)
 
 
 def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:

@@ -40,7 +40,8 @@ QUANTITIES_HERE: dict[str, Quantity] = {
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
 _TRANSIENTS = Range(0.0, 1e7)
-# What becomes smaller while a motion settles; by which factor: twice, or once.
+# What becomes smaller while a motion settles; by which factor: twice, or once. Set by trial on a
+# few slow decays and toys that are chaotic in bursts.
 _DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
 _SLOWED, _FALLEN = 0.8, 0.5
 # Motion that recurs so closely is nearly periodic [rad].
@@ -126,7 +127,8 @@ def settled_motion(
 
     Motion without a period is run again with two and four times the transient, and where it seems
     to settle with eight times, watched for longer. It is "not settled" where it has a period then,
-    and where it goes on to settle. `frequency` is as in `motion_of`.
+    and where it goes on to settle. `frequency` is as in `motion_of`. The limits above are a rule of
+    thumb from a few motions; for what it gets wrong see `latolato.analysis.response_period`.
     """
     limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
 

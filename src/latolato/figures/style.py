@@ -317,6 +317,18 @@ def mark_level(
     )
 
 
+def keep_span(axes: Axes, *, x: float = 0.0, y: float = 0.0) -> None:
+    """Widen a panel to at least these spans, so that rounding errors do not fill it."""
+    for least, limits, set_limits in (
+        (x, axes.get_xlim(), axes.set_xlim),
+        (y, axes.get_ylim(), axes.set_ylim),
+    ):
+        low, high = limits
+        if high - low < least:
+            middle = 0.5 * (low + high)
+            set_limits(middle - 0.5 * least, middle + 0.5 * least)
+
+
 def note(
     axes: Axes,
     text: str,

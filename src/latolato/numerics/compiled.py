@@ -20,6 +20,7 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.extending import register_jitable
 
+from latolato.numerics.compiler import tell_it_is_there
 from latolato.scalar import for_each_formula
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
@@ -32,6 +33,7 @@ def _make_callable(function: Callable[..., Any]) -> None:
 
 
 for_each_formula(_make_callable)
+tell_it_is_there()
 
 _LAYERS = ("scalar.py", "physics", "observables", "numerics")
 

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+# Panels are no narrower [rad]: the points of a periodic motion differ by rounding errors.
+_LEAST = 1e-3
+
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
@@ -36,11 +39,9 @@ def draw(dataset: xr.Dataset) -> Figure:
             rasterized=count > 5000,
         )
     panel.margins(0.08)
+    style.keep_span(panel, x=_LEAST, y=_LEAST * dataset.attrs["drive_frequency"])
     low, high = panel.get_xlim()
-    if high - low < 1e-3:
-        middle = 0.5 * (low + high)
-        panel.set_xlim(middle - 0.1, middle + 0.1)
-    elif high - low > math.pi:
+    if high - low > math.pi:
         style.pi_ticks(panel.xaxis)
     panel.set_xlabel(style.label(dataset["angle"]))
     panel.set_ylabel(style.label(dataset["angular_velocity"]))

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _MARKS = ("o", "s", "^", "D", "v", "P")
 _SHOWN = 16
+# Panels are no narrower than so many tolerances, within which samples are one.
+_LEAST = 100.0
 
 
 @style.styled
@@ -43,6 +45,9 @@ def draw(dataset: xr.Dataset) -> Figure:
             style.note(course, name, (0.0, angle[ball, 0]), (6.0, 7.0))
     for panel in (course, plane):
         panel.margins(0.15)
+    least = _LEAST * dataset.attrs["angle_tolerance"]
+    style.keep_span(course, y=least)
+    style.keep_span(plane, x=least, y=least * dataset.attrs["drive_frequency"])
     course.set_xlim(-0.5, count - 0.5)
     course.set_xlabel("drive periods after the transient")
     course.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))

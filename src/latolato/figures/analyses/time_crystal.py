@@ -34,7 +34,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.panel_title(panels["place"], next(letters), "its place, bar: full width at half")
     point = _strongest(dataset)
     ratio, amplitude = float(point.frequency_ratio), 1e3 * float(point.drive_amplitude)
-    name = f"ω/ω0 = {ratio:.4g}, A0 = {amplitude:.3g} mm"
+    name = rf"$\omega/\omega_0$ = {ratio:.4g}, $A_0$ = {amplitude:.3g} mm"
     _draw_survival(point, panels["survival"])
     style.panel_title(panels["survival"], next(letters), "memory of the phase")
     _draw_order(point, panels["order"])
