@@ -93,3 +93,12 @@ def test_a_pivot_at_rest_and_too_few_periods_are_refused():
     unknown["pivot_y"].values[:] = np.nan
     with pytest.raises(ValueError, match="holds no number"):
         fit_drive(unknown)
+
+
+@pytest.mark.parametrize("metres_per_pixel,is_crank", [(1e-2, False), (1e-6, True)])
+def test_a_crank_is_told_only_above_a_tenth_of_a_pixel(metres_per_pixel, is_crank):
+    crank = ll.CrankSlider(drive_amplitude=0.03, drive_frequency=15.0, connecting_rod_length=0.3)
+    table = drive_table(crank, duration=10.0).assign_attrs(metres_per_pixel=metres_per_pixel)
+    found = fit_drive(table, profile=False)
+    # The second harmonic is A0^2/(4 L) = 0.75 mm.
+    assert ("crank_ratio" in found.estimates) == is_crank

@@ -35,6 +35,8 @@ MOST_STAGES = 4
 _STRONG = 10.0
 # An amplitude below so many times the noise of a sample is a pivot at rest.
 _CLEAR = 3.0
+# What a track may bend a motion by [pixels].
+_LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
 _OVERTONES = (2, 3, 4)
 # Within so many seconds of a step residuals this many times as large as elsewhere ask for a ramp,
@@ -87,8 +89,9 @@ def fit_drive(
     The height is ``y = A0 cos p - A0 q sin^2 p/(1 + sqrt(1 - q^2 sin^2 p))`` about a mean, with
     the signed crank ratio q = s A0/L of the crank-slider (s = +1: guide above) and a phase p whose
     frequency is constant in each stage and moves within `ramp` between them. Stages, ramp and
-    crank are kept if they lower BIC by 10 or more. A second harmonic that is not in phase, as an
-    eccentric bearing makes, is told but not part of ``drive``.
+    crank are kept if they lower BIC by 10 or more, a crank only if its second harmonic is above a
+    tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
+    not in phase, as an eccentric bearing makes, is told but not part of ``drive``.
     """
     lmfit_module()
     checked_table(table, "pivot_y")
@@ -97,7 +100,8 @@ def fit_drive(
         if not 1 <= stages <= MOST_STAGES:
             raise ValueError(f"stages must lie in [1, {MOST_STAGES}], got {stages}")
     data, zeros = _samples(table, start, end)
-    shape, found = _chosen(data, zeros, stages)
+    least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
+    shape, found = _chosen(data, zeros, stages, least)
     if profile:
         names = [n for n in ("drive_amplitude", "drive_frequency") if n in found.names]
         found = _fit(data, shape, _guesses_of(found), profiles=names)
@@ -110,7 +114,7 @@ def fit_drive(
         if unsteady:
             shape, found = drifting, other
     estimates = _estimates(found, shape) | drift
-    overtones = _overtones(data, shape, found)
+    overtones = _overtones(data, shape, found, least)
     drive, crank_words = _drive(found, shape, overtones)
     words = [_main_words(estimates, found, shape), crank_words]
     if unsteady:
@@ -180,13 +184,13 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     return data, zeros
 
 
-def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[Shape, Solution]:
+def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tuple[Shape, Solution]:
     """Return the model that the criterion is for, and its solution."""
     shape = Shape(stages or 1)
     best = _fit(data, shape, guesses_of_passages(data, zeros, shape))
     if shape.stages > 1:
         shape, best = _with_ramp(data, shape, best)
-    shape, best = _with_crank(data, shape, best)
+    shape, best = _with_crank(data, shape, best, least)
     if stages is not None:
         return shape, best
     # What stages must beat: one whose amplitude and frequency drift.
@@ -196,7 +200,7 @@ def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[Shape, Solut
         try:
             trial = _fit(data, richer, guesses_of_passages(data, zeros, richer))
             richer, trial = _with_ramp(data, richer, trial)
-            richer, trial = _with_crank(data, richer, trial)
+            richer, trial = _with_crank(data, richer, trial, least)
         except ValueError:
             break
         better = _is_better(trial, bar, data) and _is_better(trial, best, data)
@@ -206,12 +210,14 @@ def _chosen(data: Data, zeros: Floats, stages: int | None) -> tuple[Shape, Solut
     return shape, best
 
 
-def _with_crank(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
-    """Return the model with the overtones of a crank if that is better."""
+def _with_crank(data: Data, shape: Shape, best: Solution, least: float) -> tuple[Shape, Solution]:
+    """Return the model with the overtones of a crank if that is better and they exceed `least`."""
     richer = replace(shape, crank=True)
     guesses = _guesses_of(best) | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
     trial = _fit(data, richer, guesses)
-    return (richer, trial) if _is_better(trial, best, data) else (shape, best)
+    overtone = 0.25 * abs(trial.values["crank_ratio"]) * trial.values["drive_amplitude"]
+    better = overtone > least and _is_better(trial, best, data)
+    return (richer, trial) if better else (shape, best)
 
 
 def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
@@ -313,8 +319,11 @@ def _drift(drifting: Solution) -> dict[str, Estimate]:
     }
 
 
-def _overtones(data: Data, shape: Shape, found: Solution) -> list[_Overtone]:
-    """Return the multiples of the driving frequency in the measured height."""
+def _overtones(data: Data, shape: Shape, found: Solution, least: float) -> list[_Overtone]:
+    """Return the multiples of the driving frequency in the measured height.
+
+    A track may bend the height by `least`, which is no scatter.
+    """
     phase = shape.phase(found.values, data.times)
     columns = [np.ones(len(data))]
     for k in (1, *_OVERTONES):
@@ -322,7 +331,8 @@ def _overtones(data: Data, shape: Shape, found: Solution) -> list[_Overtone]:
     design = np.column_stack(columns)[found.kept]
     values, *_ = np.linalg.lstsq(design, data.values[found.kept], rcond=None)
     rest = data.values[found.kept] - design @ values
-    sigma = math.sqrt(2.0 * float(np.mean(rest**2)) / found.effective_samples)
+    scatter = 2.0 * float(np.mean(rest**2)) / found.effective_samples
+    sigma = math.sqrt(scatter + (0.25 * least) ** 2)
     return [
         _Overtone(float(values[1 + 2 * i]), float(values[2 + 2 * i]), sigma)
         for i in range(1, len(_OVERTONES) + 1)
