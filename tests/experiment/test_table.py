@@ -108,3 +108,10 @@ def test_a_missing_file_and_an_unknown_suffix_are_named(tmp_path):
     with pytest.raises(ValueError, match=r"must end in \.csv, \.parquet, \.nc"):
         write_table(example(), tmp_path / "clip.txt")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_else_a_netcdf_file_says_of_its_frames_is_kept(tmp_path):
+    table = track_table({"time": [0.0, 0.1], "angle_1": [0.2, 0.1]})
+    table["covered_1"] = ("frame", [0.0, 0.5], {"units": "1", "long_name": "hidden part"})
+    write_table(table, tmp_path / "truth.nc")
+    assert read_table(tmp_path / "truth.nc").covered_1.values.tolist() == [0.0, 0.5]

@@ -230,7 +230,14 @@ def read_table(path: str | Path) -> xr.Dataset:
                     f"the unit of column '{name}' must be [{unit}], got [{units.get(name, '')}]"
                 )
         attributes = {key: value for key, value in attributes.items() if key != "table"}
-        return track_table(columns, attributes)
+        known = {*column_names(balls), *(name.strip("{}") for name in PICTURE_COLUMNS)}
+        # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
+        more = {name: columns.pop(name) for name in [*columns] if name not in known}
+        if suffix != ".nc":
+            columns |= more  # a misspelt name in a text file is told
+            more = {}
+        table = track_table(columns, attributes)
+        return table.assign({name: ("frame", values) for name, values in more.items()})
     except (TypeError, ValueError) as error:
         raise ValueError(f"'{path}': {error}") from None
 
