@@ -25,6 +25,8 @@ _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
+# How much more up and down than sideways the pivot must move to be driven: tilts below 45 degrees.
+_UPRIGHT = 1.0
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
 
@@ -302,10 +304,11 @@ def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tu
     centred = pivots[ok] - pivots[ok].mean(axis=0)
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
     stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
-    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0]:
+    is_upright = abs(axes[0][1]) > _UPRIGHT * abs(axes[0][0])
+    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0] and is_upright:
         axis = axes[0] * np.sign(axes[0][1])
         return float(math.atan2(axis[0], axis[1])), "drive axis"
-    if stroke < 0.25 * _STROKE:
+    if stroke < 0.25 * _STROKE or not is_upright:
         rest = _rest_position(angles, is_clean)
         if rest is not None:
             return rest, "rest position"

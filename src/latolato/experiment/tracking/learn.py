@@ -29,8 +29,9 @@ from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.teach import Found, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
-# First guesses, before anything was learned: standard deviation of linear light, edge softness.
-_NOISE, _BLUR = 0.03, 0.8
+# First guesses, before anything was learned: standard deviation of linear light, at most this
+# share of the contrast (in the dark), and softness of the edge.
+_NOISE, _NOISE_SHARE, _LEAST_NOISE, _BLUR = 0.03, 0.1, 5e-4, 0.8
 # Shares by which the radius is varied in each round of learning.
 _WIDTHS = ((0.08,), (0.08, 0.03), (0.03, 0.01))
 # Gain at which a place on the circle is taken for a ball.
@@ -114,7 +115,10 @@ def learn_scene(
         uncover(behind, low, frames[0], colours, centre, size)
     behind = filled(behind)
     paint = first_paint(frames[0], centres, np.zeros(len(centres)), colours, size)
-    weight = np.eye(3) / _NOISE**2
+    middle = (paint.shape[0] - 1) // 2
+    wall = np.nanmedian(behind.reshape(-1, 3), axis=0)
+    contrast = float(np.linalg.norm(paint[middle, middle] - wall))
+    weight = np.eye(3) / min(_NOISE, max(_NOISE_SHARE * contrast, _LEAST_NOISE)) ** 2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))

@@ -196,9 +196,9 @@ def learn_pivot(
             tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
         learn_template(tracker, frames, behind, shifts)
     shifts = locate_all(tracker, frames, shifts)
-    middle = np.median(shifts, axis=0)
-    scatter = 1.4826 * np.median(np.abs(shifts - middle), axis=0)
-    if np.max(scatter) < _STILL and np.quantile(np.abs(shifts - middle), 0.9) < 2.0 * _STILL:
+    # Drives move up and down; what a template moves sideways only is drawn by the rod.
+    height = np.abs(shifts[:, 1] - np.median(shifts[:, 1]))
+    if 1.4826 * np.median(height) < _STILL and np.quantile(height, 0.9) < 2.0 * _STILL:
         tracker.is_still = True
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
