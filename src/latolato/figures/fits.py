@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Where legends stand clear of the curves.
-_ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
 # Letters in a line of the verdict.
 _LINE = 122
 
@@ -58,7 +58,7 @@ def _decay(dataset: xr.Dataset) -> Figure:
     _curve(panels["angle"], dataset, "angle", "angle_fit")
     if "swing_time" in dataset:
         _turning_points(panels["angle"], dataset)
-    panels["angle"].legend(**_ABOVE, ncols=3)
+    panels["angle"].legend(**ABOVE, ncols=3)
     _residual(panels["residual"], dataset, "angle_residual")
     _correlation(panels["correlation"], dataset, "angle_residual")
     if with_laws:
@@ -76,7 +76,7 @@ def _drive(dataset: xr.Dataset) -> Figure:
     for start in dataset.stage_start.values[1:]:
         for name in ("height", "residual"):
             panels[name].axvline(start, color=style.ORANGE, lw=style.LINE)
-    panels["height"].legend(**_ABOVE, ncols=2)
+    panels["height"].legend(**ABOVE, ncols=2)
     _residual(panels["residual"], dataset, "pivot_height_residual", 1e3, "mm")
     _correlation(panels["correlation"], dataset, "pivot_height_residual")
     axes = panels["harmonics"]
@@ -95,7 +95,7 @@ def _drive(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(0.0)
     axes.set_xlabel(QUANTITIES["harmonic"].long_name)
     axes.set_ylabel("amplitude $A_n$ [mm]")
-    axes.legend(**_ABOVE)
+    axes.legend(**ABOVE)
     return figure
 
 
@@ -111,7 +111,7 @@ def _restitution(dataset: xr.Dataset) -> Figure:
     )  # fmt: skip
     axes.set_xlabel(style.label(dataset.time))
     axes.set_ylabel(_label(dataset.separation, ""))
-    axes.legend(**_ABOVE)
+    axes.legend(**ABOVE)
     pooled, sigma = float(dataset.restitution), float(dataset.restitution_sigma)
     speeds = np.abs(dataset.angular_velocity_before)
     for name, values, text in (
@@ -149,7 +149,7 @@ def _model(dataset: xr.Dataset) -> Figure:
         axes[2 * i, 0].set_xlabel("")
         if i < len(balls) - 1:
             axes[2 * i + 1, 0].set_xlabel("")
-    axes[0, 0].legend(**_ABOVE, ncols=2)
+    axes[0, 0].legend(**ABOVE, ncols=2)
     return figure
 
 
