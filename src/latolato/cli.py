@@ -553,13 +553,16 @@ def track(
 @app.command(cls=EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
+    ] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
 ) -> None:
     """Reproduce the paper's figures and judge its claims in a report."""
     from latolato import report
 
     with bar("reproducing") as progress:
-        result = report.reproduce(output, quick=quick, progress=progress)
+        result = report.reproduce(output, quick=quick, full=full, progress=progress)
     report.print_claims(result)
 
 

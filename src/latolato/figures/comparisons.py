@@ -112,11 +112,14 @@ def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
 def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw the phase difference, pale where both swings are unlike."""
     axes.axhline(0.0, color=style.GREY, lw=style.THIN)
-    phase, like = dataset.phase_difference.values, dataset.likeness.values > 0.9
-    time = dataset.time.values
-    axes.plot(time[~like], phase[~like], ".", ms=1.4, color=style.GREY)
-    axes.plot(time[like], phase[like], ".", ms=1.4, color=style.GREEN)
-    known = np.abs(phase[np.isfinite(phase)])
+    alike = np.nan_to_num(dataset.likeness.values)
+    time, phase = dataset.time.values, dataset.phase_difference.values
+    for chosen, colour in (
+        ((alike > 0.0) & (alike <= 0.9), style.GREY),
+        (alike > 0.9, style.GREEN),
+    ):
+        axes.plot(time[chosen], phase[chosen], ".", ms=1.4, color=colour)
+    known = np.abs(phase[alike > 0.0])
     reach = min(max(1.2 * float(np.max(known, initial=0.0)), 0.02), np.pi)
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("phase [rad]")
