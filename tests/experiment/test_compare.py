@@ -220,8 +220,8 @@ def test_what_cannot_be_compared_is_refused(table, grid, responses):
         ll.compare(table, grid)
     with pytest.raises(ValueError, match="no number 'lenght'"):
         ll.compare(table, SINGLE, sigmas={"lenght": 1e-3})
+    far = trials.assign(frequency_ratio=trials.frequency_ratio + 5.0)
     with pytest.raises(ValueError, match="none of the 22 trials lies on the map"):
-        far = trials.assign(frequency_ratio=trials.frequency_ratio + 5.0)
         ll.compare(far, grid)
     with pytest.raises(ValueError, match="holds no classes"):
         ll.compare(trials, grid[["mean_energy"]].assign_attrs(grid.attrs))

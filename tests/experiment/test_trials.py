@@ -133,12 +133,10 @@ def test_a_bad_file_is_named_and_the_others_go_on(folder):
     assert trials.sizes["trial"] == 6
     assert "zz.mp4" in trials.attrs["failed"]
     bad = track_table({"time": [0.0, 0.1], "angle_1": [0.1, 0.2], "pivot_y": [0.0, 0.0]})
-    with (
-        pytest.raises(ValueError, match="no trial was found in 1 files"),
-        warnings.catch_warnings(),
-    ):
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        gather_trials(bad)
+        with pytest.raises(ValueError, match="no trial was found in 1 files"):
+            gather_trials(bad)
 
 
 def test_a_table_beside_its_video_takes_its_place(folder):

@@ -37,8 +37,8 @@ MISSING = (
     "reproduce again"
 )
 SYNTHETIC = (
-    "The video is synthetic, rendered with these parameters: this tests the chain from the video to "
-    "the number, not the paper's measurement."
+    "The video is synthetic, rendered with these parameters: this tests the chain from the video "
+    "to the number, not the paper's measurement."
 )
 # Noise of simulated tables, as the tracker leaves it at 640 x 480: angle [rad], pivot [m].
 _ANGLE_NOISE, _PIVOT_NOISE = 3e-4, 2e-5
@@ -73,8 +73,9 @@ class Clip:
         """Return the motion."""
         from latolato.simulate import simulate
 
-        when: dict[str, Any] = {"duration": self.duration} if times is None else {"times": times}
-        return simulate(self.system, self.drive, **dict(self.start), **when)
+        options: dict[str, Any] = dict(self.start)
+        options |= {"duration": self.duration} if times is None else {"times": times}
+        return simulate(self.system, self.drive, **options)
 
     def stage(self) -> tuple[Scene, Camera]:
         """Return what is seen and how it is filmed."""

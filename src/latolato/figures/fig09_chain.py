@@ -28,9 +28,10 @@ SIGMAS = {"length": 5e-4, "damping": 3e-5}
 POINTS, QUICK_POINTS = (71, 111), (36, 56)
 CAPTION = (
     "Six sets of eight trials (A0 = 12 to 36 mm, a start at 10°, 45 s, the angle that lasts after "
-    "30 s), each simulated or filmed and tracked (squares), with its drive fitted, classified and laid over the map of "
-    "the same protocol. The white dashed line is the measured boundary. The agreement's interval "
-    "allows for 0.5 mm of length and 3e-05 kg m/s of damping, the tracker's noise, and chance."
+    "30 s), each simulated or filmed and tracked (squares), with its drive fitted, classified and "
+    "laid over the map of the same protocol. The white dashed line is the measured boundary. The "
+    "agreement's interval allows for 0.5 mm of length and 3e-05 kg m/s of damping, the tracker's "
+    "noise, and chance."
 )
 STATEMENTS = (
     Statement(
@@ -68,7 +69,7 @@ def data(quick: bool = False, full: bool = False) -> xr.Dataset:
     from latolato.sweep import sweep
 
     random = np.random.default_rng(9)
-    clips = []
+    clips: list[chain.Clip] = []
     for amplitude in AMPLITUDES:
         step = (RATIOS[1] - RATIOS[0]) / (TRIALS - 1)
         for ratio in np.linspace(*RATIOS, TRIALS) + step * random.uniform(-0.35, 0.35, TRIALS):

@@ -27,9 +27,9 @@ BAND = (2.2, 2.6)
 SIGMAS = {"restitution": 0.005, "damping": 5e-5}
 CAPTION = (
     "Four sets of twelve trials (A0 = 15 to 30 mm, a start 0.15 rad above the wall, 24 s, the "
-    "largest angle after 16 s), each simulated or filmed and tracked (squares), beside the computed curves (lines). "
-    "Triangles: peaks with their deviation, which is that of the gap to the trial left of the "
-    "cliff. Shaded: the paper's range."
+    "largest angle after 16 s), each simulated or filmed and tracked (squares), beside the "
+    "computed curves (lines). Triangles: peaks with their deviation, that of the gap to the trial "
+    "left of the cliff. Shaded: the paper's range."
 )
 STATEMENTS = (
     Statement(
@@ -65,7 +65,7 @@ def data(quick: bool = False, full: bool = False) -> xr.Dataset:
     """Return measured and computed response curves."""
     from latolato.experiment.comparison.response import compare_response
 
-    clips = []
+    clips: list[chain.Clip] = []
     for amplitude in AMPLITUDES:
         for ratio in np.linspace(*RATIOS, TRIALS):
             drive = Harmonic(

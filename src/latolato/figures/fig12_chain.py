@@ -19,7 +19,8 @@ CAPTION = (
     "The stepped drive of Fig. 12, "
     f"{paper.COUPLED_WORDS}, and a start {START:g} rad above contact (from rest in contact the "
     "first hops are chaotic): rendered as a video, both balls tracked (in a quick run simulated "
-    "with the tracker's noise), and computed on the measured drive. The angle is half that between the balls."
+    "with the tracker's noise), and computed on the measured drive. The angle is half that between "
+    "the balls."
 )
 STATEMENTS = (
     chain_motion.statement(

@@ -136,7 +136,7 @@ def reproduce(
 def _write(
     folder: Path, quick: bool, full: bool, tell: Callable[[float], None]
 ) -> tuple[tuple[Claim, ...], tuple[str, ...]]:
-    """Compute, draw and write everything into an empty folder; return claims and what is missing."""
+    """Compute, draw and write all of it into an empty folder; return claims, what is missing."""
     from latolato.figures import catalogue, chain, style
     from latolato.files import atomic_path, save
     from latolato.report.page import Part, render
