@@ -39,7 +39,7 @@ def data(quick: bool = False, full: bool = False) -> xr.Dataset:
             drive_amplitude=paper.SINGLE_AMPLITUDE, drive_frequency=paper.SINGLE_FREQUENCY
         ),
         start=(("initial_angle", math.radians(2.0)),),
-        duration=90.0,
+        duration=70.0,
         seed=8,
     )
     return chain_motion.data(clip, TITLE, quick)
