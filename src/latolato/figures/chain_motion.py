@@ -99,7 +99,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     comparisons.draw_residual(panels["residual"], dataset)
     comparisons.draw_phase(panels["phase"], dataset)
     for letter, row in zip("bcd" if filmed else "abc", rows, strict=True):
-        style.panel_letter(panels[row], letter)
+        if row == "angle":
+            style.panel_title(panels[row], letter, "tracked" if filmed else "simulated samples")
+        else:
+            style.panel_letter(panels[row], letter)
         panels[row].set_xlim(0.0, float(dataset.time[-1]))
         if row != "phase":
             panels[row].tick_params(labelbottom=False)

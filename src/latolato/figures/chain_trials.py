@@ -46,11 +46,13 @@ def marked(found: xr.Dataset, title: str, failed: str) -> xr.Dataset:
     return found
 
 
-def draw_rings(axes: Axes, dataset: xr.Dataset, x: Any, y: Any) -> Any:
-    """Draw a ring around each trial by video and return the legend's entry, None without any."""
+def draw_squares(axes: Axes, dataset: xr.Dataset, x: Any, y: Any) -> Any:
+    """Draw a square around each trial by video and return the legend's entry, None without any."""
     own = dataset.by_video.values == 1
     if not own.any():
+        axes.set_title("all trials simulated")
         return None
+    axes.set_title("trials simulated or by synthetic video")
     return axes.scatter(
         x[own], y[own], s=70.0, marker="s", facecolors="none", edgecolors=style.INK,
         linewidths=0.9, zorder=5, label="by synthetic video",

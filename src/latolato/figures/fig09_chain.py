@@ -124,7 +124,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Return the map with the trials over it."""
     figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.2)
     handles = comparisons.draw_trials(axes[0, 0], dataset)
-    ring = chain_trials.draw_rings(axes[0, 0], dataset, dataset.x.values, dataset.y.values)
-    handles += [] if ring is None else [ring]
+    square = chain_trials.draw_squares(axes[0, 0], dataset, dataset.x.values, dataset.y.values)
+    handles += [] if square is None else [square]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure

@@ -116,6 +116,6 @@ def draw(dataset: xr.Dataset) -> Figure:
     panel = axes[0, 0]
     panel.axvspan(*BAND, color=style.ORANGE, alpha=0.22, lw=0, zorder=0)
     x, y = dataset.trial_ratio.values, np.degrees(dataset.stabilised_angle.values)
-    chain_trials.draw_rings(panel, dataset, x, y)
+    chain_trials.draw_squares(panel, dataset, x, y)
     comparisons.draw_responses(panel, dataset)
     return figure
