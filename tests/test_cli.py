@@ -469,7 +469,7 @@ def test_reproduce_hands_folder_and_quickness_on(monkeypatch):
 
     asked = []
 
-    def reproduce(folder, *, quick, progress):
+    def reproduce(folder, *, quick, full, progress):
         asked.append((folder, quick))
         return "result"
 

@@ -203,6 +203,31 @@ def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path, monkeypatch
     assert "the ledger is open" in result.index.read_text(encoding="utf-8")
 
 
+def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch, capsys):
+    from latolato.figures import chain
+
+    only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
+    monkeypatch.setattr(catalogue, "figures", lambda: only)
+    monkeypatch.setattr(catalogue, "evidence", lambda: only)
+    monkeypatch.setattr(chain, "is_missing", lambda: True)
+    result = report.reproduce(tmp_path / "out", quick=True)
+    (text,) = result.left_out
+    assert text.startswith("Figure 7: it needs the extra video")
+    assert "pip install &#x27;latolato[video]&#x27;" in result.index.read_text() or (
+        "pip install 'latolato[video]'" in result.index.read_text()
+    )
+    assert not (tmp_path / "out" / "fig07.png").exists()
+    report.print_claims(result)
+    assert text in capsys.readouterr().out
+    with pytest.raises(ValueError, match="films every trial"):
+        report.reproduce(tmp_path / "out", full=True)
+
+
+def test_a_report_is_quick_or_full(tmp_path):
+    with pytest.raises(ValueError, match="quick or full"):
+        report.reproduce(tmp_path / "out", quick=True, full=True)
+
+
 def test_errors_name_the_folder_that_was_given(one_figure, tmp_path, monkeypatch):
     folder = tmp_path / "rep"
 

@@ -53,11 +53,13 @@ if TYPE_CHECKING:
     from latolato import analysis
     from latolato.analysis.boundary import boundary
     from latolato.citation import cite
+    from latolato.experiment.compare import compare
     from latolato.experiment.fits.decay import fit_decay
     from latolato.experiment.fits.drive import fit_drive
     from latolato.experiment.fits.model import fit_model
     from latolato.experiment.fits.restitution import fit_restitution
     from latolato.experiment.track import track
+    from latolato.experiment.trials import gather_trials
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
     from latolato.files import load, save
@@ -70,10 +72,12 @@ _LATE: dict[str, str] = {
     "animate": "latolato.figures.animate",
     "boundary": "latolato.analysis.boundary",
     "cite": "latolato.citation",
+    "compare": "latolato.experiment.compare",
     "fit_decay": "latolato.experiment.fits.decay",
     "fit_drive": "latolato.experiment.fits.drive",
     "fit_model": "latolato.experiment.fits.model",
     "fit_restitution": "latolato.experiment.fits.restitution",
+    "gather_trials": "latolato.experiment.trials",
     "load": "latolato.files",
     "load_scenario": "latolato.scenario",
     "plot": "latolato.figures.plot",
@@ -122,11 +126,13 @@ __all__ = [
     "animate",
     "boundary",
     "cite",
+    "compare",
     "equivalent_pendulum",
     "fit_decay",
     "fit_drive",
     "fit_model",
     "fit_restitution",
+    "gather_trials",
     "load",
     "load_scenario",
     "plot",

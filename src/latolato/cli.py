@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato import fit_command, run_command
+from latolato import compare_command, fit_command, run_command, trials_command
 from latolato.analyse_command import AnalysisGroup
 from latolato.command_options import (
     EachOptionOnce,
@@ -45,6 +45,8 @@ analyse_app = typer.Typer(
 app.add_typer(analyse_app, name="analyse")
 app.add_typer(fit_command.fit_app, name="fit")
 app.command("import", cls=EachOptionOnce)(fit_command.import_)
+app.command("trials", cls=EachOptionOnce)(trials_command.trials)
+app.command("compare", cls=EachOptionOnce)(compare_command.command())
 
 
 @app.callback(invoke_without_command=True)
@@ -324,10 +326,15 @@ def plot(
         "overlays": overlay or [],
         "points": points,
     }
-    if pictures.is_map(dataset) or pictures.is_analysis(dataset) or pictures.is_fit(dataset):
+    kinds = {
+        "a map": pictures.is_map,
+        "an analysis": pictures.is_analysis,
+        "a fit": pictures.is_fit,
+        "a comparison": pictures.is_comparison,
+    }
+    kind = next((name for name, holds in kinds.items() if holds(dataset)), None)
+    if kind is not None:
         if animate is not None:
-            kind = "a map" if pictures.is_map(dataset) else "an analysis"
-            kind = "a fit" if pictures.is_fit(dataset) else kind
             raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 
@@ -546,13 +553,16 @@ def track(
 @app.command(cls=EachOptionOnce)
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
+    ] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
 ) -> None:
     """Reproduce the paper's figures and judge its claims in a report."""
     from latolato import report
 
     with bar("reproducing") as progress:
-        result = report.reproduce(output, quick=quick, progress=progress)
+        result = report.reproduce(output, quick=quick, full=full, progress=progress)
     report.print_claims(result)
 
 

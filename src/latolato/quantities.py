@@ -198,6 +198,20 @@ QUANTITIES: dict[str, Quantity] = {
         "1", r"\sigma_{e_k}", "standard deviation of each impact's restitution"
     ),
     "separation": Quantity("rad", r"\Delta\theta", "angle between the balls, or of the one ball"),
+    # trials and comparisons
+    "largest_angle_sigma": Quantity(
+        "rad", r"\sigma_{max}", "standard deviation of the largest angle"
+    ),
+    "stabilised_angle": Quantity("rad", r"\theta_{late}", "largest stabilised angle"),
+    "stabilised_angle_sigma": Quantity(
+        "rad", r"\sigma_{late}", "standard deviation of the largest stabilised angle"
+    ),
+    "drive_amplitude_sigma": Quantity(
+        "m", r"\sigma_{A_0}", "standard deviation of the driving amplitude"
+    ),
+    "drive_frequency_sigma": Quantity(
+        "rad/s", r"\sigma_\omega", "standard deviation of the angular driving frequency"
+    ),
     "separation_at_contact": Quantity("rad", r"\Theta_k", "angle between the balls at an impact"),
 }
 

@@ -22,7 +22,8 @@ def quick_data(name):
 
 # Drawings integrate nothing, and maps keep no ledger.
 MAPS = ["fig03cd", "fig05", "fig09", "fig11"]
-RUNS = [name for name in EVIDENCE if name not in ("fig01", *MAPS)]
+CHAIN = [name for name, module in EVIDENCE.items() if catalogue.needs_video(module)]
+RUNS = [name for name in EVIDENCE if name not in ("fig01", *MAPS, *CHAIN)]
 
 
 @pytest.fixture(params=EVIDENCE)
@@ -170,6 +171,25 @@ def test_colours_differ_in_grey_print():
     found = sorted(lightness(colour) for colour in style.COLOURS)
     # Neighbouring greys of 6 units of lightness can still be told apart in print.
     assert np.diff(found).min() > 6.0
+
+
+@pytest.mark.parametrize("name", ["fig07", "fig10"])
+def test_the_chain_from_a_video_returns_the_papers_damping(name):
+    numbers = EVIDENCE[name].numbers(quick_data(name))
+    assert numbers["error"] <= 0.015
+    assert numbers["error_envelope"] <= 0.04
+    assert numbers["pull"] <= 2.0
+    assert "synthetic video" in quick_data(name).attrs["chain"]
+
+
+@pytest.mark.parametrize("name", CHAIN)
+def test_figures_through_the_chain_say_what_is_synthetic(name):
+    module = EVIDENCE[name]
+    (claim,) = catalogue.judge(module, quick_data(name))
+    assert claim.verdict is Verdict.ASSUMED
+    assert "ynthetic" in claim.assumption
+    made = quick_data(name).attrs["chain"]
+    assert "synthetic video" in made or "simulated" in made.lower()
 
 
 def test_legends_of_the_energies_hide_no_curve():

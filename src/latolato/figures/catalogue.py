@@ -2,7 +2,8 @@
 
 A module ``figNN`` offers ``TITLE``, ``CAPTION``, ``data(quick=False)``, ``draw(dataset)``,
 ``STATEMENTS`` and ``numbers(dataset)``. A module ``text_*`` offers the same without ``CAPTION`` and
-``draw``: it judges what the paper says without a picture.
+``draw``: it judges what the paper says without a picture. A module that makes its figure through a
+video says ``NEEDS_VIDEO = True``; its ``data`` also takes ``full``, to film all that it can.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Evidence(Protocol):
     TITLE: str
     STATEMENTS: tuple[Statement, ...]
 
-    def data(self, quick: bool = False) -> xr.Dataset:
+    def data(self, quick: bool = False, **more: bool) -> xr.Dataset:
         """Compute and return everything that is drawn and judged."""
 
     def numbers(self, dataset: xr.Dataset) -> Numbers:
@@ -62,6 +63,23 @@ def evidence() -> dict[str, Evidence]:
     found: dict[str, Evidence] = dict(figures())
     found.update({name: cast(Evidence, _module(name)) for name in _names(_TEXT)})
     return found
+
+
+def needs_video(module: Evidence) -> bool:
+    """Return whether a figure goes through a video, which needs the extra `video`."""
+    return bool(getattr(module, "NEEDS_VIDEO", False))
+
+
+def title_of(name: str) -> str:
+    """Return what a figure's module is called in the report.
+
+    Examples
+    --------
+    >>> title_of("fig08"), title_of("fig08_chain")
+    ('Figure 8', 'Figure 8 through the chain')
+    """
+    number, _, way = name.removeprefix("fig").lstrip("0").partition("_")
+    return f"Figure {number}" + (" through the chain" if way == "chain" else "")
 
 
 def judge(module: Evidence, dataset: xr.Dataset) -> list[Claim]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Where legends stand clear of the curves.
-_ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
 # Letters in a line of the verdict.
 _LINE = 122
 
@@ -49,17 +49,17 @@ def _decay(dataset: xr.Dataset) -> Figure:
     with_laws = "law_bic" in dataset
     if "angle_fit" not in dataset:
         figure, axes = style.new_figure(1, 1, height=3.0)
-        _turning_points(axes[0, 0], dataset)
+        draw_turning_points(axes[0, 0], dataset)
         axes[0, 0].set_xlabel(style.label(dataset.swing_time))
         axes[0, 0].set_ylabel(style.label(dataset.swing_angle))
         return figure
     layout = [["angle", "angle"], ["residual", "residual"], ["correlation", "laws"]]
     figure, panels = style.new_mosaic(layout, height=5.6, height_ratios=[1.6, 0.8, 1.0])
-    _curve(panels["angle"], dataset, "angle", "angle_fit")
+    draw_curve(panels["angle"], dataset, "angle", "angle_fit")
     if "swing_time" in dataset:
-        _turning_points(panels["angle"], dataset)
-    panels["angle"].legend(**_ABOVE, ncols=3)
-    _residual(panels["residual"], dataset, "angle_residual")
+        draw_turning_points(panels["angle"], dataset)
+    panels["angle"].legend(**ABOVE, ncols=3)
+    draw_residual(panels["residual"], dataset, "angle_residual")
     _correlation(panels["correlation"], dataset, "angle_residual")
     if with_laws:
         _laws(panels["laws"], dataset)
@@ -72,12 +72,12 @@ def _drive(dataset: xr.Dataset) -> Figure:
     """Return height, residuals, and overtones."""
     layout = [["height", "height"], ["residual", "residual"], ["correlation", "harmonics"]]
     figure, panels = style.new_mosaic(layout, height=5.6, height_ratios=[1.4, 0.8, 1.0])
-    _curve(panels["height"], dataset, "pivot_height", "pivot_height_fit", 1e3, "mm")
+    draw_curve(panels["height"], dataset, "pivot_height", "pivot_height_fit", 1e3, "mm")
     for start in dataset.stage_start.values[1:]:
         for name in ("height", "residual"):
             panels[name].axvline(start, color=style.ORANGE, lw=style.LINE)
-    panels["height"].legend(**_ABOVE, ncols=2)
-    _residual(panels["residual"], dataset, "pivot_height_residual", 1e3, "mm")
+    panels["height"].legend(**ABOVE, ncols=2)
+    draw_residual(panels["residual"], dataset, "pivot_height_residual", 1e3, "mm")
     _correlation(panels["correlation"], dataset, "pivot_height_residual")
     axes = panels["harmonics"]
     order = dataset["harmonic"].values
@@ -95,7 +95,7 @@ def _drive(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(0.0)
     axes.set_xlabel(QUANTITIES["harmonic"].long_name)
     axes.set_ylabel("amplitude $A_n$ [mm]")
-    axes.legend(**_ABOVE)
+    axes.legend(**ABOVE)
     return figure
 
 
@@ -111,7 +111,7 @@ def _restitution(dataset: xr.Dataset) -> Figure:
     )  # fmt: skip
     axes.set_xlabel(style.label(dataset.time))
     axes.set_ylabel(_label(dataset.separation, ""))
-    axes.legend(**_ABOVE)
+    axes.legend(**ABOVE)
     pooled, sigma = float(dataset.restitution), float(dataset.restitution_sigma)
     speeds = np.abs(dataset.angular_velocity_before)
     for name, values, text in (
@@ -140,8 +140,8 @@ def _model(dataset: xr.Dataset) -> Figure:
     )
     for i, ball in enumerate(balls):
         own = dataset.isel(sample=np.flatnonzero(dataset.ball_number.values == ball))
-        _curve(axes[2 * i, 0], own, "angle", "angle_fit")
-        _residual(axes[2 * i + 1, 0], own, "angle_residual")
+        draw_curve(axes[2 * i, 0], own, "angle", "angle_fit")
+        draw_residual(axes[2 * i + 1, 0], own, "angle_residual")
         for start in dataset.window_start.values[1:]:
             axes[2 * i + 1, 0].axvline(start, color=style.GREY, lw=style.THIN)
         if len(balls) > 1:
@@ -149,11 +149,11 @@ def _model(dataset: xr.Dataset) -> Figure:
         axes[2 * i, 0].set_xlabel("")
         if i < len(balls) - 1:
             axes[2 * i + 1, 0].set_xlabel("")
-    axes[0, 0].legend(**_ABOVE, ncols=2)
+    axes[0, 0].legend(**ABOVE, ncols=2)
     return figure
 
 
-def _curve(
+def draw_curve(
     axes: Axes, dataset: xr.Dataset, measured: str, fitted: str, scale: float = 1.0, unit: str = ""
 ) -> None:
     """Draw samples and the fitted curve, broken where frames are missing."""
@@ -169,7 +169,7 @@ def _curve(
     axes.set_ylabel(_label(dataset[measured], unit))
 
 
-def _residual(
+def draw_residual(
     axes: Axes, dataset: xr.Dataset, name: str, scale: float = 1e3, unit: str = "mrad"
 ) -> None:
     """Draw residuals, and outliers at the edge."""
@@ -226,7 +226,7 @@ def _laws(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xlabel("BIC above the best (beyond 10: excluded)")
 
 
-def _turning_points(axes: Axes, dataset: xr.Dataset) -> None:
+def draw_turning_points(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw the turning points under the envelope."""
     time = dataset.swing_time.values
     axes.plot(

@@ -80,6 +80,12 @@ def plot(
         from latolato.figures.fits import draw_fit
 
         return draw_fit(run)
+    if is_comparison(run):
+        if not is_plain:
+            raise ValueError("a comparison is drawn whole: variable, log and the like fit a sweep")
+        from latolato.figures.comparisons import draw_comparison
+
+        return draw_comparison(run)
     if is_analysis(run):
         if not is_plain:
             raise ValueError("an analysis is drawn whole: variable, log and the like fit a sweep")
@@ -105,7 +111,7 @@ def plot(
 
 def is_map(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is that of a sweep."""
-    return "plan" in dataset.attrs and "time" not in dataset.dims
+    return "plan" in dataset.attrs and "time" not in dataset.dims and not is_comparison(dataset)
 
 
 def is_analysis(dataset: xr.Dataset) -> bool:
@@ -116,6 +122,11 @@ def is_analysis(dataset: xr.Dataset) -> bool:
 def is_fit(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is that of a fit of measurements."""
     return "fit" in dataset.attrs
+
+
+def is_comparison(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset compares measurement and computation."""
+    return "comparison" in dataset.attrs
 
 
 def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:

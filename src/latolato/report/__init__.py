@@ -41,10 +41,13 @@ class Result:
         The report, ``index.html``.
     claims : tuple of Claim
         All judged claims, in the order of the report.
+    left_out : tuple of str
+        What could not be made, and why.
     """
 
     index: Path
     claims: tuple[Claim, ...]
+    left_out: tuple[str, ...] = ()
 
     def __fspath__(self) -> str:
         return os.fspath(self.index)
@@ -54,6 +57,7 @@ def reproduce(
     folder: str | Path,
     *,
     quick: bool = False,
+    full: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Write figures, their data and a report on the paper's claims into a folder.
@@ -64,7 +68,10 @@ def reproduce(
         Made if it does not exist. Files of an earlier report are replaced when everything is
         ready; other files are left alone.
     quick : bool
-        Compute scans with fewer points and draw at a lower resolution.
+        Compute scans with fewer points, draw at a lower resolution, and film the decays of Figs. 7
+        and 10 only.
+    full : bool
+        Send every trial of Figs. 9 and 11 through a synthetic video, not only ten of them.
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
 
@@ -75,6 +82,8 @@ def reproduce(
 
     Raises
     ------
+    ValueError
+        For both `quick` and `full`, and for `full` without the extra `video`.
     NotADirectoryError
         If `folder` is a file.
     OSError
@@ -85,8 +94,15 @@ def reproduce(
     Written are ``index.html`` (self-contained: it shows without a network and without the other
     files), for each figure ``figNN.png``, ``figNN.svg`` and ``figNN.nc``, and a ``text_*.nc`` for
     each set of runs behind claims without a figure. An interrupted call leaves an earlier report
-    as it was.
+    as it was. Figures that go through a synthetic video are left out without the extra `video`,
+    which the page and the result say.
     """
+    from latolato.figures import chain
+
+    if quick and full:
+        raise ValueError("a report is quick or full, not both")
+    if full and chain.is_missing():
+        raise ValueError(f"a full report films every trial: {chain.MISSING}")
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"'{folder}' is a file; name a folder for the report")
@@ -98,7 +114,7 @@ def reproduce(
     unfinished = beside / f".latolato.{os.getpid()}.{secrets.token_hex(3)}"
     try:
         unfinished.mkdir()
-        claims = _write(unfinished, quick, tell)
+        claims, left_out = _write(unfinished, quick, full, tell)
         if not folder.exists():
             os.replace(unfinished, folder)
         else:
@@ -114,22 +130,30 @@ def reproduce(
     finally:
         shutil.rmtree(unfinished, ignore_errors=True)
     tell(1.0)
-    return Result(folder / INDEX, claims)
+    return Result(folder / INDEX, claims, left_out)
 
 
-def _write(folder: Path, quick: bool, tell: Callable[[float], None]) -> tuple[Claim, ...]:
-    """Compute, draw and write everything into an empty folder and return the claims."""
-    from latolato.figures import catalogue, style
+def _write(
+    folder: Path, quick: bool, full: bool, tell: Callable[[float], None]
+) -> tuple[tuple[Claim, ...], tuple[str, ...]]:
+    """Compute, draw and write all of it into an empty folder; return claims, what is missing."""
+    from latolato.figures import catalogue, chain, style
     from latolato.files import atomic_path, save
     from latolato.report.page import Part, render
 
     modules = catalogue.evidence()
     pictures = catalogue.figures()
+    left_out: tuple[str, ...] = ()
+    if chain.is_missing():
+        films = [name for name, module in modules.items() if catalogue.needs_video(module)]
+        left_out = tuple(f"{catalogue.title_of(name)}: {chain.MISSING}" for name in films)
+        modules = {name: module for name, module in modules.items() if name not in films}
     parts = []
     for done, (name, module) in enumerate(modules.items()):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)
-            dataset = module.data(quick=quick)
+            more = {"full": True} if full and catalogue.needs_video(module) else {}
+            dataset = module.data(quick=quick, **more)
         tell((done + _COMPUTED) / len(modules))
         caption = None
         if name in pictures:
@@ -151,10 +175,10 @@ def _write(folder: Path, quick: bool, tell: Callable[[float], None]) -> tuple[Cl
             )
         )
         tell((done + 1.0) / len(modules))
-    page = render(parts, folder, quick=quick)
+    page = render(parts, folder, quick=quick, left_out=left_out)
     with atomic_path(folder / INDEX) as unfinished:  # an error then names the file
         unfinished.write_text(page, encoding="utf-8")
-    return tuple(claim for part in parts for claim in part.claims)
+    return tuple(claim for part in parts for claim in part.claims), left_out
 
 
 def claims_table(claims: Sequence[Claim]) -> Table:
@@ -190,4 +214,6 @@ def print_claims(result: Result) -> None:
 
     console = Console()
     console.print(claims_table(result.claims))
+    for text in result.left_out:
+        console.print(f"left out: {text}", soft_wrap=True, highlight=False, markup=False)
     console.print(f"report: {result.index}", soft_wrap=True, highlight=False, markup=False)

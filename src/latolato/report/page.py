@@ -16,6 +16,7 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
 
+from latolato.figures.catalogue import title_of
 from latolato.figures.claim import Claim, Verdict
 from latolato.figures.style import pretty_unit
 from latolato.quantities import QUANTITIES
@@ -38,7 +39,7 @@ DEFERRED = (
         "fig7-fit",
         "Figs. 7, 10",
         "damping coefficients from measured decays",
-        "fits to videos or tables of measurements",
+        "the paper's videos (Figs. 7 and 10 here are made from synthetic ones)",
     ),
     ("fig8-measured", "Fig. 8a", "agreement with the measured curve", "the measured curve"),
     (
@@ -92,7 +93,9 @@ class Part:
     warnings: tuple[str, ...]
 
 
-def render(parts: Sequence[Part], folder: Path, *, quick: bool) -> str:
+def render(
+    parts: Sequence[Part], folder: Path, *, quick: bool, left_out: Sequence[str] = ()
+) -> str:
     """Return the page; pictures are read from `folder` and embedded."""
     from latolato.citation import PAPER_AUTHORS, PAPER_TITLE, cite
 
@@ -126,7 +129,7 @@ def render(parts: Sequence[Part], folder: Path, *, quick: bool) -> str:
             "printed. ✓ and ✗ mark limits that held and did not."
         ),
         claims=_claims(claims),
-        deferred=_deferred({claim.name for claim in claims}),
+        deferred=_left_out(left_out) + _deferred({claim.name for claim in claims}),
         figures="".join(_figure(part, folder) for part in parts if part.caption is not None),
         errata=_list(ERRATA),
         method=_method(parts),
@@ -238,10 +241,15 @@ def _deferred(judged: set[str]) -> str:
     return f"<ul>{rows}</ul>"
 
 
+def _left_out(texts: Sequence[str]) -> str:
+    """Return the list of figures that could not be made."""
+    return f"<p>Left out of this report:</p>{_list(texts)}" if texts else ""
+
+
 def _figure(part: Part, folder: Path) -> str:
     """Return one figure with its caption, parameters and files."""
     picture = base64.b64encode((folder / f"{part.name}.png").read_bytes()).decode("ascii")
-    number = part.name.removeprefix("fig").lstrip("0")
+    name = title_of(part.name)
     source = f"data:image/png;base64,{picture}"
     links = ", ".join(
         f'<a href="{part.name}{suffix}">{part.name}{suffix}</a>'
@@ -254,8 +262,8 @@ def _figure(part: Part, folder: Path) -> str:
     )
     pieces = (
         f'<figure class="plate" id="{part.name}"><div class="paper">',
-        f'<img alt="Figure {number}: {escape(part.title)}" src="{source}"></div><figcaption>',
-        f"<h3>Figure {number}. {_text(part.title)}</h3><p>{_text(part.caption or '')}</p>",
+        f'<img alt="{name}: {escape(part.title)}" src="{source}"></div><figcaption>',
+        f"<h3>{name}. {_text(part.title)}</h3><p>{_text(part.caption or '')}</p>",
         _assumed(claim.assumption for claim in part.claims),
         f'<p class="meta">Claims: {judged or "none"}. {_ledger_sentence(part.dataset)}</p>',
         f"<details><summary>Parameters</summary>{_parameters(part.dataset)}</details>",
@@ -380,6 +388,8 @@ def _grouped(count: int) -> str:
 
 def _ledger_sentence(dataset: xr.Dataset) -> str:
     """Return how well the energy ledger closes, in words."""
+    if "chain" in dataset.attrs:
+        return _text(str(dataset.attrs["chain"]))
     if "plan" in dataset:
         points, lost = int(dataset.points.sum()), int(dataset.unanswered.sum())
         return _text(f"{_grouped(points)} runs, of which {lost or 'none'} ended without an answer.")

@@ -19,11 +19,11 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.pivots import Pivot, given_pivot, measured_pivot
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
-from latolato.experiment.fits.samples import samples_of
+from latolato.experiment.fits.samples import angles_of
 from latolato.experiment.fits.windows import WindowedModel, window_starts
-from latolato.experiment.table import balls_of, checked_table
+from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
-from latolato.physics.pendulum import LatoLato, System, systems
+from latolato.physics.pendulum import System, systems
 from latolato.registry import describe, suggest
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def fit_model(
     checked_table(table)
     if not isinstance(system, System):
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
-    data = _data(table, system, ball, start, end)
+    data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
     if drive is None or drive == "measured":
         length = system.balls[0].length
@@ -151,31 +151,6 @@ def fit_model(
     return make_fit(
         "model", estimates, _verdict(estimates, found, model), curves, about, kept_drive
     )
-
-
-def _data(
-    table: xr.Dataset, system: System, ball: int | None, start: float | None, end: float | None
-) -> Data:
-    """Return the samples of the angles that the system has."""
-    if system.angles == 2:
-        if balls_of(table) < 2:
-            raise ValueError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
-        parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
-        return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
-    if ball is None and isinstance(system, LatoLato) and balls_of(table) == 2:
-        one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
-        times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
-        sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
-        series = np.ones(len(times), dtype=np.int64)
-        return Data(times, 0.5 * (one.values[i] - two.values[j]), sigmas, series)
-    data = samples_of(table, ball or 1, start=start, end=end)
-    sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
-    return Data(data.times, sign * data.values, data.sigmas, np.ones(len(data), dtype=np.int64))
-
-
-def _parts(data: Data) -> tuple[Any, ...]:
-    """Return what samples are made of."""
-    return data.times, data.values, data.sigmas, data.series
 
 
 def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str]:

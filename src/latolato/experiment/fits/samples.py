@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from latolato.experiment.fits.least_squares import Data, Floats
 from latolato.experiment.table import balls_of, checked_table
+from latolato.physics.pendulum import LatoLato, System
 from latolato.quantities import POSITIVE
 from latolato.registry import checked_number
 
@@ -40,6 +41,34 @@ def samples_of(
         raise ValueError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]
     return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
+
+
+def angles_of(
+    table: xr.Dataset, system: System, ball: int | None, start: float | None, end: float | None
+) -> Data:
+    """Return the samples of the angles that a system has, flagged ok; see `samples_of`.
+
+    Of a `LatoLato` with both balls in the table, half the difference of their angles.
+    """
+    if system.angles == 2:
+        if balls_of(table) < 2:
+            raise ValueError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
+        parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
+        return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
+    if ball is None and isinstance(system, LatoLato) and balls_of(table) == 2:
+        one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
+        times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
+        sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
+        series = np.ones(len(times), dtype=np.int64)
+        return Data(times, 0.5 * (one.values[i] - two.values[j]), sigmas, series)
+    data = samples_of(table, ball or 1, start=start, end=end)
+    sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
+    return Data(data.times, sign * data.values, data.sigmas, np.ones(len(data), dtype=np.int64))
+
+
+def _parts(data: Data) -> tuple[Any, ...]:
+    """Return what samples are made of."""
+    return data.times, data.values, data.sigmas, data.series
 
 
 def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.bool_]:

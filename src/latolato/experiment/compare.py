@@ -1,0 +1,119 @@
+"""Measurement beside computation: one entry for motion, trials on a map and response curves."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from latolato.physics.pendulum import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.experiment.fits.result import Fit
+
+
+def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: Any) -> xr.Dataset:
+    """Return a comparison of what was measured and what is computed.
+
+    Parameters
+    ----------
+    measured : xarray.Dataset
+        A track table or a trial table.
+    computed : System, Fit or xarray.Dataset
+        Beside a track table: a system or a fit of one (`latolato.fit_model`, `latolato.fit_decay`)
+        whose motion is computed on the measured drive. Beside trials: a sweep's dataset, whose
+        classes they are compared with, or a system or fit, whose response curves they are.
+    drive : Drive or "measured", optional
+        How the pivot of a track table moves, by default as it was measured.
+    **options
+        Those of `compare_motion`, `compare_map` or `compare_response` in
+        `latolato.experiment.comparison`: ``sigmas`` and ``draws`` for the uncertainty (of a fit its
+        own deviations), ``match``, ``initial_offset``, ``duration`` and so on.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the attributes ``comparison`` (motion, map or response) and ``verdict``, a sentence.
+        `latolato.plot` draws it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> from latolato.experiment.table import track_table
+    >>> ball = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
+    >>> swing = ll.simulate(ball, initial_angle=0.5, duration=12.0)
+    >>> table = track_table({"time": swing.time, "pivot_y": 0.0 * swing.time,
+    ...                      "angle_1": swing.angle})
+    >>> ll.compare(table, ball).attrs["comparison"]
+    'motion'
+    """
+    import xarray as xr
+
+    from latolato.experiment.fits.result import Fit
+
+    if not isinstance(measured, xr.Dataset):
+        raise TypeError(f"compare needs a track table or trials, got {type(measured).__name__}")
+    kind = measured.attrs.get("table")
+    if kind not in ("track", "trials"):
+        raise ValueError("compare needs a track table or a trial table")
+    if isinstance(computed, Fit):
+        system, sigmas = system_of(computed)
+        options = {"sigmas": sigmas, **options}
+        drive = drive if drive is not None or kind == "trials" else _drive_of(computed)
+        computed = system
+    if kind == "track":
+        if not isinstance(computed, System):
+            raise TypeError(f"a track table is compared with a system or a fit, got {computed!r}")
+        from latolato.experiment.comparison.motion import compare_motion
+
+        return compare_motion(measured, computed, drive, **options)
+    if drive is not None:
+        raise ValueError("trials tell their own drive: leave out drive")
+    if isinstance(computed, System):
+        from latolato.experiment.comparison.response import compare_response
+
+        return compare_response(measured, computed, **options)
+    from latolato.experiment.comparison.places import compare_map
+
+    return compare_map(measured, computed, **options)
+
+
+def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
+    """Return the system that a fit found and the standard deviations of its numbers.
+
+    Raises
+    ------
+    ValueError
+        If the fit is of no system.
+    """
+    from latolato.physics.pendulum import Pendulum, systems
+    from latolato.registry import rebuild
+
+    attrs = fit.dataset.attrs
+    if fit.kind == "model":
+        described = json.loads(attrs["system_description"])
+        system: System = rebuild(systems[described.pop("kind")], described)
+        names = [name for name in fit.estimates if hasattr(system, name)]
+    elif fit.kind == "decay" and "damping" in fit:
+        names = ["length", *(n for n in fit.estimates if n.endswith("damping"))]
+        values: dict[str, Any] = {name: fit[name].value for name in names}
+        system = Pendulum(mass=float(attrs["mass"]), gravity=float(attrs["gravity"]), **values)
+    else:
+        raise ValueError(
+            f"a fit of {fit.kind} names no whole system: use a fit of a model, or of a decay with "
+            "its mass"
+        )
+    return system, {name: fit[name].sigma for name in names}
+
+
+def _drive_of(fit: Fit) -> Any:
+    """Return the drive that a fit of a model was given, None for the measured one."""
+    if fit.kind == "model" and fit.dataset.attrs.get("pivot") == "the given drive":
+        return fit.drive
+    return None

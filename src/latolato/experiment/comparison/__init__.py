@@ -1,0 +1,1 @@
+"""Comparisons of measurement and computation: motion, trials on a map, response curves."""

@@ -1,0 +1,310 @@
+"""A measured motion beside the computed one on the measured drive: residuals and phase."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.comparison.parameters import (
+    Floats,
+    checked_sigmas,
+    drawn,
+    plain,
+    variable,
+)
+from latolato.experiment.fits.least_squares import Data, Solution, lmfit_module, solve
+from latolato.experiment.fits.pivots import given_pivot, measured_pivot
+from latolato.experiment.fits.samples import angles_of, noise_of
+from latolato.experiment.fits.windows import WindowedModel
+from latolato.experiment.table import checked_table
+from latolato.physics.drives import Drive, Static
+from latolato.physics.pendulum import System, systems
+from latolato.quantities import POSITIVE
+from latolato.registry import checked_count, checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# The start is found from so many natural periods.
+_MATCHED = 4.0
+# The computed motion has left the measured one where residuals exceed this share of the angle.
+_LEFT = 0.3
+
+
+def compare_motion(
+    table: xr.Dataset,
+    system: System,
+    drive: Drive | str | None = None,
+    *,
+    ball: int | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    match: float | None = None,
+    sigmas: Mapping[str, float] | None = None,
+    draws: int = 12,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Return measured and computed angles at the same instants, their difference and phase.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table; samples that are not flagged ok are left out.
+    system : Pendulum, LatoLato or BallPair
+        What is computed.
+    drive : Drive or "measured", optional
+        How the pivot moves, by default as it was measured, as for `latolato.fit_model`.
+    ball, start, end : optional
+        As for `latolato.fit_model`.
+    match : float, optional
+        Time from the start on in which the computed motion is fitted to the measured one [s], by
+        its initial angle and velocity only; by default 4 natural periods. After that it is a
+        prediction.
+    sigmas : mapping of str to float, optional
+        Standard deviations of the system's parameters, in SI units.
+    draws : int
+        Motions with other starts and parameters within their deviations.
+    seed : int
+        Of these.
+
+    Returns
+    -------
+    xarray.Dataset
+        On ``sample``: `time`, `angle`, `angle_computed`, `angle_computed_sigma` (spread of the
+        draws), `angle_residual`, `phase_difference` (measured ahead of computed: positive; of the
+        ball's own swing) and `likeness` (1 where both swings have the same shape). As numbers: the
+        residual and the phase in the last third, and both largest and lasting angles.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input.
+    ModuleNotFoundError
+        Without lmfit.
+
+    Notes
+    -----
+    Phases are those of the analytic signals (Hilbert) z of both angles about their mean over two
+    drive periods: the argument of the mean of ``z_measured conj(z_computed)`` over two drive
+    periods, NaN at both ends and where samples are missing. A phase of chaotic or resting motion
+    means little: see `likeness`.
+    """
+    import xarray as xr
+
+    lmfit_module()
+    checked_table(table)
+    if not isinstance(system, System):
+        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    widths = checked_sigmas(system, sigmas)
+    count = checked_count("draws", draws)
+    data = angles_of(table, system, ball, start, end)
+    first, last = float(data.times.min()), float(data.times.max())
+    if drive is None or drive == "measured":
+        length = system.balls[0].length
+        moving = measured_pivot(table, length, first, last, spline=drive == "measured")
+    else:
+        moving = given_pivot(drive)
+    span = _MATCHED * math.tau / system.natural_frequency
+    if match is not None:
+        span = checked_number("match", match, POSITIVE, "s")
+    begins = np.array([first])
+
+    def motion(law: System, samples: Data) -> WindowedModel:
+        return WindowedModel(samples, lambda _: (law, moving.drive), {}, begins, moving.origin)
+
+    early = _early(data, first + span)
+    model = motion(system, early)
+    found = solve(model, model.guesses(), early, jacobian=model.jacobian)
+    whole = motion(system, data)
+    computed = whole(found.values)
+    if not np.isfinite(computed).all():
+        raise ValueError("the computed motion does not reach the end of the record")
+    spread = _spread(system, widths, found, motion, data, count, seed)
+    residual = data.values - computed
+    period = _period(moving.drive, system)
+    phase, likeness = np.full(len(data), np.nan), np.full(len(data), np.nan)
+    for series in np.unique(data.series):
+        own = data.series == series
+        phase[own], likeness[own] = phases(data.times[own], data.values[own], computed[own], period)
+    late = data.times >= last - (last - first) / 3.0
+    followed = _followed(data, residual, 2.0 * period)
+    numbers = {
+        "residual_rms": (_rms(residual), "root mean square of the residual", "rad"),
+        "residual_rms_late": (_rms(residual[late]), "the same in the last third", "rad"),
+        "phase_rms_late": (_rms(phase[late]), "root mean square of the phase there", "rad"),
+        "largest_measured": (_top(data.values), "largest measured angle", "rad"),
+        "largest_computed": (_top(computed), "largest computed angle", "rad"),
+        "lasting_measured": (_top(data.values[late]), "largest measured angle there", "rad"),
+        "lasting_computed": (_top(computed[late]), "largest computed angle there", "rad"),
+        "followed_until": (followed, "time until which it follows", "s"),
+    }
+    variables: dict[str, Any] = {
+        "time": variable("sample", data.times, "time"),
+        "ball_number": variable("sample", data.series, "ball_number"),
+        "angle": variable("sample", data.values, "angle"),
+        "angle_sigma": variable("sample", data.sigmas, "angle_sigma_1", "its standard deviation"),
+        "angle_computed": variable("sample", computed, "angle", "computed angle"),
+        "angle_computed_sigma": variable(
+            "sample", spread, "angle_sigma_1", "deviation of the computed angle"
+        ),
+        "angle_residual": variable(
+            "sample", residual, "angle_residual", "measured minus computed angle"
+        ),
+        "phase_difference": plain("sample", phase, "phase of measured over computed swing", "rad"),
+        "likeness": plain("sample", likeness, "likeness of measured and computed swing"),
+        **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
+    }
+    attributes = {
+        "comparison": "motion", "verdict": _verdict(numbers, first, last),
+        "system": systems.name_of(system), "system_description": repr(system),
+        "pivot": moving.words, "match": span, "source": str(table.attrs.get("source", "")),
+        **{f"sigma_of_{name}": value for name, value in widths.items()},
+    }  # fmt: skip
+    return xr.Dataset(variables, attrs=attributes)
+
+
+def phases(times: Floats, one: Floats, other: Floats, period: float) -> tuple[Floats, Floats]:
+    """Return by how much one swing is ahead of another [rad], and how alike they are.
+
+    Parameters
+    ----------
+    times, one, other : ndarray, shape (sample,)
+        Instants [s] and both swings.
+    period : float
+        About which means are taken is twice this [s].
+    """
+    from scipy.ndimage import convolve1d
+    from scipy.signal import hilbert
+
+    pause = float(np.median(np.diff(times)))
+    width = 2 * max(round(period / pause), 2) + 1
+    unknown = np.full(len(times), np.nan)
+    grid = np.arange(times[0], times[-1] + 0.5 * pause, pause)
+    if len(grid) < 5 * width:
+        return unknown, unknown.copy()
+    window = np.hanning(width + 2)[1:-1]
+    window /= window.sum()
+    box = np.full(width, 1.0 / width)
+
+    def mean(values: Any, weights: Floats) -> Any:
+        return convolve1d(values, weights, mode="nearest")
+
+    signals = []
+    for swing in (one, other):
+        even = np.interp(grid, times, swing)
+        signals.append(hilbert(even - mean(even, box)))
+    a, b = signals
+    cross = a * np.conj(b)
+    product = mean(cross.real, window) + 1j * mean(cross.imag, window)
+    size = np.sqrt(mean(np.abs(a) ** 2, window) * mean(np.abs(b) ** 2, window))
+    # A sample of the grid that has none of the record's beside it was made up.
+    near = np.abs(times[np.clip(np.searchsorted(times, grid), 0, len(times) - 1)] - grid)
+    before = np.abs(times[np.clip(np.searchsorted(times, grid) - 1, 0, len(times) - 1)] - grid)
+    made_up = np.minimum(near, before) > 0.75 * pause
+    shaky = mean(made_up.astype(float), box) > 0.5
+    shaky[: 2 * width] = shaky[-2 * width :] = True
+    phase = np.where(shaky, np.nan, np.angle(product))
+    alike = np.where(shaky, np.nan, np.abs(product) / np.maximum(size, 1e-300))
+    place = np.clip(np.round((times - grid[0]) / pause).astype(int), 0, len(grid) - 1)
+    return phase[place], alike[place]
+
+
+def _early(data: Data, until: float) -> Data:
+    """Return the samples up to an instant, at least ten of each series."""
+    counts = [np.sort(data.times[data.series == s]) for s in np.unique(data.series)]
+    until = max(until, *(float(times[min(9, len(times) - 1)]) for times in counts))
+    kept = data.times <= until
+    return Data(data.times[kept], data.values[kept], data.sigmas[kept], data.series[kept])
+
+
+def _spread(
+    system: System,
+    widths: Mapping[str, float],
+    found: Solution,
+    motion: Any,
+    data: Data,
+    count: int,
+    seed: int,
+) -> Floats:
+    """Return the deviation of the computed angles that starts and parameters leave open."""
+    from dataclasses import replace
+
+    random = np.random.default_rng(seed)
+    given = drawn(system, widths, count + 1, random)
+    moved = random.multivariate_normal(np.zeros(len(found.names)), found.covariance, size=count)
+    squares, answered = np.zeros(len(data)), 0
+    middle = motion(system, data)(found.values)
+    for k in range(count):
+        law: Any = system
+        if given:
+            law = replace(law, **{name: float(values[k + 1]) for name, values in given.items()})
+        start = {
+            name: found.values[name] + float(step)
+            for name, step in zip(found.names, moved[k], strict=True)
+        }
+        trial = motion(law, data)(start)
+        if np.isfinite(trial).all():
+            squares += (trial - middle) ** 2
+            answered += 1
+    return np.sqrt(squares / max(answered, 1))
+
+
+def _period(drive: Any, system: System) -> float:
+    """Return the period that means are taken over [s]."""
+    if isinstance(drive, Static):
+        return math.tau / system.natural_frequency / 2.0
+    slowest = [
+        float(value)
+        for name in ("drive_frequency", "drive_frequency_final")
+        if (value := getattr(drive, name, None)) is not None
+    ]
+    slowest += [float(w) for w in getattr(drive, "drive_frequencies", ())]
+    return math.tau / (min(slowest) if slowest else system.natural_frequency)
+
+
+def _followed(data: Data, residual: Floats, window: float) -> float:
+    """Return the instant until which the residual is a small part of the angle [s]."""
+    first, last = float(data.times.min()), float(data.times.max())
+    noise = 3.0 * noise_of(data.values[data.series == data.series[0]])
+    for begin in np.arange(first, last, window):
+        inside = (data.times >= begin) & (data.times < begin + window)
+        if begin + 0.5 * window > last or inside.sum() < 3:
+            continue
+        swing = data.values[inside] - np.mean(data.values[inside])
+        if _rms(residual[inside]) > _LEFT * max(_rms(swing), noise, 1e-3):
+            return float(begin)
+    return last
+
+
+def _rms(values: Floats) -> float:
+    """Return the root mean square of what is known, NaN if nothing is."""
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if known.size else math.nan
+
+
+def _top(values: Floats) -> float:
+    """Return the largest size."""
+    return float(np.max(np.abs(values)))
+
+
+def _verdict(numbers: Mapping[str, tuple[float, str, str]], first: float, last: float) -> str:
+    """Return how computation and measurement compare in plain words."""
+    value = {name: each[0] for name, each in numbers.items()}
+    one, other = (math.degrees(value[f"lasting_{k}"]) for k in ("measured", "computed"))
+    if value["followed_until"] >= last:
+        words = (
+            f"The computed motion follows the measured one for all {last - first:.4g} s: they "
+            f"differ by {1e3 * value['residual_rms']:.3g} mrad (rms)"
+        )
+        if math.isfinite(value["phase_rms_late"]):
+            words += f", in phase by {value['phase_rms_late']:.2g} rad in the last third"
+    else:
+        words = (
+            f"The computed motion follows the measured one until {value['followed_until']:.4g} s "
+            f"of {last:.4g} s; later they differ by {1e3 * value['residual_rms_late']:.3g} mrad "
+            "(rms)"
+        )
+    return f"{words}. The largest angle of the last third is {one:.2f}°, computed {other:.2f}°."

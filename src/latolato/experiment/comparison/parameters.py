@@ -1,0 +1,176 @@
+"""What comparisons share: uncertain parameters, runs at the places of trials, their classes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.experiment.trial_table import class_of
+from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.quantities import NON_NEGATIVE, QUANTITIES
+from latolato.registry import checked_number, suggest
+from latolato.sweep.plan import Plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+LATE = "largest_angle_after_transient"
+
+
+def variable(
+    dims: str | tuple[str, ...], values: Any, name: str, words: str | None = None
+) -> tuple[Any, Any, dict[str, str]]:
+    """Return a variable with unit and symbol of a quantity, and other words where given."""
+    quantity = QUANTITIES[name]
+    about = {
+        "units": quantity.unit,
+        "long_name": words or quantity.long_name,
+        "symbol": quantity.symbol,
+    }
+    return dims, values, about
+
+
+def plain(
+    dims: str | tuple[str, ...], values: Any, words: str, unit: str = "1"
+) -> tuple[Any, Any, dict[str, str]]:
+    """Return a variable that is no named quantity."""
+    return dims, values, {"units": unit, "long_name": words, "symbol": ""}
+
+
+def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str, float]:
+    """Return the standard deviations of a system's parameters, checked.
+
+    Raises
+    ------
+    ValueError
+        For a name that the system has not, and a negative deviation.
+    """
+    known = [f.name for f in fields(system) if isinstance(getattr(system, f.name, None), float)]
+    found = {}
+    for name, value in (sigmas or {}).items():
+        if name not in known:
+            raise ValueError(f"the system has no number '{name}': {suggest(name, known)}")
+        found[name] = checked_number(
+            f"the deviation of {name}", value, NON_NEGATIVE, QUANTITIES[name].unit
+        )
+    return found
+
+
+def drawn(
+    system: System, sigmas: Mapping[str, float], count: int, random: np.random.Generator
+) -> dict[str, Floats]:
+    """Return values of uncertain parameters, shape (draw,); the first are those of the system."""
+    found = {}
+    for name, sigma in sigmas.items():
+        field = next(f for f in fields(system) if f.name == name)
+        allowed = field.metadata["range"]
+        value = float(getattr(system, name))
+        values = value + sigma * random.standard_normal(count)
+        values[0] = value
+        tiny = 1e-9 * max(abs(value), 1e-9)
+        low = allowed.low + (tiny if allowed.open_low else 0.0)
+        found[name] = np.clip(values, low, allowed.high)
+    return found
+
+
+def plan_of(grid: Any) -> Plan:
+    """Return the plan of a sweep's dataset.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no sweep of a system of one angle.
+    """
+    import xarray as xr
+
+    if not isinstance(grid, xr.Dataset):
+        raise TypeError(f"a map must be the dataset of a sweep, got {type(grid).__name__}")
+    if "plan" not in grid.attrs:
+        raise ValueError("the dataset is no map: it does not hold the plan of a sweep")
+    plan = Plan.from_description(json.loads(grid.attrs["plan"]))
+    if isinstance(plan.system, BallPair):
+        raise ValueError("trials are compared with maps of a Pendulum or a LatoLato")
+    return plan
+
+
+def classes_in(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the class at each point of a sweep: 0, 1, 2, NaN where there is no answer.
+
+    Raises
+    ------
+    ValueError
+        If the sweep gathered neither classes nor both angles.
+    """
+    if "motion_class" in dataset:
+        return dataset["motion_class"].round()
+    if "largest_angle" in dataset and LATE in dataset:
+        largest, late = dataset["largest_angle"], dataset[LATE]
+        found = largest.copy(data=class_of(largest.values, late.values).astype(float))
+        return found.where(np.isfinite(largest) & np.isfinite(late)).rename("motion_class")
+    raise ValueError(
+        f"the map holds no classes: sweep with the observables motion_class, or largest_angle and "
+        f"{LATE}"
+    )
+
+
+def run_at(plan: Plan, columns: Mapping[str, Any]) -> xr.Dataset:
+    """Return a sweep's observables at points of their own, on the dimension ``case``.
+
+    Parameters
+    ----------
+    plan : Plan
+        Says all that `columns` does not.
+    columns : mapping of str to array_like, shape (case,)
+        Values of parameters of system and drive.
+    """
+    from latolato.sweep import sweep
+
+    start: dict[str, Any] = dict(plan.start)
+    if isinstance(plan.system, LatoLato) and "initial_angle" in start:
+        # The offset stays what it is where the contact angle moves.
+        low = plan.system.contact_angle_low
+        start["initial_offset"] = max(start.pop("initial_angle") - low, 0.0)
+    names = list(columns)
+    rows = np.stack([np.asarray(columns[name], dtype=float) for name in names], axis=1)
+    # A sweep takes no point twice.
+    points, places = np.unique(rows, axis=0, return_inverse=True)
+    varied = dict(zip(names, points.T, strict=True))
+    found = sweep(
+        plan.system,
+        plan.drive,
+        axes={"case": varied},
+        duration=plan.duration,
+        transient=plan.transient,
+        transient_periods=plan.transient_periods,
+        observables=plan.observables,
+        tolerance=plan.tolerance,
+        contact=plan.contact,
+        rest_speed=plan.rest_speed,
+        contact_limit=plan.contact_limit,
+        noise=plan.noise,
+        **{name: value for name, value in start.items() if name not in varied},
+    )
+    return found.isel(case=np.ravel(places))
+
+
+def wilson(successes: float, count: int) -> tuple[float, float]:
+    """Return the 95 percent interval of a share (Wilson, 1927).
+
+    Examples
+    --------
+    >>> [round(end, 3) for end in wilson(9, 10)]
+    [0.596, 0.982]
+    """
+    z = 1.959964
+    share = successes / count
+    middle = (share + z * z / (2 * count)) / (1 + z * z / count)
+    half = z * math.sqrt(share * (1 - share) / count + z * z / (4 * count**2))
+    half /= 1 + z * z / count
+    return middle - half, middle + half

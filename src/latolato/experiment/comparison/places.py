@@ -1,0 +1,364 @@
+"""Trials over a computed map: where their classes agree, and how surely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.comparison.parameters import (
+    Floats,
+    checked_sigmas,
+    classes_in,
+    drawn,
+    plain,
+    plan_of,
+    run_at,
+    variable,
+    wilson,
+)
+from latolato.experiment.trial_table import CLASSES, checked_trials, class_of
+from latolato.registry import checked_count
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.sweep.plan import Plan
+
+AMPLITUDES = ("drive_amplitude", "amplitude_ratio")
+FREQUENCIES = ("drive_frequency", "frequency_ratio")
+SIDES = ("left", "right")
+
+
+def compare_map(
+    trials: xr.Dataset,
+    grid: xr.Dataset,
+    *,
+    sigmas: Mapping[str, float] | None = None,
+    draws: int = 60,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Return trials beside the classes of a map: agreement with its uncertainty, boundaries.
+
+    Parameters
+    ----------
+    trials : xarray.Dataset
+        A trial table.
+    grid : xarray.Dataset
+        A sweep over amplitude and frequency with `motion_class`, or with both largest angles.
+    sigmas : mapping of str to float, optional
+        Standard deviations of the system's parameters, in SI units: ``{"length": 5e-4, ...}``.
+    draws : int
+        Times that all trials are computed again with parameters that could be meant as well; 0
+        leaves that out.
+    seed : int
+        Of these draws.
+
+    Returns
+    -------
+    xarray.Dataset
+        On ``trial`` the classes measured and of the map's cell, and in what share of the draws
+        they agree; on ``boundary`` where motion begins and ends in each set, measured (midway
+        between neighbours) and on the map; the share that agrees with its 95 percent interval,
+        Cohen's kappa, the table of classes; and the map.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, other axes, and trials of which none lies on the map.
+
+    Notes
+    -----
+    In a draw each trial gets an amplitude, a frequency and angles within its own deviations, and
+    all trials share one value of each uncertain parameter. A length that is wrong makes the
+    picture's scale, and so all amplitudes, wrong by the same share. The trials are run at these
+    places with everything else as the map's plan says, and trials are taken at random with
+    replacement: the interval holds both what the parameters leave open and chance
+    (`agreement_sigma_parameters` and `agreement_sigma_binomial` tell them apart).
+    """
+    import xarray as xr
+
+    checked_trials(trials)
+    plan = plan_of(grid)
+    widths = checked_sigmas(plan.system, sigmas)
+    count = checked_count("draws", draws) if draws else 0
+    classes = classes_in(grid)
+    up, across = _axes_of(classes)
+    classes = classes.transpose(up, across)
+    places = _places(trials, plan, up, across)
+    rows, inside = _cell(classes[up].values, places[0])
+    columns, also = _cell(classes[across].values, places[1])
+    found = np.full(trials.sizes["trial"], np.nan)
+    inside &= also
+    found[inside] = classes.values[rows[inside], columns[inside]]
+    measured = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
+    known = np.isfinite(found)
+    if not known.any():
+        raise ValueError(
+            f"none of the {len(measured)} trials lies on the map, whose {up} goes from "
+            f"{classes[up].values.min():.4g} to {classes[up].values.max():.4g} and {across} from "
+            f"{classes[across].values.min():.4g} to {classes[across].values.max():.4g}"
+        )
+    taken = trials.isel(trial=np.flatnonzero(known))
+    measured, computed = measured[known], found[known].astype(int)
+    agrees = measured == computed
+    n = len(agrees)
+    share, kappa = float(agrees.mean()), cohen_kappa(measured, computed)
+    low, high = wilson(float(agrees.sum()), n)
+    variables: dict[str, Any] = {}
+    chances, by_parameters, kappa_sigma = np.full(n, np.nan), 0.0, math.nan
+    if count:
+        again = _drawn(taken, plan, widths, count, seed)
+        chances = np.mean(again.seen == again.computed, axis=0)
+        by_parameters = float(np.std(np.mean(again.seen == again.computed, axis=1)))
+        shares, kappas = again.with_chance()
+        kappa_sigma = float(np.std(kappas))
+        low, high = (
+            min(low, float(np.quantile(shares, 0.025))),
+            max(high, float(np.quantile(shares, 0.975))),
+        )
+        variables["chance_of_agreement"] = plain(
+            "trial", chances, "share of draws in which trial and computation agree"
+        )
+        variables["kappa_sigma"] = plain((), kappa_sigma, "standard deviation of Cohen's kappa")
+    binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
+    borders = _boundaries(taken, classes.where(np.isfinite(classes)), up, across, plan)
+    table = np.zeros((3, 3), dtype=np.int64)
+    np.add.at(table, (measured, computed), 1)
+    variables |= {
+        "x": (("trial"), places[1][known], _about(across)),
+        "y": (("trial"), places[0][known], _about(up)),
+        "class_measured": plain("trial", measured, "measured class (0 none, 1 weak, 2 strong)"),
+        "class_computed": plain("trial", computed, "class of the map there"),
+        "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
+        "borderline": plain(
+            "trial", taken["borderline"].values, taken["borderline"].attrs["long_name"]
+        ),
+        "set": plain("trial", taken["set"].values.astype(str), taken["set"].attrs["long_name"]),
+        "source": plain(
+            "trial", taken["source"].values.astype(str), taken["source"].attrs["long_name"]
+        ),
+        "agreement": plain((), share, "share of trials whose class is the map's"),
+        "agreement_low": plain((), low, "low end of its 95 % interval"),
+        "agreement_high": plain((), high, "high end of its 95 % interval"),
+        "agreement_sigma_binomial": plain((), binomial, "its deviation by chance"),
+        "agreement_sigma_parameters": plain((), by_parameters, "its deviation by the parameters"),
+        "kappa": plain((), kappa, "Cohen's kappa"),
+        "confusion": plain(
+            ("measured", "computed"), table, "trials by measured and computed class"
+        ),
+        **borders,
+        "motion_class": ((up, across), classes.values, dict(classes.attrs) or _about("x")),
+    }
+    variables["motion_class"][2].setdefault("units", "1")
+    variables["motion_class"][2].setdefault("long_name", "class of motion")
+    if "mean_energy" in grid:
+        energy = grid["mean_energy"].transpose(up, across)
+        variables["mean_energy"] = ((up, across), energy.values, dict(energy.attrs))
+    outside = trials.sizes["trial"] - n
+    words = _verdict(share, low, high, kappa, n, outside, borders)
+    attributes = {
+        "comparison": "map", "verdict": words, "trials_outside": outside, "draws": count,
+        "plan": grid.attrs["plan"],
+        **{f"sigma_of_{name}": value for name, value in widths.items()},
+    }  # fmt: skip
+    coordinates = {
+        up: (up, classes[up].values, dict(classes[up].attrs)),
+        across: (across, classes[across].values, dict(classes[across].attrs)),
+        "measured": plain("measured", list(CLASSES), "measured class"),
+        "computed": plain("computed", list(CLASSES), "computed class"),
+    }
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def cohen_kappa(one: Any, other: Any) -> float:
+    """Return Cohen's kappa of two classifications: 1 if they agree, 0 if by chance only.
+
+    Examples
+    --------
+    >>> cohen_kappa([0, 0, 1, 1], [0, 0, 1, 1]), cohen_kappa([0, 1, 0, 1], [0, 0, 1, 1])
+    (1.0, 0.0)
+    """
+    one, other = np.asarray(one), np.asarray(other)
+    agreed = float(np.mean(one == other))
+    chance = sum(float(np.mean(one == k)) * float(np.mean(other == k)) for k in range(3))
+    if chance >= 1.0:  # one class only
+        return 1.0 if agreed == 1.0 else 0.0
+    return (agreed - chance) / (1.0 - chance)
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """Classes of all trials in each draw, shape (draw, trial)."""
+
+    seen: Any
+    computed: Any
+    random: np.random.Generator
+
+    def with_chance(self) -> tuple[Floats, Floats]:
+        """Return share and kappa of many draws with trials taken with replacement."""
+        count, n = self.seen.shape
+        shares, kappas = [], []
+        for k in range(max(count, 400)):
+            pick = self.random.integers(n, size=n)
+            one, other = self.seen[k % count][pick], self.computed[k % count][pick]
+            shares.append(float(np.mean(one == other)))
+            kappas.append(cohen_kappa(one, other))
+        return np.array(shares), np.array(kappas)
+
+
+def _drawn(
+    trials: xr.Dataset, plan: Plan, widths: Mapping[str, float], count: int, seed: int
+) -> _Draws:
+    """Return measured and computed classes with parameters that could be meant as well."""
+    random = np.random.default_rng(seed)
+    n = trials.sizes["trial"]
+
+    def about(name: str) -> Floats:
+        sigma = np.nan_to_num(trials[f"{name}_sigma"].values)
+        values: Floats = trials[name].values + sigma * random.standard_normal((count, n))
+        return values
+
+    amplitude, frequency = about("drive_amplitude"), about("drive_frequency")
+    given = drawn(plan.system, widths, count, random)
+    if "length" in given:
+        amplitude = amplitude * (given["length"] / plan.system.balls[0].length)[:, None]
+    missing = ~np.isfinite(frequency)
+    if missing.any():
+        ratio = np.broadcast_to(trials["frequency_ratio"].values, (count, n))
+        frequency = np.where(missing, ratio * plan.system.natural_frequency, frequency)
+    columns = {"drive_amplitude": amplitude.ravel(), "drive_frequency": frequency.ravel()}
+    columns |= {name: np.repeat(values, n) for name, values in given.items()}
+    computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
+    largest, lasting = about("largest_angle"), about("stabilised_angle")
+    told = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
+    angles = np.isfinite(largest) & np.isfinite(lasting)
+    seen = np.where(angles, class_of(largest, lasting), told)
+    return _Draws(seen, computed, random)
+
+
+def _axes_of(classes: xr.DataArray) -> tuple[str, str]:
+    """Return the names of the axes of amplitude and of frequency."""
+    dims = [str(dim) for dim in classes.dims]
+    up = [dim for dim in dims if dim in AMPLITUDES]
+    across = [dim for dim in dims if dim in FREQUENCIES]
+    if len(dims) != 2 or not up or not across:
+        raise ValueError(
+            f"trials need a map over {' or '.join(AMPLITUDES)} and {' or '.join(FREQUENCIES)}, got "
+            f"one over {', '.join(dims)}"
+        )
+    return up[0], across[0]
+
+
+def _places(trials: xr.Dataset, plan: Plan, up: str, across: str) -> tuple[Floats, Floats]:
+    """Return the coordinates of the trials along both axes."""
+    amplitude, ratio = trials["drive_amplitude"].values, trials["frequency_ratio"].values
+    frequency = trials["drive_frequency"].values
+    natural, length = plan.system.natural_frequency, plan.system.balls[0].length
+    # A trial of unknown length is taken to be of the map's.
+    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
+    frequency = np.where(np.isfinite(frequency), frequency, ratio * natural)
+    own = np.where(np.isfinite(trials["length"].values), trials["length"].values, length)
+    return (
+        amplitude if up == "drive_amplitude" else amplitude / own,
+        frequency if across == "drive_frequency" else ratio,
+    )
+
+
+def _cell(values: Floats, places: Floats) -> tuple[Any, Any]:
+    """Return the cell that each place lies in, and whether it lies in one."""
+    order = np.argsort(values)
+    ordered = values[order]
+    middle = 0.5 * (ordered[1:] + ordered[:-1])
+    if len(ordered) > 1:
+        low, high = 2.0 * ordered[0] - middle[0], 2.0 * ordered[-1] - middle[-1]
+    else:
+        low, high = ordered[0], ordered[0]
+    return order[np.searchsorted(middle, places)], (places >= low) & (places <= high)
+
+
+def _boundaries(
+    trials: xr.Dataset, classes: xr.DataArray, up: str, across: str, plan: Plan
+) -> dict[str, Any]:
+    """Return where motion begins and ends in each set, measured and on the map."""
+    height, along = _places(trials, plan, up, across)
+    sets = trials["set"].values
+    moves = trials["class"].values != "none"
+    rows: list[tuple[Any, ...]] = []
+    for name in dict.fromkeys(sets.tolist()):
+        own = np.flatnonzero(sets == name)
+        own = own[np.argsort(along[own])]
+        if not moves[own].any():
+            continue
+        y = float(np.mean(height[own]))
+        first, last = (int(f(np.flatnonzero(moves[own]))) for f in (np.min, np.max))
+        row, inside = _cell(classes[up].values, np.array([y]))
+        line = classes.isel({up: int(row[0])}) if inside[0] else None
+        for side, edge, beyond in (
+            ("left", first, first - 1),
+            ("right", last, last + 1),
+        ):
+            if not 0 <= beyond < len(own):
+                continue
+            x, other = along[own[edge]], along[own[beyond]]
+            shown = _edge(line, across, side) if line is not None else math.nan
+            rows.append((name, side, y, 0.5 * (x + other), 0.5 * abs(x - other), shown))
+    columns = list(zip(*rows, strict=True)) if rows else [()] * 6
+    texts = ("boundary_set", "boundary_side")
+    words = {
+        "boundary_set": "set of trials",
+        "boundary_side": "side on which the motion ends",
+        "boundary_y": _about(up)["long_name"],
+        "boundary_x": "measured boundary",
+        "boundary_half_gap": "half the gap between the trials on its sides",
+        "boundary_computed": "boundary of the map",
+    }
+    units = {"boundary_y": _about(up)["units"]}
+    kind = _about(across)["units"]
+    return {
+        name: plain(
+            "boundary", np.array(values, dtype=str if name in texts else float), text,
+            "1" if name in texts else units.get(name, kind),
+        )
+        for (name, text), values in zip(words.items(), columns, strict=True)
+    }  # fmt: skip
+
+
+def _edge(line: xr.DataArray, across: str, side: str) -> float:
+    """Return where motion begins or ends along a row of the map, midway between points."""
+    line = line.sortby(across)
+    x, moves = line[across].values, np.nan_to_num(line.values) >= 1
+    if not moves.any():
+        return math.nan
+    k = int(np.argmax(moves)) if side == "left" else len(x) - 1 - int(np.argmax(moves[::-1]))
+    other = k - 1 if side == "left" else k + 1
+    return float(0.5 * (x[k] + x[other])) if 0 <= other < len(x) else float(x[k])
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of an axis."""
+    return dict(variable((), 0.0, name)[2]) if name != "x" else {}
+
+
+def _verdict(
+    share: float, low: float, high: float, kappa: float, n: int, outside: int, borders: Any
+) -> str:
+    """Return what the comparison shows in plain words."""
+    words = (
+        f"{share:.0%} of {n} trials have the class of the map at their place (95 %: {low:.0%} to "
+        f"{high:.0%}; kappa {kappa:.2f})."
+    )
+    gaps = borders["boundary_x"][1] - borders["boundary_computed"][1]
+    known = np.isfinite(gaps)
+    if known.any():
+        within = np.abs(gaps[known]) <= borders["boundary_half_gap"][1][known]
+        words += (
+            f" {int(within.sum())} of {int(known.sum())} measured boundaries enclose that of the "
+            f"map; the mean shift is {float(np.mean(gaps[known])):+.3f}."
+        )
+    if outside:
+        words += f" {outside} trials lie outside the map."
+    return words

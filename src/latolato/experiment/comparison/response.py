@@ -1,0 +1,271 @@
+"""Response curves: lasting angle against frequency for each set, with the place of its peak."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.comparison.parameters import (
+    LATE,
+    Floats,
+    checked_sigmas,
+    drawn,
+    plain,
+    run_at,
+    variable,
+)
+from latolato.experiment.trial_table import checked_trials
+from latolato.physics.pendulum import Pendulum, System
+from latolato.registry import checked_count
+from latolato.sweep.plan import make_plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# The largest angle on a flank that falls below this share of it within one step is a cliff.
+_CLIFF = 0.5
+_RESAMPLED = 400
+# What a pair's maps gather: their kernel is used again.
+_OBSERVABLES = ("mean_energy", "crossings", "largest_angle", LATE, "top_contacts")
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Where a response curve is largest: place, its deviation, height and how it was found."""
+
+    place: float
+    sigma: float
+    height: float
+    kind: str
+
+
+def compare_response(
+    trials: xr.Dataset,
+    system: System,
+    *,
+    duration: float = 90.0,
+    transient: float = 60.0,
+    initial_angle: float | None = None,
+    initial_offset: float | None = None,
+    points: int = 121,
+    sigmas: Mapping[str, float] | None = None,
+    draws: int = 8,
+    seed: int = 0,
+    observables: Any = _OBSERVABLES,
+) -> xr.Dataset:
+    """Return measured and computed response curves of each set, with their peaks.
+
+    Parameters
+    ----------
+    trials : xarray.Dataset
+        A trial table with lasting angles.
+    system : Pendulum or LatoLato
+        What is computed.
+    duration, transient : float
+        Of the computed runs [s].
+    initial_angle, initial_offset : float, optional
+        Their start [rad], as for `latolato.sweep`; some motion depends on it.
+    points : int
+        Points of a computed curve, from 10 percent of the measured range below it to above it.
+    sigmas : mapping of str to float, optional
+        Standard deviations of the system's parameters, in SI units.
+    draws : int
+        Curves with other parameters, for the deviation of the computed peaks.
+    seed : int
+        Of all draws.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input and trials without lasting angles.
+
+    Notes
+    -----
+    A peak is the vertex of the parabola through the largest angle and its neighbours if both are
+    at least half as large; its deviation is that of redrawn angles and frequencies, and half its
+    distance from the largest sample. Where the curve falls off a cliff, the peak lies between the
+    largest sample and the neighbour at the cliff: the middle of that gap, give or take
+    gap/sqrt(12). At the end of a set it is the last sample, give or take one gap.
+    """
+    import xarray as xr
+
+    checked_trials(trials)
+    if not isinstance(system, Pendulum):
+        raise TypeError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
+    lasting = trials["stabilised_angle"].values
+    if not np.isfinite(lasting).all():
+        raise ValueError("response curves need the stabilised_angle of every trial")
+    widths = checked_sigmas(system, sigmas)
+    count = checked_count("draws", draws)
+    points = checked_count("points", points)
+    random = np.random.default_rng(seed)
+    frequency = trials["drive_frequency"].values
+    natural = system.natural_frequency
+    ratio = trials["frequency_ratio"].values
+    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
+    frequency = np.where(np.isfinite(frequency), frequency, ratio * natural)
+    names = list(dict.fromkeys(trials["set"].values.tolist()))
+    members = [np.flatnonzero(trials["set"].values == name) for name in names]
+    amplitudes = np.array([float(np.mean(trials["drive_amplitude"].values[m])) for m in members])
+    errors = np.nan_to_num(trials["drive_amplitude_sigma"].values)
+    doubt = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
+    reach = 0.1 * float(np.ptp(ratio)) or 0.1
+    ratios = np.linspace(max(float(ratio.min()) - reach, 0.05), float(ratio.max()) + reach, points)
+    start = {"initial_angle": initial_angle, "initial_offset": initial_offset}
+    plan = make_plan(
+        system,
+        axes={"drive_amplitude": amplitudes, "drive_frequency": [natural]},
+        duration=duration,
+        transient=transient,
+        observables=observables,
+        **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
+    )
+    given = drawn(system, widths, count, random)
+    columns: dict[str, list[Floats]] = {"drive_amplitude": [], "drive_frequency": []}
+    columns |= {name: [] for name in given}
+    for k in range(count):
+        off = random.standard_normal(len(names)) if k else np.zeros(len(names))
+        moved = amplitudes + doubt * off
+        if "length" in given:
+            moved = moved * given["length"][k] / system.balls[0].length
+        columns["drive_amplitude"].append(np.repeat(moved, points))
+        columns["drive_frequency"].append(np.tile(ratios * natural, len(names)))
+        for name, values in given.items():
+            columns[name].append(np.full(len(names) * points, values[k]))
+    # At the places of the trials themselves.
+    columns["drive_amplitude"].append(trials["drive_amplitude"].values)
+    columns["drive_frequency"].append(frequency)
+    for name in given:
+        columns[name].append(np.full(len(frequency), float(getattr(system, name))))
+    run = run_at(plan, {name: np.concatenate(parts) for name, parts in columns.items()})
+    late = run[LATE].values
+    curves = late[: -len(frequency)].reshape(count, len(names), points)
+    seen, shown = [], []
+    sigma = np.nan_to_num(trials["stabilised_angle_sigma"].values)
+    steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
+    for i, own in enumerate(members):
+        own = own[np.argsort(ratio[own])]
+        seen.append(peak_of(ratio[own], lasting[own], sigma[own], steady[own], random))
+        each = [peak_of(ratios, curves[k, i]) for k in range(count)]
+        spread = float(np.std([peak.place for peak in each]))
+        shown.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
+                          each[0].kind))  # fmt: skip
+    variables: dict[str, Any] = {
+        "stabilised_angle": variable("trial", lasting, "stabilised_angle"),
+        "stabilised_angle_sigma": variable("trial", sigma, "stabilised_angle_sigma"),
+        "trial_ratio": variable("trial", ratio, "frequency_ratio"),
+        "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
+        "source": plain("trial", trials["source"].values.astype(str), "file of the trial"),
+        "angle_at_trial": variable(
+            "trial", late[-len(frequency) :], "stabilised_angle", "computed lasting angle there"
+        ),
+        "angle_computed": variable(
+            ("set_name", "frequency_ratio"), curves[0], "stabilised_angle",
+            "computed lasting angle",
+        ),
+        "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
+    }  # fmt: skip
+    for kind, peaks in (("measured", seen), ("computed", shown)):
+        for part, words in (("place", "place"), ("sigma", "deviation of the place")):
+            variables[f"peak_{kind}_{part}"] = variable(
+                "set_name", [getattr(peak, part) for peak in peaks], "frequency_ratio",
+                f"{words} of the {kind} peak",
+            )  # fmt: skip
+        variables[f"peak_{kind}_height"] = variable(
+            "set_name", [peak.height for peak in peaks], "stabilised_angle",
+            f"height of the {kind} peak",
+        )  # fmt: skip
+        variables[f"peak_{kind}_kind"] = plain(
+            "set_name", [peak.kind for peak in peaks], f"how the {kind} peak was found"
+        )
+    coordinates = {
+        "frequency_ratio": variable("frequency_ratio", ratios, "frequency_ratio"),
+        "set_name": plain("set_name", names, "set of trials"),
+    }
+    attributes = {
+        "comparison": "response", "verdict": _verdict(names, seen, shown), "draws": count,
+        "system": repr(system),
+        **{f"sigma_of_{name}": value for name, value in widths.items()},
+    }  # fmt: skip
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def peak_of(
+    places: Floats,
+    heights: Floats,
+    height_sigmas: Floats | None = None,
+    place_sigmas: Floats | None = None,
+    random: np.random.Generator | None = None,
+) -> Peak:
+    """Return where a curve of few samples is largest, with its standard deviation.
+
+    Parameters
+    ----------
+    places, heights : ndarray, shape (sample,)
+        In rising order of the places.
+    height_sigmas, place_sigmas : ndarray, optional
+        Standard deviations of both, for which `random` draws.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.array([2.0, 2.2, 2.4, 2.6])
+    >>> peak = peak_of(x, 1.0 - (x - 2.3) ** 2)
+    >>> round(peak.place, 6), peak.kind
+    (2.3, 'parabola')
+    """
+    top, place, height, kind = _vertex(places, heights)
+    if kind == "end":
+        gap = abs(places[top] - places[top - 1 if top else min(1, len(places) - 1)])
+        return Peak(place, float(gap), height, kind)
+    if kind == "cliff":
+        sides = [k for k in (top - 1, top + 1) if heights[k] < _CLIFF * heights[top]]
+        ends = [places[k] for k in sides]
+        if len(sides) == 1:
+            ends.append(places[top])
+        low, high = min(ends), max(ends)
+        return Peak(0.5 * (low + high), float(high - low) / math.sqrt(12.0), height, kind)
+    drawn_places = []
+    if random is not None and height_sigmas is not None and place_sigmas is not None:
+        for _ in range(_RESAMPLED):
+            x = places + place_sigmas * random.standard_normal(len(places))
+            y = heights + height_sigmas * random.standard_normal(len(heights))
+            order = np.argsort(x)
+            drawn_places.append(_vertex(x[order], y[order])[1])
+    spread = float(np.std(drawn_places)) if drawn_places else 0.0
+    return Peak(place, math.hypot(spread, 0.5 * abs(place - places[top])), height, kind)
+
+
+def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
+    """Return the largest sample, place and height of the peak, and how it was found."""
+    top = int(np.argmax(heights))
+    x, y = float(places[top]), float(heights[top])
+    if top in (0, len(places) - 1):
+        return top, x, y, "end"
+    near = slice(top - 1, top + 2)
+    if heights[near].min() < _CLIFF * y:
+        return top, x, y, "cliff"
+    a, b, c = np.polyfit(places[near] - x, heights[near], 2)
+    if a >= 0.0:
+        return top, x, y, "parabola"
+    shift = float(np.clip(-b / (2.0 * a), places[top - 1] - x, places[top + 1] - x))
+    return top, x + shift, float(a * shift * shift + b * shift + c), "parabola"
+
+
+def _verdict(names: list[str], seen: list[Peak], shown: list[Peak]) -> str:
+    """Return where the peaks are in plain words."""
+    parts, apart = [], 0
+    for name, one, other in zip(names, seen, shown, strict=True):
+        parts.append(
+            f"{name} at {one.place:.3f} ± {one.sigma:.3f} (computed {other.place:.3f} ± "
+            f"{other.sigma:.3f})"
+        )
+        apart += abs(one.place - other.place) > 3.0 * math.hypot(one.sigma, other.sigma)
+    words = f"The response peaks of {', '.join(parts)}."
+    if apart:
+        return f"{words} {apart} of {len(names)} lie apart by more than 3 deviations."
+    return f"{words} All agree within 3 deviations."

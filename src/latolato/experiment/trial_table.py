@@ -1,0 +1,349 @@
+"""The trial table: one row for each trial of an experiment, with its class as in sweeps."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.observables.angles import MotionClass
+from latolato.physics.pendulum import GRAVITY
+from latolato.quantities import QUANTITIES
+from latolato.registry import suggest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUFFIXES = (".csv", ".nc")
+# By the number that sweeps give them.
+CLASSES = ("none", "weak", "strong")
+_KIND = "trials"
+# Angles nearer to the limit of a class than so many standard deviations are borderline.
+BORDERLINE = 3.0
+TEXTS = {
+    "set": "set of trials with the same driving amplitude",
+    "source": "file that the trial is from",
+    "class": "class of motion: none, weak (45 deg lasting) or strong (90 deg at any time)",
+    "set_by": "how the set was decided: folder, amplitude or given",
+    "note": "what to know of the trial",
+}
+COUNTS = {
+    "borderline": "1 where an angle is within 3 standard deviations of a limit of its class",
+    "swings": "swings in the last part",
+    "balls": "number of balls",
+}
+COLUMNS = (
+    "set", "source", "drive_amplitude", "drive_amplitude_sigma", "drive_frequency",
+    "drive_frequency_sigma", "frequency_ratio", "largest_angle", "largest_angle_sigma",
+    "stabilised_angle", "stabilised_angle_sigma", "class", "borderline", "swings", "balls",
+    "length", "set_by", "note",
+)  # fmt: skip
+# Amplitudes of one set differ by less than this share, or by so many standard deviations.
+_SAME, _SAME_SIGMAS = 0.04, 4.0
+
+
+def limits() -> tuple[float, float]:
+    """Return the angles of weak and of strong motion, those of the sweeps [rad]."""
+    law = MotionClass()
+    return law.weak_angle, law.strong_angle
+
+
+def class_of(largest: Any, stabilised: Any) -> Any:
+    """Return the class as sweeps number it: 2 strong, 1 weak, 0 none; element by element.
+
+    Examples
+    --------
+    >>> class_of([0.2, 1.0, 1.7], [0.1, 0.9, 0.3]).tolist()
+    [0, 1, 2]
+    """
+    weak, strong = limits()
+    return np.where(
+        np.asarray(largest) >= strong, 2, np.where(np.asarray(stabilised) >= weak, 1, 0)
+    )
+
+
+def is_borderline(largest: Any, largest_sigma: Any, lasting: Any, lasting_sigma: Any) -> Any:
+    """Return where the class could be another one within 3 standard deviations."""
+    weak, strong = limits()
+    largest, lasting = np.asarray(largest, dtype=float), np.asarray(lasting, dtype=float)
+    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, lasting_sigma))
+    near_strong = np.abs(largest - strong) <= reach
+    near_weak = (largest < strong + reach) & (np.abs(lasting - weak) <= last)
+    return near_strong | near_weak
+
+
+def sets_of(amplitude: Any, sigma: Any = None) -> list[str]:
+    """Return the set of each trial: amplitudes in order, parted where they differ clearly.
+
+    Examples
+    --------
+    >>> sets_of([0.020, 0.0301, 0.0202, 0.030])
+    ['set 1', 'set 2', 'set 1', 'set 2']
+    """
+    amplitude = np.asarray(amplitude, dtype=float)
+    sigma = np.zeros_like(amplitude) if sigma is None else np.nan_to_num(sigma)
+    order = np.argsort(amplitude, kind="stable")
+    numbers = np.ones(len(amplitude), dtype=int)
+    number = 1
+    for before, after in pairwise(order):
+        apart = max(
+            _SAME * amplitude[before], _SAME_SIGMAS * math.hypot(sigma[before], sigma[after])
+        )
+        number += int(amplitude[after] - amplitude[before] > apart)
+        numbers[after] = number
+    return [f"set {number}" for number in numbers]
+
+
+def trial_table(
+    columns: Mapping[str, Any], attributes: Mapping[str, Any] | None = None
+) -> xr.Dataset:
+    """Return a trial table made of columns.
+
+    Parameters
+    ----------
+    columns : mapping of str to array_like, shape (trial,)
+        Named as in `COLUMNS`, in SI units. Needed are `drive_amplitude`, `drive_frequency` or
+        `frequency_ratio`, and `class` or both angles. What can be computed from others is.
+    attributes : mapping, optional
+        ``gravity`` [m/s^2] and other numbers and texts.
+
+    Returns
+    -------
+    xarray.Dataset
+        On the dimension ``trial``, with every column of `COLUMNS`.
+
+    Raises
+    ------
+    ValueError
+        For unknown, missing and unequal columns, unknown classes, and negative amplitudes.
+    """
+    import xarray as xr
+
+    for name in columns:
+        if name not in COLUMNS:
+            raise ValueError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
+    given = {name: _values(name, values) for name, values in columns.items()}
+    if "drive_amplitude" not in given or not {"drive_frequency", "frequency_ratio"} & given.keys():
+        raise ValueError(
+            "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
+            f"and class or largest_angle and stabilised_angle; got {', '.join(columns) or 'none'}"
+        )
+    count = len(given["drive_amplitude"])
+    if count == 0:
+        raise ValueError("a trial table needs rows, got none")
+    for name, values in given.items():
+        if values.shape != (count,):
+            raise ValueError(f"column '{name}' must have {count} rows, got {values.shape}")
+    for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
+        values = given.get(name, np.ones(count))
+        bad = np.flatnonzero(~(values > 0.0))
+        if bad.size:
+            raise ValueError(f"{name} must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}")
+    attributes = {"gravity": GRAVITY, **(attributes or {})}
+    unknown = np.full(count, np.nan)
+    length = given.setdefault("length", unknown.copy())
+    natural = np.sqrt(float(attributes["gravity"]) / length)
+    if "frequency_ratio" not in given:
+        given["frequency_ratio"] = given["drive_frequency"] / natural
+    given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
+    largest = given.setdefault("largest_angle", unknown.copy())
+    lasting = given.setdefault("stabilised_angle", unknown.copy())
+    sigmas = [given.get(f"{name}_angle_sigma", unknown) for name in ("largest", "stabilised")]
+    if "class" not in given:
+        if not (np.isfinite(largest) & np.isfinite(lasting)).all():
+            raise ValueError("a trial table without class needs largest_angle and stabilised_angle")
+        given["class"] = np.array([CLASSES[i] for i in class_of(largest, lasting)])
+    given.setdefault("borderline", is_borderline(largest, sigmas[0], lasting, sigmas[1]))
+    if "set" not in given:
+        sigma = given.get("drive_amplitude_sigma")
+        given["set"] = np.array(sets_of(given["drive_amplitude"], sigma))
+        given["set_by"] = np.full(count, "amplitude")
+    given.setdefault("set_by", np.full(count, "given"))
+    variables: dict[str, Any] = {}
+    for name in COLUMNS:
+        if name in TEXTS:
+            values = given.get(name, np.full(count, "", dtype="<U1"))
+        elif name in COUNTS:
+            values = np.asarray(given.get(name, np.zeros(count)), dtype=np.int64)
+        else:
+            values = given.get(name, unknown)
+        variables[name] = ("trial", values, about(name))
+    return xr.Dataset(
+        variables,
+        coords={"trial": ("trial", np.arange(1, count + 1), about("trial"))},
+        attrs={"table": _KIND, **attributes},
+    )
+
+
+def about(name: str) -> dict[str, str]:
+    """Return the attributes of a column's variable."""
+    if name in QUANTITIES:
+        quantity = QUANTITIES[name]
+        return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+    words = {**TEXTS, **COUNTS, "trial": "number of the trial"}[name]
+    return {"units": "1", "long_name": words, "symbol": ""}
+
+
+def checked_trials(trials: Any) -> xr.Dataset:
+    """Return a trial table, or raise TypeError or ValueError if it is none."""
+    import xarray as xr
+
+    if not isinstance(trials, xr.Dataset):
+        raise TypeError(f"trials must be a trial table, got {type(trials).__name__}: read_trials")
+    if trials.attrs.get("table") != _KIND:
+        raise ValueError("the dataset is no trial table; make one with gather_trials or read it")
+    return trials
+
+
+def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
+    """Write a trial table as CSV or NetCDF by its suffix, whole or not at all; return the path.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no trial table or the suffix is unknown.
+    OSError
+        If the file cannot be written.
+    """
+    from latolato.files import atomic_path, check_suffix, check_target, save
+
+    checked_trials(trials)
+    path = Path(path)
+    suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
+    check_target(path)
+    if suffix == ".nc":
+        return save(trials, path)
+    with atomic_path(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="") as f:
+        for key, value in trials.attrs.items():
+            f.write(f"# {key}: {value}\n")
+        for name in COLUMNS:
+            meaning = trials[name].attrs
+            f.write(f"# column {name} [{meaning['units']}]: {meaning['long_name']}\n")
+        rows = csv.writer(f, lineterminator="\n")
+        rows.writerow(COLUMNS)
+        cells = ([_cell(v) for v in trials[name].values.tolist()] for name in COLUMNS)
+        rows.writerows(zip(*cells, strict=True))
+    return path
+
+
+def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset:
+    """Return the trial table in a CSV or NetCDF file.
+
+    A CSV needs a line of column names; cells may carry units (``12 mm``, ``95 deg``), lines that
+    begin with ``#`` are comments. Columns that are not of a trial table are left out.
+
+    Raises
+    ------
+    ValueError
+        For an unknown suffix, missing columns, cells that are no numbers (naming the row), and
+        what `trial_table` refuses.
+    OSError
+        If the file cannot be read.
+    """
+    from latolato.files import check_suffix, load
+
+    path = Path(path)
+    suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    try:
+        if suffix == ".nc":
+            return checked_trials(load(path))
+        columns, attributes = _read_csv(path)
+        if gravity is not None:
+            attributes["gravity"] = gravity
+        return trial_table(columns, attributes)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"'{path}': {error}") from None
+
+
+def is_trial_table(path: str | Path) -> bool:
+    """Return whether a file looks like a trial table: its header, or columns of one."""
+    path = Path(path)
+    if path.suffix.lower() == ".nc":
+        from latolato.files import load
+
+        try:
+            return bool(load(path).attrs.get("table") == _KIND)
+        except (OSError, ValueError):
+            return False
+    if path.suffix.lower() != ".csv":
+        return False
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            for line in file:
+                if line.startswith("#"):
+                    continue
+                return "drive_amplitude" in {cell.strip() for cell in line.split(",")}
+    except (OSError, UnicodeDecodeError):
+        return False
+    return False
+
+
+def _values(name: str, given: Any) -> Any:
+    """Return a column as an array of its kind."""
+    values = np.asarray(given)
+    if name in TEXTS:
+        values = np.array([str(each).strip() for each in values.tolist()])
+        if name == "class":
+            values = np.char.lower(values)
+            for each in values:
+                if each not in CLASSES:
+                    raise ValueError(f"class must be one of {', '.join(CLASSES)}, got '{each}'")
+        return values
+    try:
+        return values.astype(np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"column '{name}' must hold numbers") from None
+
+
+def _cell(value: Any) -> Any:
+    """Return a cell of a CSV: nothing for an unknown number."""
+    return "" if isinstance(value, float) and math.isnan(value) else value
+
+
+def _read_csv(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the columns that a trial table has, and gravity where the header tells it."""
+    from latolato.units import to_si
+
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise ValueError("it is no text file; save the trials as UTF-8 CSV") from None
+    attributes: dict[str, Any] = {}
+    for line in lines:
+        key, colon, value = line.lstrip("# ").partition(": ")
+        if line.startswith("#") and colon and key == "gravity":
+            attributes[key] = float(to_si(key, value, "m/s^2"))
+    table = csv.reader(line for line in lines if line.strip() and not line.startswith("#"))
+    rows = list(table)
+    if not rows:
+        raise ValueError("it holds no columns")
+    names = [name.strip() for name in rows[0]]
+    columns: dict[str, Any] = {}
+    for number, row in enumerate(rows[1:], start=1):
+        if len(row) != len(names):
+            raise ValueError(f"trial {number} has {len(row)} cells below {len(names)} column names")
+    for place, name in enumerate(names):
+        cells = [row[place].strip() for row in rows[1:]]
+        if name not in COLUMNS or not any(cells):
+            continue
+        if name in TEXTS:
+            columns[name] = cells
+            continue
+        unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+        found = []
+        for number, cell in enumerate(cells, start=1):
+            try:
+                found.append(float(to_si(name, cell, unit)) if cell else math.nan)
+            except ValueError as error:
+                raise ValueError(f"trial {number}: {error}") from None
+        columns[name] = found
+    return columns, attributes

@@ -1,0 +1,425 @@
+"""Trials of an experiment: from track tables and videos to the table of their classes."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from pathlib import Path
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.experiment.fits.samples import filled, length_of, noise_of, within
+from latolato.experiment.table import balls_of, checked_table
+from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
+from latolato.physics.pendulum import GRAVITY
+from latolato.quantities import NON_NEGATIVE, POSITIVE
+from latolato.registry import checked_number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.experiment.fits.least_squares import Floats
+
+TABLES = (".csv", ".parquet", ".nc")
+VIDEOS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
+# What was seen of a ball; the rest is computed by the tracker.
+_SEEN = ("ok", "collision", "occluded")
+# Part of a record that is its last one where no transient is named.
+_LAST = 1.0 / 3.0
+# A turning point stands out by so many standard deviations, and by this share of the largest.
+_CLEAR, _SHARE = 6.0, 0.05
+# Halves of the last part whose largest angles differ by more than this have not settled.
+_SETTLED = 0.05
+_REFUSALS = (ValueError, TypeError, RuntimeError, OSError, ImportError, MemoryError)
+
+
+def trial_of(
+    table: xr.Dataset,
+    *,
+    length: float | None = None,
+    gravity: float = GRAVITY,
+    transient: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+) -> dict[str, Any]:
+    """Return the row of a trial table that a track table makes, in SI units.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table of one ball or two on a driven pivot.
+    length : float, optional
+        Pivot to ball centre [m], by default the table's; gives `frequency_ratio`.
+    gravity : float
+        Gravitational acceleration [m/s^2].
+    transient : float, optional
+        Time after `start` at which the last part begins [s]; by default two thirds of the record.
+    start, end : float, optional
+        Piece of the table that is used [s].
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, a pivot at rest, and angles that are not known.
+    ModuleNotFoundError
+        Without lmfit.
+
+    Notes
+    -----
+    As in `latolato.observables.MotionClass`, `largest_angle` is the largest abs(angle) of either
+    ball at any time and `stabilised_angle` the largest one of the last part, both at turning
+    points between samples, by the parabola through the three samples about each. The largest of n
+    noisy turning points is too large: with m the expected largest of n standard normal numbers,
+    noise s and motion that varies by v itself, ``m (sqrt(v^2 + s^2) - v)`` is taken off. The
+    standard deviation is that of the largest of n, ``sqrt(v^2 + s^2)/sqrt(1 + 0.8 ln n)``, and
+    half of what was taken off; v counts for the stabilised angle only, which another record of
+    the same motion would show otherwise. Numbers that the tracker predicted do not count. With
+    steps of the frequency the drive is that of the last stage.
+    """
+    from latolato.experiment.fits.drive import fit_drive
+
+    checked_table(table, "pivot_y", "angle_1")
+    gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
+    length = length_of(table, length)
+    inside = within(table["time"].values, start, end)
+    table = table.isel(frame=np.flatnonzero(inside))
+    time = table["time"].values
+    first, last = float(time[0]), float(time[-1])
+    late = first + (1.0 - _LAST) * (last - first)
+    if transient is not None:
+        late = first + checked_number("transient", transient, NON_NEGATIVE, "s")
+        if late >= last:
+            raise ValueError(f"transient must end before the record does, got {transient:g} s of "
+                             f"{last - first:g} s")  # fmt: skip
+    drive = fit_drive(table, profile=False)
+    frequency = drive["drive_frequency"]
+    notes = []
+    if "drive_frequency_final" in drive:
+        frequency = drive["drive_frequency_final"]
+        notes.append(f"frequency stepped at {drive['step_time'].value:.4g} s")
+    if "It is not steady" in drive.verdict:
+        notes.append("drive not steady")
+    found = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
+    whole = max((each[0] for each in found), key=lambda pair: pair[0])
+    lasting, swings, settled = max((each[1:] for each in found), key=lambda each: each[0][0])
+    if not settled:
+        notes.append("not settled in the last part")
+    return {
+        "source": str(table.attrs.get("source", "")),
+        "drive_amplitude": drive["drive_amplitude"].value,
+        "drive_amplitude_sigma": drive["drive_amplitude"].sigma,
+        "drive_frequency": frequency.value,
+        "drive_frequency_sigma": frequency.sigma,
+        "frequency_ratio": frequency.value * math.sqrt(length / gravity) if length else math.nan,
+        "largest_angle": whole[0],
+        "largest_angle_sigma": whole[1],
+        "stabilised_angle": lasting[0],
+        "stabilised_angle_sigma": lasting[1],
+        "class": ("none", "weak", "strong")[int(class_of(whole[0], lasting[0]))],
+        "borderline": bool(is_borderline(*whole, *lasting)),
+        "swings": swings,
+        "balls": balls_of(table),
+        "length": length if length else math.nan,
+        "note": "; ".join(notes),
+    }
+
+
+def gather_trials(
+    sources: str | Path | xr.Dataset | Iterable[Any],
+    *,
+    length: float | None = None,
+    radius: float | None = None,
+    gravity: float = GRAVITY,
+    transient: float | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    pivot: Sequence[float] | None = None,
+    balls: int | Sequence[Sequence[float]] | None = None,
+    sets: str = "auto",
+    workers: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Return the trial table of track tables and videos; a bad file does not stop the others.
+
+    Parameters
+    ----------
+    sources : path, track table, or several
+        Folders (with their folders), track tables and videos. A video is tracked first; one whose
+        table lies in the same folder is not tracked again.
+    length, radius, pivot, balls : optional
+        For `latolato.track`, the same for all videos; without places each video's sidecar is used.
+    gravity, transient, start, end
+        As for `trial_of`.
+    sets : {"auto", "folder", "amplitude"}
+        What makes a set: its folder, or amplitudes that lie together; by default folders if there
+        are several.
+    workers : int
+        Processes.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    xarray.Dataset
+        A trial table (`latolato.experiment.trial_table`) ordered by set and frequency. Its
+        attribute ``failed`` names each file that gave no trial, and why, parted by ``|``.
+
+    Raises
+    ------
+    ValueError
+        If there is no file, or none of them gives a trial.
+
+    Warns
+    -----
+    RuntimeWarning
+        For each file that gave no trial.
+    """
+    if sets not in ("auto", "folder", "amplitude"):
+        raise ValueError(f"sets must be auto, folder or amplitude, got {sets!r}")
+    if isinstance(workers, bool) or workers < 1:
+        raise ValueError(f"workers must be at least 1, got {workers!r}")
+    import xarray as xr
+
+    alone = isinstance(sources, (str, Path, xr.Dataset))
+    files = files_of([sources] if alone else list(sources))  # type: ignore[arg-type]
+    of_trial = {"length": length, "gravity": gravity, "transient": transient, "start": start,
+                "end": end}  # fmt: skip
+    of_video = {"length": length, "radius": radius, "pivot": pivot, "balls": balls}
+    rows: list[dict[str, Any]] = []
+    folders: list[str] = []
+    failed: list[str] = []
+    for done, (file, row) in enumerate(_rows(files, of_trial, of_video, workers), start=1):
+        if isinstance(row, str):
+            failed.append(f"{_name(file)}: {row}")
+            warnings.warn(failed[-1], RuntimeWarning, stacklevel=2)
+        else:
+            rows.append(row)
+            folders.append("" if isinstance(file, xr.Dataset) else file.resolve().parent.name)
+        if progress is not None:
+            progress(done / len(files))
+    if not rows:
+        raise ValueError(f"no trial was found in {len(files)} files: {' | '.join(failed)}")
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    by_folder = sets == "folder" or (sets == "auto" and len(set(folders)) > 1 and all(folders))
+    columns["set"] = folders if by_folder else sets_of(
+        columns["drive_amplitude"], columns["drive_amplitude_sigma"]
+    )  # fmt: skip
+    columns["set_by"] = ["folder" if by_folder else "amplitude"] * len(rows)
+    trials = trial_table(columns, {"gravity": gravity, "failed": " | ".join(failed)})
+    order = sorted(
+        range(len(rows)), key=lambda i: (columns["set"][i], columns["drive_frequency"][i])
+    )
+    number = trials["trial"].values
+    return trials.isel(trial=order).assign_coords(trial=("trial", number, trials["trial"].attrs))
+
+
+def files_of(sources: Sequence[Any]) -> list[Any]:
+    """Return track tables and videos in the order given; a folder's are sorted by name.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        If there is no such file, or a folder has none.
+    """
+    import xarray as xr
+
+    found: list[Any] = []
+    for source in sources:
+        if isinstance(source, xr.Dataset):
+            found.append(source)
+            continue
+        path = Path(source)
+        if path.is_dir():
+            every = sorted(p for p in path.rglob("*") if p.suffix.lower() in (*TABLES, *VIDEOS))
+            # A track table beside a video of its name takes the video's place.
+            known = {_stem(p) for p in every if p.suffix.lower() in TABLES and _is_track(p)}
+            inside = [
+                p
+                for p in every
+                if not (_stem(p) in known if p.suffix.lower() in VIDEOS else _is_trials(p))
+            ]
+            found += inside
+            if not inside:
+                raise ValueError(f"'{path}' holds neither track tables nor videos")
+        elif path.is_file():
+            found.append(path)
+        else:
+            raise FileNotFoundError(f"there is no file '{path}'")
+    if not found:
+        raise ValueError("name track tables, videos or folders of them")
+    return found
+
+
+def _stem(path: Path) -> tuple[Path, str]:
+    """Return folder and name up to the first dot."""
+    return path.parent, path.name.split(".")[0]
+
+
+def _is_track(path: Path) -> bool:
+    """Return whether a file says that it is a track table."""
+    from latolato.experiment.table import read_table
+
+    if path.suffix.lower() == ".csv":
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            head = [line for line, _ in zip(file, range(200), strict=False) if line[0] == "#"]
+        return any(line.split() == ["#", "table:", "track"] for line in head)
+    try:
+        read_table(path)
+    except _REFUSALS:
+        return False
+    return True
+
+
+def _is_trials(path: Path) -> bool:
+    """Return whether a file is a trial table, which is no trial itself."""
+    from latolato.experiment.trial_table import is_trial_table
+
+    return path.suffix.lower() != ".parquet" and is_trial_table(path)
+
+
+def _name(file: Any) -> str:
+    """Return what a source is called in messages."""
+    return str(file.attrs.get("source", "a table")) if hasattr(file, "attrs") else str(file)
+
+
+def _rows(
+    files: Sequence[Any], of_trial: Mapping[str, Any], of_video: Mapping[str, Any], workers: int
+) -> Iterable[tuple[Any, dict[str, Any] | str]]:
+    """Yield each file with its row, or with the reason why there is none."""
+    if workers == 1 or len(files) == 1:
+        for file in files:
+            yield file, _row(file, of_trial, of_video)
+        return
+    import multiprocessing
+
+    pool: Executor
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        waiting = [pool.submit(_row, file, of_trial, of_video) for file in files]
+        for file, each in zip(files, waiting, strict=True):
+            try:
+                yield file, each.result()
+            except _REFUSALS as error:  # a process that ended
+                yield file, str(error) or type(error).__name__
+
+
+def _row(
+    file: Any, of_trial: Mapping[str, Any], of_video: Mapping[str, Any]
+) -> dict[str, Any] | str:
+    """Return the row of one file, or the reason why there is none."""
+    from latolato.experiment.table import read_table
+
+    try:
+        table = file
+        if isinstance(file, Path):
+            is_video = file.suffix.lower() in VIDEOS
+            table = _tracked(file, of_video) if is_video else read_table(file)
+        row = trial_of(table, **of_trial)
+    except _REFUSALS as error:
+        text = " ".join(str(error).split()) or type(error).__name__
+        return text.removeprefix(f"'{file}': ").removeprefix(f"{file}: ")
+    row["source"] = row["source"] or (file.name if isinstance(file, Path) else "")
+    return row
+
+
+def _tracked(video: Path, given: Mapping[str, Any]) -> xr.Dataset:
+    """Return the track table of a video; its warnings are its report's, not the batch's."""
+    from latolato.experiment import track
+
+    options = {name: value for name, value in given.items() if value is not None}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return track.track(video, **options)
+
+
+def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
+    """Return time, angle, standard deviation and flag of the samples of a ball that were seen."""
+    time, angle = table["time"].values, table[f"angle_{ball}"].values
+    flag = table[f"flag_{ball}"].values.astype(str)
+    good = np.isfinite(angle) & np.isin(flag, _SEEN)
+    if good.sum() < 8:
+        raise ValueError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
+    sigma = table[f"angle_sigma_{ball}"].values[good]
+    known = np.isfinite(sigma) & (sigma > 0.0)
+    sigma = filled(sigma) if known.any() else np.full(good.sum(), noise_of(angle[good]))
+    return time[good], angle[good], sigma, flag[good]
+
+
+def _largest(
+    time: Floats, angle: Floats, sigma: Floats, flag: Any, late: float
+) -> tuple[tuple[float, float], tuple[float, float], int, bool]:
+    """Return largest angle and lasting one with their deviations, swings, and if it settled."""
+    when, sizes, errors = turning_points(time, angle, sigma, flag)
+    # What the record reached is a fact of the record: only the tracker's noise is in doubt.
+    whole = _extreme(sizes, errors, np.abs(angle), sigma, varies=0.0)
+    last, inside = when >= late, time >= late
+    if inside.sum() < 4:
+        raise ValueError(f"the ball was seen in {inside.sum()} frames of the last part")
+    lasting = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
+    middle = 0.5 * (late + float(time[-1]))
+    halves = [
+        float(np.max(np.abs(angle[part]), initial=0.0))
+        for part in (inside & (time < middle), time >= middle)
+    ]
+    gap = abs(halves[1] - halves[0])
+    return whole, lasting, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * lasting[1]
+
+
+def turning_points(
+    time: Floats, angle: Floats, sigma: Floats, flag: Any
+) -> tuple[Floats, Floats, Floats]:
+    """Return when abs(angle) is largest [s], how large, and its standard deviation [rad].
+
+    The parabola through three neighbouring samples; where one is missing, or balls touch, the
+    sample itself.
+    """
+    from scipy.signal import find_peaks
+
+    size = np.abs(angle)
+    clear = max(_CLEAR * float(np.median(sigma)), _SHARE * float(size.max()))
+    places, _ = find_peaks(size, prominence=clear)
+    pause = float(np.median(np.diff(time)))
+    when, sizes = time[places].copy(), size[places].copy()
+    for i, k in enumerate(places):
+        near = slice(k - 1, k + 2)
+        if time[k + 1] - time[k - 1] > 3.0 * pause or (flag[near] != "ok").any():
+            continue
+        t, x = time[near] - time[k], size[near]
+        a, b, c = np.polyfit(t, x, 2)
+        if a < 0.0:
+            top = float(np.clip(-b / (2.0 * a), t[0], t[2]))
+            when[i], sizes[i] = time[k] + top, a * top * top + b * top + c
+    return when, sizes, sigma[places]
+
+
+def _extreme(
+    sizes: Floats, errors: Floats, samples: Floats, sigma: Floats, varies: float | None = None
+) -> tuple[float, float]:
+    """Return the largest of noisy numbers, without what noise adds to it, and its deviation."""
+    largest = float(np.max(sizes, initial=0.0))
+    if largest < float(np.max(samples)) - 3.0 * float(np.max(sigma)):
+        # It lies at an end of the record, or nothing turns.
+        k = int(np.argmax(samples))
+        return float(samples[k]), float(sigma[k])
+    if not len(sizes):
+        n = len(samples)
+        noise = float(np.median(sigma))
+        raised = _expected_largest(n) * noise
+        top = max(float(np.max(samples)) - raised, float(np.median(samples)))
+        return top, math.hypot(noise, 0.5 * raised)
+    # Only those about as large take part in what is the largest.
+    near = sizes > 0.8 * largest
+    n, noise = int(near.sum()), float(np.median(errors[near]))
+    spread = float(np.std(sizes[near])) if n > 2 else noise
+    motion = math.sqrt(max(spread**2 - noise**2, 0.0))
+    raised = _expected_largest(n) * (math.hypot(motion, noise) - motion)
+    total = math.hypot(motion if varies is None else varies, noise)
+    return largest - raised, math.hypot(total / math.sqrt(1.0 + 0.8 * math.log(n)), 0.5 * raised)
+
+
+def _expected_largest(count: int) -> float:
+    """Return the expected largest of standard normal numbers (Blom, 1958)."""
+    return NormalDist().inv_cdf((count - 0.375) / (count + 0.25)) if count > 1 else 0.0

@@ -1,0 +1,225 @@
+"""Pictures of comparisons: motions with residual and phase, trials on a map, response curves."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.figures import grids, style
+from latolato.figures.fits import ABOVE
+from latolato.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Marker and colour of each class. Paper: orange dots, green triangles, blue diamonds (Fig. 9).
+TRIALS = {
+    "none": ("o", style.ORANGE),
+    "weak": ("^", style.GREEN),
+    "strong": ("D", style.BLUE),
+}
+# Grounds that these markers and a white line stand out from.
+GROUNDS = {"none": "#d9d3bd", "weak": "#b9a9ad", "strong": "#8d7f96"}
+# Letters in a line of the verdict on a page's width.
+_LINE = 122
+
+
+@style.styled
+def draw_comparison(dataset: xr.Dataset) -> Figure:
+    """Return the picture of a comparison's dataset.
+
+    Raises
+    ------
+    ValueError
+        If the dataset holds no comparison.
+    """
+    kind = str(dataset.attrs.get("comparison"))
+    if kind == "motion":
+        figure = _motion(dataset)
+    elif kind == "map":
+        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.4)
+        handles = draw_trials(axes[0, 0], dataset)
+        figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    elif kind == "response":
+        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.8)
+        draw_responses(axes[0, 0], dataset)
+    else:
+        raise ValueError("the dataset holds no comparison that can be drawn")
+    letters = int(_LINE * figure.get_figwidth() / style.PAGE)
+    words = textwrap.fill(str(dataset.attrs["verdict"]), letters)
+    figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
+    return figure
+
+
+def _motion(dataset: xr.Dataset) -> Figure:
+    """Return angles, residuals and phase over time, a column for each ball."""
+    balls = np.unique(dataset.ball_number.values)
+    figure, panels = style.new_figure(
+        3, len(balls), height=4.8, sharex=True, sharey="row", height_ratios=[1.8, 0.9, 0.8]
+    )
+    for column, ball in enumerate(balls):
+        own = dataset.isel(sample=np.flatnonzero(dataset.ball_number.values == ball))
+        angle, residual, phase = panels[:, column]
+        draw_angles(angle, own)
+        draw_residual(residual, own)
+        draw_phase(phase, own)
+        phase.set_xlabel(style.label(dataset.time))
+        if len(balls) > 1:
+            angle.set_title("right ball" if ball == 1 else "left ball")
+        if column:
+            for axes in panels[:, column]:
+                axes.set_ylabel("")
+    panels[0, -1].legend(**ABOVE, ncols=2)
+    return figure
+
+
+def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw measured samples over the computed curve, in degrees."""
+    time = dataset.time.values
+    axes.plot(
+        time, np.degrees(_broken(time, dataset.angle_computed.values)), color=style.RED, lw=0.6,
+        label="computed",
+    )  # fmt: skip
+    axes.plot(
+        time, np.degrees(dataset.angle), ".", ms=1.6, color=style.BLUE, label="measured",
+        zorder=1.5,
+    )  # fmt: skip
+    if float(dataset.followed_until) < time[-1]:
+        axes.axvline(float(dataset.followed_until), color=style.GREY, lw=style.LINE, ls="--")
+    axes.set_ylabel(style.label(dataset.angle, short=True).replace("[rad]", "[°]"))
+
+
+def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw what is left, over the deviation of the computed motion."""
+    time = dataset.time.values
+    wide = 2e3 * dataset.angle_computed_sigma.values
+    axes.fill_between(
+        time, -wide, wide, color=style.PALE_RED, lw=0.0, label="two deviations of the computed"
+    )
+    axes.axhline(0.0, color=style.GREY, lw=style.THIN)
+    values = 1e3 * dataset.angle_residual.values
+    axes.plot(time, values, ".", ms=1.4, color=style.INK)
+    reach = 1.15 * float(np.max(np.abs(values)))
+    axes.set_ylim(-reach, reach)
+    axes.set_ylabel("residual [mrad]")
+    axes.legend(**ABOVE)
+
+
+def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the phase difference, pale where both swings are unlike."""
+    axes.axhline(0.0, color=style.GREY, lw=style.THIN)
+    alike = np.nan_to_num(dataset.likeness.values)
+    time, phase = dataset.time.values, dataset.phase_difference.values
+    for chosen, colour in (
+        ((alike > 0.0) & (alike <= 0.9), style.GREY),
+        (alike > 0.9, style.GREEN),
+    ):
+        axes.plot(time[chosen], phase[chosen], ".", ms=1.4, color=colour)
+    known = np.abs(phase[alike > 0.0])
+    reach = min(max(1.2 * float(np.max(known, initial=0.0)), 0.02), np.pi)
+    axes.set_ylim(-reach, reach)
+    axes.set_ylabel("phase [rad]")
+
+
+def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
+    """Draw a map of classes with trials and boundary over it; return the legend's entries."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    ground = (dataset.motion_class + 1.0).rename("motion_class")
+    grids.draw_cells(
+        axes, ground, norm=BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3),
+        cmap=ListedColormap(list(GROUNDS.values())),
+    )  # fmt: skip
+    handles: list[Any] = [
+        Patch(facecolor=colour, edgecolor=style.INK, lw=style.THIN, label=f"computed: {name}")
+        for name, colour in GROUNDS.items()
+    ]
+    limits = axes.get_xlim(), axes.get_ylim()
+    handles += _draw_boundary(axes, dataset)
+    x, y, wrong = dataset.x.values, dataset.y.values, dataset.agrees.values == 0
+    for number, (name, (marker, colour)) in enumerate(TRIALS.items()):
+        own = dataset.class_measured.values == number
+        if own.any():
+            handles.append(
+                axes.scatter(
+                    x[own], y[own], s=24.0, marker=marker, color=colour, edgecolors=style.PAPER,
+                    linewidths=0.6, zorder=4, label=f"trial: {name}",
+                )
+            )  # fmt: skip
+    if wrong.any():
+        handles.append(
+            axes.scatter(
+                x[wrong], y[wrong], s=90.0, marker="o", facecolors="none",
+                edgecolors=style.RED, linewidths=1.0, zorder=3, label="classes differ",
+            )
+        )  # fmt: skip
+    axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
+    up, across = ground.dims
+    axes.set_xlabel(style.label(dataset[across]))
+    axes.set_ylabel(style.label(dataset[up]))
+    return handles
+
+
+def _draw_boundary(axes: Axes, dataset: xr.Dataset) -> list[Any]:
+    """Draw the measured boundary as a white dashed line through its points."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    handle = None
+    side = dataset.boundary_side.values.astype(str)
+    for name in ("left", "right"):
+        own = np.flatnonzero(side == name)
+        own = own[np.argsort(dataset.boundary_y.values[own])]
+        if own.size:
+            (handle,) = axes.plot(
+                dataset.boundary_x.values[own], dataset.boundary_y.values[own],
+                color=style.PAPER, lw=1.6, ls=(0, (4, 2)), zorder=3.5, label="measured boundary",
+                path_effects=[Stroke(linewidth=2.8, foreground=style.INK), Normal()],
+            )  # fmt: skip
+    return [] if handle is None else [handle]
+
+
+def draw_responses(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw measured points and computed curves of each set, and where they peak."""
+    import matplotlib as mpl
+
+    shades = mpl.colormaps["viridis"]
+    names = dataset.set_name.values
+    for i, name in enumerate(names):
+        colour = shades(0.85 * (1.0 - i / max(len(names) - 1, 1)))
+        own = np.flatnonzero(dataset.set.values == name)
+        own = own[np.argsort(dataset.trial_ratio.values[own])]
+        axes.plot(
+            dataset.frequency_ratio, np.degrees(dataset.angle_computed[i]), color=colour, lw=0.7
+        )
+        size = f"$A_0$ = {1e3 * float(dataset.set_amplitude[i]):.3g} mm"
+        axes.errorbar(
+            dataset.trial_ratio[own], np.degrees(dataset.stabilised_angle[own]),
+            np.degrees(dataset.stabilised_angle_sigma[own]), fmt="o", ms=3.2, lw=style.THIN,
+            color=colour, label=size,
+        )  # fmt: skip
+        high = float(np.degrees(dataset.peak_measured_height[i]))
+        axes.errorbar(
+            float(dataset.peak_measured_place[i]), high * 1.04 + 2.0,
+            xerr=float(dataset.peak_measured_sigma[i]), fmt="v", ms=4.0, lw=1.0, color=colour,
+            mec=style.INK, mew=0.5, capsize=2.0, zorder=4,
+        )  # fmt: skip
+    axes.plot([], [], "v", ms=4.0, color=style.GREY, mec=style.INK, mew=0.5, label="peak")
+    axes.plot([], [], color=style.GREY, lw=0.7, label="computed")
+    axes.set_xlim(float(dataset.frequency_ratio[0]), float(dataset.frequency_ratio[-1]))
+    axes.set_ylim(0.0)
+    axes.set_xlabel(style.label(dataset.frequency_ratio))
+    symbol = QUANTITIES["stabilised_angle"].symbol
+    axes.set_ylabel(f"largest stabilised angle ${symbol}$ [°]")
+    axes.legend(loc="upper right")
+
+
+def _broken(time: Any, values: Any) -> Any:
+    """Return a curve with its first sample after a gap left out."""
+    gaps = np.concatenate([[False], np.diff(time) > 6.0 * np.median(np.diff(time))])
+    return np.where(gaps, np.nan, values)
