@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -70,5 +71,10 @@ def with_law_options(
                 annotation=Annotated[option.kind | None, about],
             )
         )
-    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    return command
+
+    @functools.wraps(command)
+    def spelled_out(*args: Any, **kwargs: Any) -> None:
+        command(*args, **kwargs)
+
+    spelled_out.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return spelled_out
