@@ -11,6 +11,7 @@ import latolato as ll
 from latolato.experiment.calibrate import Optics, _extremes, _hinge, _scatter, undistorted
 from latolato.experiment.tracking import kernels
 from latolato.experiment.tracking.predict import Predictor
+from latolato.experiment.tracking.sample import _is_wanted
 
 
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
@@ -164,3 +165,15 @@ def test_extremes_give_the_rest_position_of_a_decay():
     middles = 0.25 * (found[:-2] + 2.0 * found[1:-1] + found[2:])
     # Second order of the decrement: (k T / 2)^2 / 4 of the amplitude.
     assert np.median(middles) == pytest.approx(0.02, abs=6e-4)
+
+
+@pytest.mark.parametrize("period", [2.0, 5.0, 18.68, 37.36, 112.0 / 6.0])
+def test_the_sample_meets_a_drive_at_many_phases(period):
+    count = 2700
+    step = count // 24
+    starts = [n for n in range(count) if _is_wanted(n, step) and not _is_wanted(n - 1, step)]
+    assert starts[0] == 0
+    assert 20 <= len(starts) <= 26
+    # Rows of even distance of nearly whole periods would all have one phase.
+    phases = np.exp(2j * math.pi * np.array(starts) / period)
+    assert abs(phases.mean()) < 0.75

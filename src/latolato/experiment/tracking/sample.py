@@ -11,6 +11,7 @@ from latolato.experiment.video import Frame, Video
 
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
 _PAIRS = 24
+_GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
@@ -42,14 +43,25 @@ def read_sample(video: Video, progress: Callable[[float], None] | None = None) -
     kept: list[Frame] = []
     for frame in video.frames():
         times.append(frame.time)
-        if frame.number % step < 2:
+        if _is_wanted(frame.number, step):
             kept.append(Frame(frame.number, frame.time, *(plane.copy() for plane in frame[2:])))
         if len(kept) > 4 * _PAIRS + 1:
             step *= 2
-            kept = [one for one in kept if one.number % step < 2]
+            kept = [one for one in kept if _is_wanted(one.number, step)]
         if progress and frame.number % 64 == 0:
             progress(min(1.0, frame.number / expected))
     return Sample(np.array(times), kept)
+
+
+def _is_wanted(number: int, step: int) -> bool:
+    """Return whether a frame is one of the pair in its stretch of `step` frames.
+
+    Pairs at even distances could always meet the drive at the same phase and take a moving pivot
+    for one at rest; the golden ratio spreads them within their stretches.
+    """
+    stretch = number // step
+    offset = int(0.8 * step * (stretch * _GOLDEN % 1.0))
+    return 0 <= number - stretch * step - offset < 2
 
 
 def median_planes(frames: list[Frame]) -> tuple[np.ndarray, ...]:
