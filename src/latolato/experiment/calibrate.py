@@ -25,6 +25,8 @@ _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
+# Lean from which a motion of the pivot is no drive [rad].
+_LEAN = math.radians(40.0)
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
 
@@ -302,7 +304,8 @@ def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tu
     centred = pivots[ok] - pivots[ok].mean(axis=0)
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
     stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
-    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0]:
+    upright = abs(float(axes[0][1])) > math.cos(_LEAN)
+    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0] and upright:
         axis = axes[0] * np.sign(axes[0][1])
         return float(math.atan2(axis[0], axis[1])), "drive axis"
     if stroke < 0.25 * _STROKE:
