@@ -383,6 +383,12 @@ def shift_equations(
 
 
 @_jit
+def search_stride(size: int) -> int:
+    """Return which pixels of a template of some size a search looks at: every so many."""
+    return int(max(2, size // 18))
+
+
+@_jit
 def search_shift(
     plane: np.ndarray,
     model: np.ndarray,
@@ -393,7 +399,7 @@ def search_shift(
 ) -> None:
     """Write the robust difference between `model` and the plane at each whole-pixel corner."""
     height, width = plane.shape
-    stride = max(2, model.shape[0] // 18)
+    stride = search_stride(model.shape[0])
     for k in range(corners.shape[0]):
         cost, total = 0.0, 0.0
         for j in range(0, model.shape[0], stride):

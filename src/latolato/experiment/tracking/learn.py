@@ -29,9 +29,10 @@ from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.teach import Found, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
-# First guesses, before anything was learned: standard deviation of linear light, at most this
-# share of the contrast (in the dark), and softness of the edge.
-_NOISE, _NOISE_SHARE, _LEAST_NOISE, _BLUR = 0.03, 0.1, 5e-4, 0.8
+# First guesses, before anything was learned: standard deviation of linear light, edge softness.
+_NOISE, _BLUR = 0.03, 0.8
+# In poor light the noise is less: a share of the contrast, but no less than this.
+_NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 # Shares by which the radius is varied in each round of learning.
 _WIDTHS = ((0.08,), (0.08, 0.03), (0.03, 0.01))
 # Gain at which a place on the circle is taken for a ball.
@@ -115,10 +116,7 @@ def learn_scene(
         uncover(behind, low, frames[0], colours, centre, size)
     behind = filled(behind)
     paint = first_paint(frames[0], centres, np.zeros(len(centres)), colours, size)
-    middle = (paint.shape[0] - 1) // 2
-    wall = np.nanmedian(behind.reshape(-1, 3), axis=0)
-    contrast = float(np.linalg.norm(paint[middle, middle] - wall))
-    weight = np.eye(3) / min(_NOISE, max(_NOISE_SHARE * contrast, _LEAST_NOISE)) ** 2
+    weight = np.eye(3) / _first_noise(paint, behind, np.array(centres) - low, size) ** 2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
@@ -153,6 +151,24 @@ def learn_scene(
         if own:
             scene.speeds[b] = own[0].speed
     return scene
+
+
+def _first_noise(
+    paint: np.ndarray, behind: np.ndarray, centres: np.ndarray, radius: float
+) -> float:
+    """Return the noise to begin with, by which balls on this background can be told from it.
+
+    Centres (ball, 2) are those of the balls in the background's pixels.
+    """
+    m = (paint.shape[0] - 1) // 2
+    j, i = np.nonzero(np.hypot(*(np.indices(paint.shape[:2]) - m)) < 0.8 * radius)
+    contrasts = []
+    for centre in np.rint(centres).astype(int):
+        rows = np.clip(centre[1] + j - m, 0, behind.shape[0] - 1)
+        columns = np.clip(centre[0] + i - m, 0, behind.shape[1] - 1)
+        away = np.linalg.norm(paint[j, i] - behind[rows, columns], axis=-1)
+        contrasts.append(float(np.nanmedian(away)))
+    return float(np.clip(_NOISE_SHARE * min(contrasts), _LEAST_NOISE, _NOISE))
 
 
 def find_balls(

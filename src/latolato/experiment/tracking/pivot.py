@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import binary_dilation, label
 
 from latolato.experiment.tracking import kernels
 from latolato.experiment.video import Frame
@@ -14,7 +15,13 @@ _LIMIT = 16.0
 # Shifts smaller than this are noise: the pivot rests [pixels].
 _STILL = 0.2
 # Half sides of templates that are tried [pixels].
-_SIZES = (9, 13, 19, 27, 38, 54)
+_SIZES = (6, 9, 13, 19, 27, 38, 54)
+# Least difference from the wall that shows the pivot: luma levels, share of the contrast.
+_SHOWS, _SHOWS_SHARE = 4.0, 0.3
+# How much of the wall around the pivot belongs to its edge [pixels].
+_EDGE = 2
+# Fewest pixels a template may be compared at.
+_FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
 _SHARE = 0.08
 # How far the pivot may come from one frame to the next [pixels].
@@ -184,9 +191,11 @@ def learn_pivot(
     room = int(min(*np.minimum(click, size - 1 - click)))
     if room < 4:
         raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
-    tracker = _distinct(frames, click.astype(float), arm, room)
+    tracker = _distinct(frames, behind, click.astype(float), arm, room)
     shifts = _first_shifts(tracker, frames)
-    for round_ in range(4):
+    # What rests is not learned anew: rods that swing about it would join.
+    rounds = 0 if _is_resting(shifts) else 4
+    for round_ in range(rounds):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
         slack = 4.0 + 0.3 * (spread[1] - spread[0])
@@ -195,14 +204,23 @@ def learn_pivot(
             grown = min(max(2 * tracker.half, int(0.1 * arm)), int(max(_SIZES)), room)
             tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
         learn_template(tracker, frames, behind, shifts)
-    shifts = locate_all(tracker, frames, shifts)
-    # Drives move up and down; what a template moves sideways only is drawn by the rod.
-    height = np.abs(shifts[:, 1] - np.median(shifts[:, 1]))
-    if 1.4826 * np.median(height) < _STILL and np.quantile(height, 0.9) < 2.0 * _STILL:
+    if rounds:
+        shifts = locate_all(tracker, frames, shifts)
+    if _is_resting(shifts):
         tracker.is_still = True
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
     return tracker, shifts
+
+
+def _is_resting(shifts: np.ndarray) -> bool:
+    """Return whether shifts are noise.
+
+    Drives move up and down; what a template moves sideways only is drawn by the rod.
+    """
+    away = np.abs(shifts[:, 1] - np.median(shifts[:, 1]))
+    scatter = 1.4826 * float(np.median(away))
+    return bool(scatter < _STILL and np.quantile(away, 0.9) < 2.0 * _STILL)
 
 
 def _first_shifts(tracker: PivotTracker, frames: list[Frame]) -> np.ndarray:
@@ -257,31 +275,93 @@ def learn_template(
     )
     wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
     template = np.median(stack, axis=0)
-    own = np.median((stack - template) ** 2, axis=0)
     as_wall = np.median((stack - wall) ** 2, axis=0)
-    moves = np.ptp(shifts[:, 1]) + np.ptp(shifts[:, 0]) > 4.0
-    is_object = (own < 0.5 * as_wall + 1.0) if moves else np.ones_like(own, bool)
+    moves = float(np.ptp(np.quantile(shifts, [0.1, 0.9], axis=0), axis=0).sum()) > 4.0
+    rest = stack - template
+    if moves:
+        rest = _unmoved(rest, template, inside, as_wall)
+    own = np.median(rest**2, axis=0)
+    is_object = np.ones_like(inside)
+    if moves:
+        # A plain wall looks the same wherever it is: it joins only where it shows the edge.
+        is_object = own < 0.5 * as_wall + 1.0
+        is_sure = inside & (own < 0.5 * as_wall) & (as_wall > _SHOWS**2)
+        if np.count_nonzero(is_sure) >= _FEWEST:
+            is_object &= binary_dilation(_innermost(is_sure), iterations=_EDGE)
     is_object &= own < 20.0 * (np.median(own[inside]) + 4.0)
     tracker.weight = np.where(inside & is_object, 1.0 / (own + 4.0), 0.0)
     tracker.template = template
 
 
-def _distinct(frames: list[Frame], click: np.ndarray, arm: float, room: int) -> PivotTracker:
-    """Return the tracker with the template that is found most clearly at one place per frame."""
+def _unmoved(
+    rest: np.ndarray, template: np.ndarray, inside: np.ndarray, as_wall: np.ndarray
+) -> np.ndarray:
+    """Return residuals (frame, row, column) without what a shift of each frame explains.
+
+    Otherwise the edges, which alone tell where the pivot is, would be believed the least.
+    """
+    clear = inside & (as_wall > max(_SHOWS**2, _SHOWS_SHARE**2 * float(as_wall[inside].max())))
+    if np.count_nonzero(clear) < _FEWEST:
+        return rest
+    slopes = np.stack(np.gradient(template)[::-1])
+    own = slopes[:, clear]
+    out = np.empty_like(rest)
+    for k, each in enumerate(rest):
+        seen, step = each[clear], np.zeros(2)
+        for _ in range(3):
+            left = seen - step @ own
+            limit = max(3.0 * float(np.median(np.abs(left))), 1.0)
+            trust = own / (1.0 + (left / limit) ** 2)
+            step = np.linalg.solve(trust @ own.T + np.eye(2), trust @ seen)
+        step = np.clip(step, -1.0, 1.0)
+        out[k] = each - np.tensordot(step, slopes, 1)
+    return out
+
+
+def _innermost(mask: np.ndarray) -> np.ndarray:
+    """Return the connected part of a mask that is nearest to the middle and not tiny.
+
+    Others are where the pivot rested in the median of the frames.
+    """
+    parts, _ = label(binary_dilation(mask, iterations=_EDGE + 1))
+    parts[~mask] = 0
+    sizes = np.bincount(parts.ravel())
+    sizes[0] = 0
+    away = np.hypot(*(np.indices(mask.shape) - (mask.shape[0] - 1) // 2))
+    away[sizes[parts] < min(_FEWEST, sizes.max())] = np.inf
+    nearest: np.ndarray = parts == parts.ravel()[np.argmin(away)]
+    return nearest
+
+
+def _distinct(
+    frames: list[Frame], behind: np.ndarray, click: np.ndarray, arm: float, room: int
+) -> PivotTracker:
+    """Return the tracker with the template that is found most clearly at one place per frame.
+
+    A textured wall is found very clearly, always at the same place: templates are tried with and
+    without what looks as the median of the frames does.
+    """
     tall, wide = 0.4 * arm, 3.0
+    reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
+    some = frames[:: max(1, len(frames) // 6)]
     best: tuple[float, PivotTracker] | None = None
     for half in sorted({min(size, room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
-        radius = np.hypot(*(np.indices(template.shape) - half))
+        inside = np.hypot(*(np.indices(template.shape) - half)) <= half + 0.5
         contrast = float(np.ptp(np.quantile(template, [0.05, 0.95])))
-        noise = min(max(_SHARE * contrast, 1.0), 8.0)
-        weight = np.where(radius <= half + 0.5, 1.0 / noise**2, 0.0)
-        reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
-        tracker = PivotTracker(click, template, weight, reach)
-        margins = [tracker.margin(frame.luma) for frame in frames[:: max(1, len(frames) // 6)]]
-        margin = float(np.quantile(margins, 0.25))
-        if best is None or margin > best[0]:
-            best = (margin, tracker)
+        change = np.abs(template - _patch(behind, click, half))
+        near = slice(max(half - 9, 0), half + 10)
+        own = float(np.quantile(change[near, near], 0.95))
+        shows = inside & binary_dilation(change > max(_SHOWS, _SHOWS_SHARE * own))
+        stride = kernels.search_stride(2 * half + 1)
+        for used, height in ((inside, contrast), (shows, own)):
+            if np.count_nonzero(used[::stride, ::stride]) < _FEWEST:
+                continue
+            noise = min(max(_SHARE * height, 1.0), 8.0)
+            tracker = PivotTracker(click, template, np.where(used, 1.0 / noise**2, 0.0), reach)
+            margin = float(np.quantile([tracker.margin(f.luma) for f in some], 0.25))
+            if best is None or margin > best[0]:
+                best = (margin, tracker)
     assert best is not None
     return best[1]
 
