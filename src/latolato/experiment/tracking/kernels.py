@@ -383,23 +383,20 @@ def shift_equations(
 
 
 @_jit
-def search_stride(size: int) -> int:
-    """Return which pixels of a template of some size a search looks at: every so many."""
-    return int(max(2, size // 18))
-
-
-@_jit
 def search_shift(
     plane: np.ndarray,
     model: np.ndarray,
     weight: np.ndarray,
     corners: np.ndarray,
     limit: float,
+    stride: int,
     out: np.ndarray,
 ) -> None:
-    """Write the robust difference between `model` and the plane at each whole-pixel corner."""
+    """Write the robust difference between `model` and the plane at each whole-pixel corner.
+
+    Every `stride`-th pixel is looked at.
+    """
     height, width = plane.shape
-    stride = search_stride(model.shape[0])
     for k in range(corners.shape[0]):
         cost, total = 0.0, 0.0
         for j in range(0, model.shape[0], stride):

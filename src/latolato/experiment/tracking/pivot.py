@@ -24,6 +24,8 @@ _EDGE = 2
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
 _SHARE = 0.08
+# Pixels of a template that a search over its whole reach looks at.
+_LOOKED_AT = 250.0
 # How far the pivot may come from one frame to the next [pixels].
 _NEXT = 40
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
@@ -131,7 +133,8 @@ class PivotTracker:
         shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
         corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
         cost = np.empty(len(corners))
-        kernels.search_shift(luma, model, self.weight, corners, _LIMIT, cost)
+        stride = _stride(self.weight > 0.0, near=guess is not None)
+        kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
         return corners, cost
 
     def _search(
@@ -211,6 +214,12 @@ def learn_pivot(
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
     return tracker, shifts
+
+
+def _stride(used: np.ndarray, near: bool) -> int:
+    """Return of how many pixels along a line one is looked at: of small objects all."""
+    enough = _LOOKED_AT * (4.0 if near else 1.0)
+    return int(min(max((np.count_nonzero(used) / enough) ** 0.5, 1.0), 6.0))
 
 
 def _is_resting(shifts: np.ndarray) -> bool:
@@ -353,9 +362,8 @@ def _distinct(
         near = slice(max(half - 9, 0), half + 10)
         own = float(np.quantile(change[near, near], 0.95))
         shows = inside & binary_dilation(change > max(_SHOWS, _SHOWS_SHARE * own))
-        stride = kernels.search_stride(2 * half + 1)
         for used, height in ((inside, contrast), (shows, own)):
-            if np.count_nonzero(used[::stride, ::stride]) < _FEWEST:
+            if np.count_nonzero(used) < _FEWEST:
                 continue
             noise = min(max(_SHARE * height, 1.0), 8.0)
             tracker = PivotTracker(click, template, np.where(used, 1.0 / noise**2, 0.0), reach)
