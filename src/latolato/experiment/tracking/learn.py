@@ -205,6 +205,31 @@ def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Found]:
     return found
 
 
+def _set_speeds(found: list[Found], frames: list[Frame], balls: int) -> None:
+    """Tell balls how far they turn to the next frame, or from the last one; NaN if unknown.
+
+    Only pairs of frames in which all balls were found tell: another ball would be taken for the
+    one that is missing.
+    """
+    seen: dict[int, list[Found]] = {}
+    for one in found:
+        one.speed = math.nan
+        seen.setdefault(frames[one.frame].number, []).append(one)
+    for number, own in seen.items():
+        others = seen.get(number + 1, [])
+        if len(own) != balls or len(others) != balls:
+            continue
+        turn = np.array([[other.angle - one.angle for other in others] for one in own])
+        turn = np.mod(turn + np.pi, 2.0 * np.pi) - np.pi
+        partner = np.argmin(np.abs(turn), axis=1)
+        if len(set(partner.tolist())) < balls:
+            continue
+        for k, one in enumerate(own):
+            one.speed = float(turn[k, partner[k]])
+            if math.isnan(others[partner[k]].speed):
+                others[partner[k]].speed = one.speed
+
+
 def fit_sample(
     scene: Scene, frames: list[Frame], found: list[Found], pivots: np.ndarray, tolerant: int
 ) -> list[Found]:
@@ -223,14 +248,5 @@ def fit_sample(
                 one.angle, one.explained = float(np.arctan2(away[0], away[1])), float(share)
                 if abs(np.hypot(*away) - scene.arm) < 0.6 * look.radius:
                     kept.append(one)
-    for one in kept:
-        one.speed = math.nan
-        for step in (-1, 1):
-            near = [
-                step * ((other.angle - one.angle + np.pi) % (2.0 * np.pi) - np.pi)
-                for other in kept
-                if frames[other.frame].number == frames[one.frame].number + step
-            ]
-            if near:
-                one.speed = float(min(near, key=abs))
+    _set_speeds(kept, frames, scene.balls)
     return kept
