@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.calibrate import Calibration, Optics, calibrate
+from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import (
     Setup,
@@ -283,6 +283,8 @@ def _tracked(
         raise ValueError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
+    if not scene.pivot.is_still:
+        seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     return _table(task, scene, seen, measured)
 
