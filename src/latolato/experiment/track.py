@@ -34,6 +34,8 @@ Place = Sequence[float]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
+# Share of samples below which hardly a ball was followed.
+_SELDOM = 0.25
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Shares of the work: the first reading, learning the scene.
@@ -282,6 +284,12 @@ def _tracked(
     if not np.isin(seen.flags, ("ok", "collision", "occluded")).any():
         raise ValueError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
+        )
+    share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
+    if share < _SELDOM:
+        task.warnings.append(
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
+            "at?"
         )
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
