@@ -25,8 +25,11 @@ _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
-# How much more up and down than sideways the pivot must move to be driven: tilts below 45 degrees.
-_UPRIGHT = 1.0
+# Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
+# may scatter about an axis as a share of its stroke.
+_JUMP, _ASIDE = 4.0, 0.02
+# Lean from which a motion of the pivot is no drive [rad].
+_LEAN = math.radians(40.0)
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
 
@@ -106,7 +109,7 @@ def calibrate(
         What is declared of the camera.
     """
     optics = optics or Optics()
-    pivots = undistorted(seen.pivots, size, optics)
+    pivots = _on_rail(undistorted(seen.pivots, size, optics))
     centres = undistorted(seen.centres, size, optics)
     balls = centres.shape[1]
     if optics.row_time:
@@ -156,6 +159,20 @@ def calibrate(
         residual,
         warnings,
     )
+
+
+def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndarray:
+    """Return where the pivot is amid the exposure from its means over the exposure [s].
+
+    The mean of a bent path over a time ``e`` lies ``a e^2/24`` beside its middle.
+    """
+    if len(times) < 3 or exposure <= 0.0:
+        return pivots
+    early = np.diff(pivots, axis=0) / np.diff(times)[:, None]
+    bend = np.zeros_like(pivots)
+    bend[1:-1] = 2.0 * np.diff(early, axis=0) / (times[2:] - times[:-2])[:, None]
+    bend[0], bend[-1] = bend[1], bend[-2]
+    return np.asarray(pivots - bend * exposure**2 / 24.0)
 
 
 def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
@@ -298,13 +315,37 @@ def _across(away: np.ndarray, angles: np.ndarray, arc: float, arm: float) -> np.
     return offset * np.array([math.cos(middle), -math.sin(middle)])
 
 
+def _on_rail(pivots: np.ndarray) -> np.ndarray:
+    """Return pivots with those on their axis that jump aside, where a rod or the wall misled.
+
+    Only a pivot that runs up and down an axis and mostly stays on it has such.
+    """
+    ok = np.isfinite(pivots).all(axis=1)
+    keep = ok.copy()
+    for _ in range(4):
+        if keep.sum() < 20:
+            return pivots
+        middle = pivots[keep].mean(axis=0)
+        _, sizes, axes = np.linalg.svd(pivots[keep] - middle, full_matrices=False)
+        aside = (pivots - middle) @ axes[1]
+        scatter = 1.4826 * float(np.median(np.abs(aside[ok])))
+        keep = ok & (np.abs(aside) <= _JUMP * max(scatter, _SYSTEMATIC))
+    stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(int(keep.sum()), 1))
+    if stroke < _STROKE or scatter > _ASIDE * stroke or keep.sum() < 0.7 * ok.sum():
+        return pivots
+    out = pivots.copy()
+    jumps = ok & ~keep
+    out[jumps] -= np.outer(aside[jumps], axes[1])
+    return out
+
+
 def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tuple[float, str]:
     """Return gravity's direction from straight down in the image, and where it comes from."""
     ok = np.isfinite(pivots).all(axis=1)
     centred = pivots[ok] - pivots[ok].mean(axis=0)
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
     stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
-    is_upright = abs(axes[0][1]) > _UPRIGHT * abs(axes[0][0])
+    is_upright = abs(float(axes[0][1])) > math.cos(_LEAN)
     if stroke > _STROKE and sizes[1] < 0.2 * sizes[0] and is_upright:
         axis = axes[0] * np.sign(axes[0][1])
         return float(math.atan2(axis[0], axis[1])), "drive axis"

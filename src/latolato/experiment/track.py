@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.calibrate import Calibration, Optics, calibrate
+from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import (
     Setup,
@@ -34,6 +34,8 @@ Place = Sequence[float]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
+# Share of samples below which hardly a ball was followed.
+_SELDOM = 0.25
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Shares of the work: the first reading, learning the scene.
@@ -283,6 +285,14 @@ def _tracked(
         raise ValueError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
+    share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
+    if share < _SELDOM:
+        task.warnings.append(
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
+            "at?"
+        )
+    if not scene.pivot.is_still:
+        seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     return _table(task, scene, seen, measured)
 

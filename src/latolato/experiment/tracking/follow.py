@@ -128,7 +128,7 @@ class _Follower:
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
             room = 3 + math.ceil(jerk)
         shift, cost = tracker.locate(frame.luma, guess, velocity, room)
-        if guess is not None and cost > 2.0 * self.pivot_cost + 0.1:
+        if guess is not None and cost > 1.4 * self.pivot_cost + 0.1:
             wide, wide_cost = tracker.locate(frame.luma, None, velocity)
             if wide_cost < 0.7 * cost:
                 shift, cost = wide, wide_cost

@@ -294,7 +294,7 @@ def learn_template(
     if moves:
         # A plain wall looks the same wherever it is: it joins only where it shows the edge.
         is_object = own < 0.5 * as_wall + 1.0
-        is_sure = inside & (own < 0.5 * as_wall) & (as_wall > _SHOWS**2)
+        is_sure = inside & (own < 0.25 * as_wall) & (as_wall > _SHOWS**2)
         if np.count_nonzero(is_sure) >= _FEWEST:
             is_object &= binary_dilation(_innermost(is_sure), iterations=_EDGE)
     is_object &= own < 20.0 * (np.median(own[inside]) + 4.0)
