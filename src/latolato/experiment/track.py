@@ -34,8 +34,8 @@ Place = Sequence[float]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
-# Share of samples below which hardly a ball was followed.
-_SELDOM = 0.25
+# Shares of samples below which no ball was followed, and hardly one.
+_NEVER, _SELDOM = 0.12, 0.4
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Shares of the work: the first reading, learning the scene.
@@ -286,6 +286,11 @@ def _tracked(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
     share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
+    if share < _NEVER:
+        raise ValueError(
+            f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
+            "samples only; point at the ball's centre in the first frame"
+        )
     if share < _SELDOM:
         task.warnings.append(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "

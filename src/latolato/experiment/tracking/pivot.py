@@ -352,7 +352,7 @@ def _distinct(
     """
     tall, wide = 0.4 * arm, 3.0
     reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
-    some = frames[:: max(1, len(frames) // 6)]
+    some = frames[:: max(1, len(frames) // 12)]
     best: tuple[float, PivotTracker] | None = None
     for half in sorted({min(size, room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
