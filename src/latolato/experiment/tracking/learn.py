@@ -35,6 +35,8 @@ _NOISE, _BLUR = 0.03, 0.8
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 # Shares by which the radius is varied in each round of learning.
 _WIDTHS = ((0.08,), (0.08, 0.03), (0.03, 0.01))
+# How much more a paint that turns must explain than one that stays.
+_TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
 
@@ -174,20 +176,24 @@ def _first_noise(
 def find_balls(
     scene: Scene, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
 ) -> list[Found]:
-    """Find the balls in the sample with colours that stay or that turn: as more are found."""
-    look = scene.look
-    some = slice(None, None, 4)
-    staying = _find(scene, frames[some], pivots[some])
-    paint = look.paint
+    """Find the balls in the sample with colours that stay or that turn: as explains more."""
+    look, paint = scene.look, scene.look.paint
+    some = range(0, len(frames), 2)
+
+    def explained() -> float:
+        gains = [
+            best_angles(look, frames[k][2:], pivots[k], scene.arm, scene.balls)[1] for k in some
+        ]
+        return float(np.maximum(gains, 0.0).sum())
+
+    staying = explained()
     angles = np.array([math.atan2(*(centre - pivots[0])) for centre in centres])
     look.is_spinning = True
     look.paint = first_paint(frames[0], centres, angles, look.colours, look.radius)
     look.whitened()
-    turning = _find(scene, frames[some], pivots[some])
-    if sum(one.explained for one in turning) > 1.1 * sum(one.explained for one in staying):
-        return _find(scene, frames, pivots)
-    look.is_spinning, look.paint = False, paint
-    look.whitened()
+    if explained() < _TURNS * staying:
+        look.is_spinning, look.paint = False, paint
+        look.whitened()
     return _find(scene, frames, pivots)
 
 
