@@ -43,6 +43,8 @@ LAWS: dict[str, tuple[str, ...]] = {
     "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
 }
 METHODS = ("both", "equation", "envelope")
+# Angle of trials that end early [rad].
+_WILD = 10.0
 # The coefficient of each term as a parameter of `Pendulum`.
 _COEFFICIENTS = {
     "linear": "damping",
@@ -294,7 +296,8 @@ def _fit_equation(
         system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
         start = (p["initial_angle"],), (p["initial_angular_velocity"],)
         angles: Floats = angles_at(system, Static(), *start, times, step=step)[0]
-        return angles + p["angle_offset"]
+        # A trial too wild to be followed to the end is a bad fit, not an error.
+        return np.where(np.isfinite(angles), angles + p["angle_offset"], _WILD)
 
     return solve(model, guesses, data, **options)
 
