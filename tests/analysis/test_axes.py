@@ -39,12 +39,13 @@ NEEDED = {
 BALL = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 
 
-@pytest.mark.parametrize("name", sorted(analyses))
+DRIVEN = sorted(n for n in analyses if "drive" in inspect.signature(analyses[n]).parameters)
+
+
+@pytest.mark.parametrize("name", DRIVEN)
 @pytest.mark.parametrize("drive", [5, "harmonic"])
 def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
     parameters = inspect.signature(analyses[name]).parameters
-    if "drive" not in parameters:
-        pytest.skip("has no drive")
     system = TOY if name in ("self_start", "pair_symmetry", "impact_map") else BALL
     asked = {n: v for n, v in NEEDED.items() if n in parameters}
     asked = {n: v for n, v in asked.items() if parameters[n].default is parameters[n].empty}
