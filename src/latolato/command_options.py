@@ -44,6 +44,26 @@ class EachOptionOnce(TyperCommand):
         return super().parse_args(ctx, args)
 
 
+def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
+    """Return the names and values of an option that is given as NAME=VALUE, several times.
+
+    Raises
+    ------
+    ValueError
+        For a text without ``=`` or value, and a name that is given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        name = name.replace("-", "_")
+        if not equals or not value:
+            raise ValueError(f"{flag} must be {example}, got {text!r}")
+        if name in found:
+            raise ValueError(f"{flag} {name} is given twice")
+        found[name] = value
+    return found
+
+
 def with_law_options(
     command: Callable[..., None], without: Sequence[str] = ()
 ) -> Callable[..., None]:

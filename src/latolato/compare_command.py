@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.command_options import JsonOption, PlotOption, with_law_options
+from latolato.command_options import JsonOption, PlotOption, named_values, with_law_options
 from latolato.registry import suggest
 
 if TYPE_CHECKING:
@@ -169,11 +169,7 @@ def sigmas_of(texts: Sequence[str]) -> dict[str, float]:
     from latolato.units import to_si
 
     found = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_")
-        if not equals or not value:
-            raise ValueError(f"--sigma must be NAME=VALUE, as in 'length = 1 mm', got {text!r}")
+    for name, value in named_values("--sigma", texts, "NAME=VALUE, as in 'length = 1 mm'").items():
         if name not in QUANTITIES:
             raise ValueError(f"--sigma knows no '{name}': {suggest(name, list(QUANTITIES))}")
         found[name] = float(to_si(name, value, QUANTITIES[name].unit))

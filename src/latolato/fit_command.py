@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.command_options import EachOptionOnce, JsonOption, PlotOption, with_law_options
+from latolato.command_options import (
+    EachOptionOnce,
+    JsonOption,
+    PlotOption,
+    named_values,
+    with_law_options,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -265,14 +271,7 @@ def run(
 
 def mapping_of(columns: Sequence[str] | None) -> dict[str, str] | None:
     """Return the column mapping that options give, None without any."""
-    found: dict[str, str] = {}
-    for text in columns or ():
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals or not value:
-            raise ValueError(f"--column must be NAME=COLUMN, as in time='t [s]', got {text!r}")
-        if name in found:
-            raise ValueError(f"--column {name} is given twice")
-        found[name.replace("-", "_")] = value
+    found = named_values("--column", columns, "NAME=COLUMN, as in time='t [s]'")
     return found or None
 
 

@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.command_options import named_values
 from latolato.progress import bar
 from latolato.registry import suggest
 
@@ -72,11 +73,7 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
 
     known = {field.name: field for field in fields(kind)}
     found: dict[str, Any] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_")
-        if not equals or not value:
-            raise ValueError(f"{flag} must be NAME=VALUE, got {text!r}")
+    for name, value in named_values(flag, texts, "NAME=VALUE").items():
         if name not in known:
             raise ValueError(f"{flag} has no '{name}': {suggest(name, list(known))}")
         quantity = known[name].metadata.get("quantity")

@@ -16,7 +16,7 @@ from latolato.experiment.comparison.parameters import (
     variable,
 )
 from latolato.experiment.fits.least_squares import Data, Solution, lmfit_module, solve
-from latolato.experiment.fits.pivots import given_pivot, measured_pivot
+from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.samples import angles_of, noise_of
 from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.table import checked_table
@@ -102,11 +102,7 @@ def compare_motion(
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
-    if drive is None or drive == "measured":
-        length = system.balls[0].length
-        moving = measured_pivot(table, length, first, last, spline=drive == "measured")
-    else:
-        moving = given_pivot(drive)
+    moving = pivot_for(drive, table, system.balls[0].length, first, last)
     span = _MATCHED * math.tau / system.natural_frequency
     if match is not None:
         span = checked_number("match", match, POSITIVE, "s")

@@ -17,7 +17,7 @@ from latolato.experiment.fits.least_squares import (
     lmfit_module,
     solve,
 )
-from latolato.experiment.fits.pivots import Pivot, given_pivot, measured_pivot
+from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of
 from latolato.experiment.fits.windows import WindowedModel, window_starts
@@ -105,11 +105,7 @@ def fit_model(
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
-    if drive is None or drive == "measured":
-        length = system.balls[0].length
-        moving = measured_pivot(table, length, first, last, spline=drive == "measured")
-    else:
-        moving = given_pivot(drive)
+    moving = pivot_for(drive, table, system.balls[0].length, first, last)
     pivot, origin = moving.drive, moving.origin
     names = _names(system, pivot, vary)
     held = {name: _value(system, pivot, name) for name in names}

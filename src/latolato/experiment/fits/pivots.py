@@ -71,8 +71,10 @@ def measured_pivot(
     return _spline(table, first, last)
 
 
-def given_pivot(drive: Any) -> Pivot:
-    """Return a drive that is known."""
+def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
+    """Return a drive that is known; or the table's pivot for None, as a spline for "measured"."""
+    if drive is None or drive == "measured":
+        return measured_pivot(table, length, first, last, spline=drive == "measured")
     return Pivot(checked_drive(drive), 0.0, [], "the given drive")
 
 

@@ -21,7 +21,7 @@ from latolato.experiment.fits.flights import (
     widening_of,
 )
 from latolato.experiment.fits.least_squares import Floats
-from latolato.experiment.fits.pivots import given_pivot, measured_pivot
+from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
 from latolato.experiment.table import balls_of, checked_table
@@ -109,7 +109,7 @@ def fit_restitution(
     time, angles, sigmas = _series(table, ball, two, start, end)
     gap = angles[0] - angles[1] if two else angles[0]
     first, last = float(time[0]), float(time[-1])
-    moving = given_pivot(drive) if drive is not None else measured_pivot(table, length, first, last)
+    moving = pivot_for(drive, table, length, first, last)
     pull = pull_of(moving.drive, moving.origin, gravity, length)
     turns = _turns(time, gap)
     if not turns:
