@@ -109,6 +109,7 @@ def render(
     )
     kind = "A quick run: some scans have fewer points." if quick else "A full run."
     return template.substitute(
+        style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
         title=_text(TITLE),
         version=escape(version("latolato")),
         lead=_text(

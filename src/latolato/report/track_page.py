@@ -100,6 +100,7 @@ def render(table: xr.Dataset, video: Video) -> str:
     source = str(table.attrs["source"])
     return template.substitute(
         version=escape(version("latolato")),
+        style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
         title=escape(f"Tracked: {source}"),
         meta=escape(
             f"latolato {version('latolato')}, {datetime.now(UTC):%Y-%m-%d}. "
