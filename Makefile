@@ -29,7 +29,7 @@ demo: $(STAMPS)/video ## install, reproduce the paper's figures quickly, print t
 	$(BIN)/latolato reproduce --quick
 
 .PHONY: test
-test: $(STAMPS)/test ## install with test extras, run all tests and the examples in docstrings
+test: $(STAMPS)/test $(STAMPS)/chromium ## install with test extras, run all tests and the examples in docstrings
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src $(PYTEST_ARGS)
 
 .PHONY: doctest
@@ -91,6 +91,19 @@ $(STAMPS)/video: pyproject.toml | $(STAMPS)/venv
 $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
+	@touch $@
+
+# The tests of the application drive a real browser: the system's Chromium.
+$(STAMPS)/chromium: | $(STAMPS)/venv
+	@set -e; has_chromium() { for b in chromium chromium-browser google-chrome; do \
+		command -v $$b >/dev/null && return 0; done; return 1; }; \
+	if ! has_chromium && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing chromium: the tests of the application drive it"; \
+		{ apt-get update -q && DEBIAN_FRONTEND=noninteractive \
+			apt-get install -y -q --no-install-recommends chromium; } >/dev/null || true; \
+	fi; \
+	has_chromium || { echo "the tests of the application need Chromium. Type"; \
+		echo "    sudo apt-get install chromium"; echo "and try again"; exit 1; }
 	@touch $@
 
 # Debian and Ubuntu keep ensurepip in a package of its own. Without it: use a pip that is already

@@ -15,7 +15,14 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato import compare_command, fit_command, run_command, trials_command, video_commands
+from latolato import (
+    app_command,
+    compare_command,
+    fit_command,
+    run_command,
+    trials_command,
+    video_commands,
+)
 from latolato.analyse_command import AnalysisGroup
 from latolato.command_options import (
     EachOptionOnce,
@@ -51,6 +58,7 @@ app.command("synthesise", cls=EachOptionOnce)(
     with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
 )
 app.command("track", cls=EachOptionOnce)(video_commands.track)
+app.command("app", cls=EachOptionOnce)(app_command.app)
 
 
 @app.callback(invoke_without_command=True)

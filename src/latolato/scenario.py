@@ -233,18 +233,18 @@ def load_scenario(source: str | Path) -> Scenario:
 
 def scenarios() -> dict[str, Scenario]:
     """Return the shipped scenarios by name."""
-    return {path.stem: load_scenario(path) for path in _shipped().values()}
+    return {path.stem: load_scenario(path) for path in shipped().values()}
 
 
 def find(source: str | Path) -> Path:
     """Return the file of a scenario given by the name of a shipped one or by a path."""
-    shipped = _shipped()
-    if str(source) in shipped:
-        return shipped[str(source)]
+    known = shipped()
+    if str(source) in known:
+        return known[str(source)]
     path = Path(source)
     if path.is_file():
         return path
-    hint = suggest(str(source), list(shipped))
+    hint = suggest(str(source), list(known))
     raise FileNotFoundError(f"there is no scenario or file '{source}': {hint}")
 
 
@@ -308,7 +308,7 @@ def _replaced(given: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, 
 
 
 @lru_cache(maxsize=1)
-def _shipped() -> dict[str, Path]:
+def shipped() -> dict[str, Path]:
     """Return the files of the shipped scenarios by name."""
     folder = Path(__file__).parent / "scenarios"
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -37,10 +38,10 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
     import numpy as np
 
     kinds, counts = np.unique(run["contact_kind"].values, return_counts=True)
-    found = {name: _plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
+    found = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
     return found | {
-        "largest_angle": _plain(np.nanmax(np.abs(run["angle"].values))),
-        "largest_energy": _plain(np.nanmax(run["total_energy"].values)),
+        "largest_angle": plain(np.nanmax(np.abs(run["angle"].values))),
+        "largest_energy": plain(np.nanmax(run["total_energy"].values)),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
         "samples": run.sizes["time"],
     }
@@ -88,7 +89,7 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
         "status": {n: int(c) for n, c in zip(STATUS_NAMES, counts, strict=True) if c},
         "first_invalid": grid.attrs.get("first_invalid", ""),
         "ranges": {
-            str(name): [_plain(end) for end in ranges.get(str(name), [None, None])]
+            str(name): [plain(end) for end in ranges.get(str(name), [None, None])]
             for name in grid.data_vars
             if name != "status"
         },
@@ -96,10 +97,12 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
-    """Return a value without NumPy types, None for what JSON has no number for."""
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it: no NumPy types, None for what is no finite number."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if isinstance(value, list):
-        return [_plain(part) for part in value]
+    if isinstance(value, Mapping):
+        return {str(name): plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(part) for part in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

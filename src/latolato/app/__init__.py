@@ -1,0 +1,1 @@
+"""The web application: a local server that computes, and pages that draw."""

@@ -1,0 +1,138 @@
+"""What a page asks for, as flat options with units, and the scenario that it stands for.
+
+A page, its URL, the command line and the Python lines on show all use the names and the texts of
+`latolato.options`: ``{"length": "24.5 cm", "drive_frequency": "2.4 Hz"}``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from latolato.numerics.integrate import choose_step, choose_stepper
+from latolato.options import changes, law_options
+from latolato.registry import suggest
+from latolato.run_command import changed_tables
+from latolato.scenario import Scenario, shipped
+from latolato.start import checked_contact, checked_start, walls_of
+
+# Numbers of one list: more are not typed into a form, nor stand in a URL.
+MOST_LISTED = 10_000
+# Steps of one run; a second or two of work.
+MOST_STEPS = 5_000_000
+MOST_SECONDS = 1e5
+
+
+class TooLargeError(ValueError):
+    """What is asked for would keep the machine busy for too long."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A scenario to begin with, if any, and the options that replace what it says."""
+
+    scenario: str | None = None
+    options: Mapping[str, Any] | None = None
+
+    @classmethod
+    def from_json(cls, value: Any) -> Asked:
+        """Return what a page asks for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it has another form than ``{"scenario": name, "options": {name: value}}``.
+        """
+        if not isinstance(value, Mapping):
+            raise TypeError(f"a request must be an object, got {value!r}")
+        name, options = value.get("scenario"), value.get("options") or {}
+        if name is not None and not isinstance(name, str):
+            raise TypeError(f"scenario must be a text, got {name!r}")
+        if not isinstance(options, Mapping):
+            raise TypeError(f"options must be an object, got {options!r}")
+        return cls(name or None, options)
+
+    def to_scenario(self) -> Scenario:
+        """Return the scenario; no file but those that are shipped is read.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For unknown names, wrong types, units and values.
+        """
+        known = law_options()
+        given: dict[str, Any] = {}
+        for name, value in (self.options or {}).items():
+            if name not in known:
+                raise ValueError(f"unknown option '{name}': {suggest(name, list(known))}")
+            given[name] = _value(name, value, several=known[name].several)
+        path = None
+        if self.scenario is not None:
+            if self.scenario not in shipped():
+                hint = suggest(self.scenario, list(shipped()))
+                raise ValueError(f"there is no scenario '{self.scenario}': {hint}")
+            path = shipped()[self.scenario]
+        tables, folder = changed_tables(path, changes(given))
+        return Scenario.from_dict(tables, folder=folder)
+
+
+def _value(name: str, value: Any, *, several: bool) -> Any:
+    """Return the value of an option; a list stays one, so that a text never names a file."""
+    if several and isinstance(value, str):
+        value = [part.strip() for part in value.split(",") if part.strip()]
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if len(value) > MOST_LISTED:
+            raise TooLargeError(f"{name} holds {len(value)} values, the limit is {MOST_LISTED}")
+        if not all(isinstance(part, (str, int, float)) for part in value):
+            raise TypeError(f"{name} must be a list of quantities")
+        return list(value)
+    if value is not None and not isinstance(value, (str, int, float, bool)):
+        raise TypeError(f"{name} must be a text or a number, got {value!r}")
+    return value
+
+
+def options_of(scenario: Scenario) -> dict[str, Any]:
+    """Return every option that a scenario sets, in SI units."""
+    tables = scenario.to_dict()
+    found = {}
+    for name, option in law_options().items():
+        place: Any = tables
+        for part in option.path:
+            place = place.get(part) if isinstance(place, Mapping) else None
+        if place is not None:
+            found[name] = place
+    return found
+
+
+def check_size(scenario: Scenario) -> None:
+    """Refuse, before any work, a run that would take more than seconds.
+
+    Raises
+    ------
+    TooLargeError
+        With the number of steps and the limit.
+    """
+    run = scenario.run
+    times = run.get("times")
+    end = float(run.get("duration") or (times[-1] if times else 0.0))
+    if end > MOST_SECONDS:
+        raise TooLargeError(f"duration must not exceed {MOST_SECONDS:g} s here, got {end:g}")
+    system, drive = scenario.system, scenario.drive
+    walls = walls_of(system, checked_contact(run.get("contact", "exact"), system))
+    start = checked_start(
+        system,
+        walls,
+        run.get("initial_angle"),
+        run.get("initial_angular_velocity", 0.0),
+        run.get("initial_offset"),
+    )
+    tolerance = float(run.get("tolerance", 1e-10))
+    step = choose_step(system, drive, start, tolerance, choose_stepper(system))
+    steps = end / step
+    if not math.isfinite(steps) or steps > MOST_STEPS:
+        raise TooLargeError(
+            f"the run would take {steps:.2g} steps, the limit is {MOST_STEPS:g}: shorten the "
+            "duration, loosen the tolerance or slow the drive"
+        )

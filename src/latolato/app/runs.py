@@ -1,0 +1,153 @@
+"""Runs for the pages: simulated, sampled for the screen, sent as one block."""
+
+from __future__ import annotations
+
+import math
+import time
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.app.blocks import pack
+from latolato.app.given import Asked, TooLargeError, check_size, options_of
+from latolato.app.lines import command_line, python_line
+from latolato.physics.contacts import CONTACT_KINDS
+from latolato.registry import suggest
+from latolato.scenario import Scenario
+from latolato.simulate import SAMPLES_PER_PERIOD
+from latolato.summary import summarise
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Samples of a run that is shown: by default as many as files have, up to this number.
+USUAL_SAMPLES = 30_000
+MOST_SAMPLES = 200_000
+# Always sent, as the animation needs them.
+_MOTION = ("angle", "angular_velocity", "pivot_height")
+# What a page may ask for beside them.
+COLUMNS = (
+    *_MOTION,
+    "pivot_velocity",
+    "pivot_acceleration",
+    "kinetic_energy",
+    "potential_energy",
+    "total_energy",
+    "drive_power",
+    "damping_power",
+    "tension",
+    "drive_work",
+    "damping_loss",
+    "impact_loss",
+    "capture_loss",
+    "noise_work",
+)
+_ATTRIBUTES = (
+    "system",
+    "drive",
+    "natural_frequency",
+    "contact_angle_low",
+    "contact_angle_high",
+    "contact_separation",
+    "latolato_version",
+)
+
+
+def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, xr.Dataset]:
+    """Return the scenario that a page asks for and its run, sampled evenly for the screen.
+
+    Parameters
+    ----------
+    samples : int, optional
+        Number of samples; by default 100 in the shorter period, 30000 at most.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, and for a run that is too large, before any work.
+    """
+    if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int)):
+        raise TypeError(f"samples must be a whole number, got {samples!r}")
+    if samples is not None and not 2 <= samples <= MOST_SAMPLES:
+        raise TooLargeError(f"samples must lie in [2, {MOST_SAMPLES}], got {samples}")
+    scenario = asked.to_scenario()
+    if scenario.varied:
+        raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
+    check_size(scenario)
+    times = scenario.run.get("times")
+    if times is None:
+        end = float(scenario.run.get("duration") or 0.0)
+        fastest = max(scenario.system.natural_frequency, scenario.drive.fastest_frequency)
+        usual = math.ceil(SAMPLES_PER_PERIOD * end * fastest / (2.0 * math.pi)) + 1
+        count = samples or max(min(usual, USUAL_SAMPLES), 2)
+        if end > 0.0:
+            times = np.linspace(0.0, end, count)
+    return scenario, scenario.simulate(**({} if times is None else {"times": times}))
+
+
+def run_block(asked: Asked, columns: Sequence[str] = COLUMNS, samples: int | None = None) -> bytes:
+    """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
+    for name in columns:
+        if name not in COLUMNS:
+            raise ValueError(f"unknown column '{name}': {suggest(name, list(COLUMNS))}")
+    begun = time.perf_counter()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scenario, run = simulate_asked(asked, samples)
+    wall_time = time.perf_counter() - begun
+    return pack(
+        {
+            **about(scenario, run),
+            "warnings": [str(w.message) for w in caught],
+            "wall_time": wall_time,
+        },
+        arrays_of(run, [*_MOTION, *(name for name in columns if name not in _MOTION)]),
+    )
+
+
+def about(scenario: Scenario, run: xr.Dataset) -> dict[str, Any]:
+    """Return all that the pages tell of a run beside its numbers."""
+    return {
+        "summary": summarise(run),
+        "options": options_of(scenario),
+        "attributes": {name: run.attrs[name] for name in _ATTRIBUTES if name in run.attrs},
+        "balls": balls_of(scenario),
+        "duration": float(run["time"][-1]),
+        "title": scenario.title,
+        "python": python_line(scenario),
+        "command": command_line(scenario),
+    }
+
+
+def balls_of(scenario: Scenario) -> list[dict[str, Any]]:
+    """Return name, length, radius, mass and the sign of the angle of every ball on show."""
+    names = ["right", "left"] if scenario.system.has_contacts else ["ball"]
+    shown = scenario.system.balls
+    mirrored = len(shown) < len(names)
+    return [
+        {
+            "name": name,
+            "row": 0 if mirrored else i,
+            "sign": -1 if mirrored and name == "left" else 1,
+            "length": shown[0 if mirrored else i].length,
+            "radius": shown[0 if mirrored else i].radius,
+            "mass": shown[0 if mirrored else i].mass,
+        }
+        for i, name in enumerate(names)
+    ]
+
+
+def arrays_of(run: xr.Dataset, columns: Sequence[str]) -> dict[str, Any]:
+    """Return instants, columns as rows of balls, and the table of contacts."""
+    found: dict[str, Any] = {"time": run["time"].values.astype(np.float64)}
+    for name in columns:
+        if name in run:
+            found[name] = np.atleast_2d(run[name].values).astype(np.float32)
+    kinds = run["contact_kind"].values
+    found["contact_time"] = run["contact_time"].values.astype(np.float64)
+    found["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)
+    for name in ("angular_velocity_before", "angular_velocity_after"):
+        found[name] = np.atleast_2d(run[name].values).astype(np.float32)
+    return found

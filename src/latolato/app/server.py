@@ -1,0 +1,161 @@
+"""The local server: pages, numbers for them, and the guard around both."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import anyio
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import BaseRoute, Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from latolato.app.given import Asked, TooLargeError
+from latolato.app.guard import Guard
+
+STATIC = Path(str(files("latolato.app") / "static"))
+# A request for numbers is a few kilobytes; a list of pivot heights may be more.
+MOST_BODY = 2_000_000  # bytes
+# Runs that are computed at the same time; others wait.
+_WORKERS = 2
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Where the server listens and who may use it.
+
+    Attributes
+    ----------
+    host, port
+        The address.
+    token : str, optional
+        The secret that every request must carry; needed for any address but this machine's own.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8000
+    token: str | None = None
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of the server as browsers send them in ``Host``."""
+        hosts = {self.host, "127.0.0.1", "localhost", "[::1]"}
+        return frozenset(f"{host}:{self.port}" for host in hosts) | (
+            frozenset(hosts) if self.port == 80 else frozenset()
+        )
+
+
+def make_app(settings: Settings) -> Starlette:
+    """Return the application that serves the pages and computes for them."""
+    app = Starlette(
+        routes=[
+            Route("/", _index),
+            Route("/api/registry", _registry),
+            Route("/api/run", _run, methods=["POST"]),
+            *_views(),
+            Mount("/static", StaticFiles(directory=STATIC)),
+        ],
+        middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
+        exception_handlers={HTTPException: _refused},
+    )
+    app.state.workers = None
+    return app
+
+
+def _views() -> list[BaseRoute]:
+    """Return the routes that belong to single views."""
+    return []
+
+
+async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:
+    """Return what `work` answers in a thread; refusals become one line for the page.
+
+    Bad input is 422, what is too large 413; ``field`` names the option that a message is about.
+    """
+    try:
+        response: Response = await in_thread(request, work, *given)
+        return response
+    except TooLargeError as error:
+        return refusal(413, str(error))
+    except (TypeError, ValueError, ModuleNotFoundError) as error:
+        return refusal(422, str(error))
+
+
+async def in_thread(request: Request, work: Callable[..., Any], *given: Any) -> Any:
+    """Return what `work` returns, in one of the few threads that compute."""
+    state = request.app.state
+    if state.workers is None:
+        state.workers = anyio.CapacityLimiter(_WORKERS)
+    return await anyio.to_thread.run_sync(partial(work, *given), limiter=state.workers)
+
+
+async def json_of(request: Request) -> Any:
+    """Return the JSON of a request.
+
+    Raises
+    ------
+    HTTPException
+        If it is too long or no JSON.
+    """
+    body = bytearray()
+    async for part in request.stream():
+        body += part
+        if len(body) > MOST_BODY:
+            raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
+    try:
+        return json.loads(body)
+    except (ValueError, RecursionError):
+        raise HTTPException(400, "a request must be JSON") from None
+
+
+def refusal(status: int, message: str) -> JSONResponse:
+    """Return one line that says why, and the option that it is about."""
+    return JSONResponse({"error": message, "field": field_of(message)}, status_code=status)
+
+
+def field_of(message: str) -> str | None:
+    """Return the option that a message begins with or names first."""
+    from latolato.options import law_options
+
+    words = message.replace("'", " ").replace("[", " ").replace(":", " ").split()
+    known = law_options()
+    return next((word for word in words if word in known), None)
+
+
+async def _refused(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    return refusal(error.status_code, str(error.detail))
+
+
+async def _index(request: Request) -> Response:
+    return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-cache"})
+
+
+async def _registry(request: Request) -> Response:
+    from latolato.app.forms import registry
+
+    return await answered(request, lambda: JSONResponse(registry()))
+
+
+async def _run(request: Request) -> Response:
+    given = await json_of(request)
+    return await answered(request, _run_response, given)
+
+
+def _run_response(given: Any) -> Response:
+    from latolato.app.runs import COLUMNS, run_block
+
+    asked = Asked.from_json(given)
+    columns, samples = given.get("columns", COLUMNS), given.get("samples")
+    if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
+        raise TypeError("columns must be a list of names")
+    return Response(run_block(asked, columns, samples), media_type="application/octet-stream")

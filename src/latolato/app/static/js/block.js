@@ -1,0 +1,44 @@
+/** Blocks of arrays as the server packs them (see `latolato.app.blocks`). */
+
+const TYPES = { f4: Float32Array, f8: Float64Array, i4: Int32Array, u1: Uint8Array };
+const LENGTH = 4;
+
+/**
+ * @typedef {Float32Array | Float64Array | Int32Array | Uint8Array} Numbers
+ * @typedef {{about: Record<string, any>, arrays: Record<string, Numbers>,
+ *   shapes: Record<string, number[]>}} Block
+ */
+
+/**
+ * Return the header and the arrays of a block; arrays of several rows stay one after the other.
+ * @param {ArrayBuffer} buffer
+ * @returns {Block}
+ */
+export function unpack(buffer) {
+  const view = new DataView(buffer);
+  const begin = LENGTH + view.getUint32(0, true);
+  const text = new TextDecoder().decode(new Uint8Array(buffer, LENGTH, begin - LENGTH));
+  const { arrays: entries, ...about } = JSON.parse(text);
+  /** @type {Block} */
+  const found = { about, arrays: {}, shapes: {} };
+  for (const { name, type, shape, offset } of entries) {
+    const count = shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1);
+    found.arrays[name] = new TYPES[/** @type {keyof typeof TYPES} */ (type)](
+      buffer, begin + offset, count);
+    found.shapes[name] = shape;
+  }
+  return found;
+}
+
+/**
+ * Return one row of an array of several.
+ * @param {Block} block
+ * @param {string} name
+ * @param {number} row
+ * @returns {Numbers}
+ */
+export function row(block, name, row) {
+  const shape = block.shapes[name];
+  const length = shape[shape.length - 1];
+  return block.arrays[name].subarray(row * length, (row + 1) * length);
+}

@@ -1,0 +1,84 @@
+/** The clock of a player: it alone knows the instant; others are told. */
+
+// After a pause of the browser, such as a background tab, the clock goes on where it was.
+const LONGEST_FRAME = 0.1; // s
+
+export class Clock {
+  constructor() {
+    this.time = 0;
+    this.end = 1;
+    this.speed = 1;
+    this.looping = true;
+    this.playing = false;
+    this.last = 0;
+    this.frame = 0;
+    /** @type {((time: number, clock: Clock) => void)[]} */
+    this.listeners = [];
+    this.step = this.step.bind(this);
+  }
+
+  /**
+   * Call a function at every new instant; returns what ends that.
+   * @param {(time: number, clock: Clock) => void} listener
+   */
+  subscribe(listener) {
+    this.listeners.push(listener);
+    return () => { this.listeners = this.listeners.filter((each) => each !== listener); };
+  }
+
+  play() {
+    if (this.playing) return;
+    if (this.time >= this.end) this.time = 0;
+    this.playing = true;
+    this.last = 0;
+    this.frame = requestAnimationFrame(this.step);
+    this.tell();
+  }
+
+  pause() {
+    this.playing = false;
+    cancelAnimationFrame(this.frame);
+    this.tell();
+  }
+
+  toggle() {
+    if (this.playing) this.pause();
+    else this.play();
+  }
+
+  /**
+   * Move to an instant.
+   * @param {number} time
+   */
+  seek(time) {
+    this.time = Math.min(Math.max(time, 0), this.end);
+    this.tell();
+  }
+
+  /** @param {number} now of the browser, in ms */
+  step(now) {
+    if (!this.playing) return;
+    const passed = this.last ? Math.min((now - this.last) / 1000, LONGEST_FRAME) : 0;
+    this.last = now;
+    this.advance(passed);
+    if (this.playing) this.frame = requestAnimationFrame(this.step);
+  }
+
+  /** @param {number} passed s of real time */
+  advance(passed) {
+    let time = this.time + passed * this.speed;
+    if (time >= this.end) {
+      if (this.looping && this.end > 0) time %= this.end;
+      else {
+        time = this.end;
+        this.playing = false;
+      }
+    }
+    this.time = time;
+    this.tell();
+  }
+
+  tell() {
+    for (const listener of this.listeners) listener(this.time, this);
+  }
+}

@@ -1,0 +1,90 @@
+/** The page: its views, its colours and what they share. */
+
+import { askJson } from "./api.js";
+import { el, tell } from "./dom.js";
+import { format, Store } from "./state.js";
+import { t } from "./strings.js";
+
+/** @typedef {{registry: any, store: Store}} Page */
+
+// Every view is a module that is loaded when it is first wanted, and the class that it exports.
+/** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,
+ *   hide(): void}>>} */
+const VIEWS = {
+  play: async () => (await import("./views/play.js")).PlayView,
+};
+const THEMES = ["auto", "light", "dark"];
+
+/** Show the theme that was chosen and tell those that draw. */
+function applyTheme(/** @type {string} */ theme) {
+  document.documentElement.dataset.theme = theme;
+  const button = document.getElementById("theme");
+  const name = t(theme === "light" ? "themeLight" : theme === "dark" ? "themeDark" : "themeAuto");
+  if (button) {
+    button.textContent = name;
+    button.setAttribute("aria-label", t("themeLabel", { name }));
+  }
+  window.dispatchEvent(new Event("themechange"));
+}
+
+function startTheme() {
+  let theme = localStorage.getItem("latolato.theme") ?? "auto";
+  applyTheme(theme);
+  document.getElementById("theme")?.addEventListener("click", () => {
+    theme = THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length];
+    localStorage.setItem("latolato.theme", theme);
+    applyTheme(theme);
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => applyTheme(theme));
+}
+
+/** @param {Page} page */
+function startViews(page) {
+  const main = /** @type {HTMLElement} */ (document.getElementById("main"));
+  const nav = /** @type {HTMLElement} */ (document.getElementById("views"));
+  /** @type {Record<string, any>} */
+  const made = {};
+  /** @type {string | null} */
+  let shown = null;
+  const links = Object.keys(VIEWS).map((name) => {
+    const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
+      if (e.ctrlKey || e.metaKey || e.shiftKey) return;
+      e.preventDefault();
+      page.store.set({ view: name }, "view");
+    } } }, t(`view_${name}`));
+    return { name, link };
+  });
+  nav.replaceChildren(...links.map(({ link }) => link));
+
+  const show = async () => {
+    const { view } = page.store.state;
+    for (const { name, link } of links) {
+      link.href = format({ ...page.store.state, view: name });
+      if (name === view) link.setAttribute("aria-current", "page");
+      else link.removeAttribute("aria-current");
+    }
+    if (view === shown) return;
+    if (!(view in VIEWS)) {
+      tell(t("unknownView", { name: view }));
+      page.store.set({ view: "play" }, "view");
+      return;
+    }
+    if (shown) made[shown].hide();
+    shown = view;
+    if (!made[view]) {
+      const View = await VIEWS[view]();
+      made[view] ??= new View(page);
+      /** @type {any} */ (window).latolato = { views: made };
+    }
+    if (page.store.state.view !== view) return;
+    main.replaceChildren(made[view].root);
+    made[view].show();
+    document.title = `${t(`view_${view}`)} · latolato`;
+  };
+  page.store.subscribe(() => void show());
+  void show();
+}
+
+startTheme();
+const registry = await askJson("/api/registry");
+startViews({ registry, store: new Store(window) });

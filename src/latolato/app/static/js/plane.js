@@ -1,0 +1,222 @@
+/** A picture of one quantity over another: curves, dots and a mark that moves. */
+
+import { colour, fitCanvas } from "./dom.js";
+import { range } from "./scene.js";
+import { short } from "./units.js";
+
+const LEFT = 52;
+const BELOW = 34;
+const ABOVE = 10;
+const RIGHT = 12;
+
+/**
+ * Return round numbers between two, about `count` of them.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} [count]
+ * @returns {number[]}
+ */
+export function ticks(low, high, count = 5) {
+  const rough = (high - low) / count;
+  if (!(rough > 0) || !Number.isFinite(rough)) return [low];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= rough) ?? rough;
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
+    found.push(Math.abs(k) < 1e-9 ? 0 : k * step);
+  return found;
+}
+
+/** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, paint: string, dots?: boolean,
+ *   size?: number}} Shape */
+
+export class Plane {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {{x: string, y: string}} labels
+   */
+  constructor(canvas, labels) {
+    this.canvas = canvas;
+    this.labels = labels;
+    /** @type {Shape[]} */
+    this.shapes = [];
+    /** @type {{x: number, y: number, paint: string}[]} */
+    this.marks = [];
+    this.limits = { x: [-1, 1], y: [-1, 1] };
+    this.still = document.createElement("canvas");
+    this.release = fitCanvas(canvas, () => this.redraw());
+  }
+
+  /**
+   * Show shapes; the limits hold them all unless they are given.
+   * @param {Shape[]} shapes
+   * @param {{x?: [number, number], y?: [number, number]}} [limits]
+   */
+  show(shapes, limits = {}) {
+    this.shapes = shapes;
+    for (const axis of /** @type {("x" | "y")[]} */ (["x", "y"])) {
+      const ends = shapes.flatMap((s) => range(axis === "x" ? s.xs : s.ys));
+      const [low, high] = limits[axis] ?? (ends.length ? range(ends) : [-1, 1]);
+      const margin = limits[axis] ? 0 : 0.06 * (high - low || 1);
+      this.limits[axis] = [low - margin, high + margin];
+    }
+    this.redraw();
+  }
+
+  /**
+   * Move the marks without drawing the rest again.
+   * @param {{x: number, y: number, paint: string}[]} marks
+   */
+  mark(marks) {
+    this.marks = marks;
+    this.draw();
+  }
+
+  /** Return the part of the canvas that the axes enclose, in its own pixels. */
+  frame() {
+    const ratio = window.devicePixelRatio || 1;
+    return {
+      left: LEFT * ratio,
+      top: ABOVE * ratio,
+      width: Math.max(1, this.canvas.width - (LEFT + RIGHT) * ratio),
+      height: Math.max(1, this.canvas.height - (ABOVE + BELOW) * ratio),
+    };
+  }
+
+  /**
+   * Return where a point lies on the canvas, in its own pixels.
+   * @param {number} x
+   * @param {number} y
+   */
+  place(x, y) {
+    const { left, top, width, height } = this.frame();
+    const { x: [x0, x1], y: [y0, y1] } = this.limits;
+    return [left + ((x - x0) / (x1 - x0)) * width, top + ((y1 - y) / (y1 - y0)) * height];
+  }
+
+  redraw() {
+    const { canvas, still } = this;
+    still.width = canvas.width;
+    still.height = canvas.height;
+    const context = still.getContext("2d");
+    if (!context) return;
+    this.drawAxes(context);
+    const ratio = window.devicePixelRatio || 1;
+    const { left, top, width, height } = this.frame();
+    context.save();
+    context.beginPath();
+    context.rect(left, top, width, height);
+    context.clip();
+    for (const shape of this.shapes) {
+      context.strokeStyle = context.fillStyle = colour(shape.paint, canvas);
+      if (shape.dots) this.drawDots(context, shape, (shape.size ?? 2) * ratio);
+      else this.drawLine(context, shape, ratio);
+    }
+    context.restore();
+    this.draw();
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  drawAxes(context) {
+    const { canvas } = this;
+    const ratio = window.devicePixelRatio || 1;
+    const { left, top, width, height } = this.frame();
+    context.font = `${12 * ratio}px system-ui, sans-serif`;
+    context.fillStyle = colour("soft", canvas);
+    context.strokeStyle = colour("grid", canvas);
+    context.lineWidth = ratio;
+    context.textAlign = "center";
+    context.textBaseline = "top";
+    for (const x of ticks(...pair(this.limits.x), Math.max(2, width / (70 * ratio)))) {
+      const [px] = this.place(x, 0);
+      segment(context, px, top, px, top + height);
+      context.fillText(short(x, 4), px, top + height + 4 * ratio);
+    }
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const y of ticks(...pair(this.limits.y), Math.max(2, height / (45 * ratio)))) {
+      const [, py] = this.place(0, y);
+      segment(context, left, py, left + width, py);
+      context.fillText(short(y, 4), left - 5 * ratio, py);
+    }
+    context.textAlign = "center";
+    context.textBaseline = "bottom";
+    context.fillText(this.labels.x, left + width / 2, canvas.height - ratio);
+    context.save();
+    context.translate(ratio, top + height / 2);
+    context.rotate(-Math.PI / 2);
+    context.textBaseline = "top";
+    context.fillText(this.labels.y, 0, 0);
+    context.restore();
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {Shape} shape
+   * @param {number} ratio
+   */
+  drawLine(context, { xs, ys }, ratio) {
+    context.lineWidth = ratio;
+    context.beginPath();
+    let open = false;
+    for (let i = 0; i < xs.length; i += 1) {
+      const [x, y] = this.place(xs[i], ys[i]);
+      if (Number.isNaN(x + y)) open = false;
+      else if (open) context.lineTo(x, y);
+      else {
+        context.moveTo(x, y);
+        open = true;
+      }
+    }
+    context.stroke();
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {Shape} shape
+   * @param {number} size
+   */
+  drawDots(context, { xs, ys }, size) {
+    for (let i = 0; i < xs.length; i += 1) {
+      const [x, y] = this.place(xs[i], ys[i]);
+      if (!Number.isNaN(x + y)) context.fillRect(x - size / 2, y - size / 2, size, size);
+    }
+  }
+
+  draw() {
+    const context = this.canvas.getContext("2d");
+    if (!context) return;
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (this.still.width) context.drawImage(this.still, 0, 0);
+    const ratio = window.devicePixelRatio || 1;
+    for (const { x, y, paint } of this.marks) {
+      const [px, py] = this.place(x, y);
+      context.beginPath();
+      context.arc(px, py, 5 * ratio, 0, 2 * Math.PI);
+      context.fillStyle = colour(paint, this.canvas);
+      context.fill();
+      context.strokeStyle = colour("paper", this.canvas);
+      context.lineWidth = 1.5 * ratio;
+      context.stroke();
+    }
+  }
+}
+
+/** @param {number[]} values @returns {[number, number]} */
+function pair(values) {
+  return [values[0], values[1]];
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} x0
+ * @param {number} y0
+ * @param {number} x1
+ * @param {number} y1
+ */
+function segment(context, x0, y0, x1, y1) {
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
+}

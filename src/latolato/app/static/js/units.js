@@ -1,0 +1,67 @@
+/** Numbers and units as people write them. */
+
+/** @typedef {{name: string, size: number}} Unit */
+
+const SHOWN = { deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
+  "kg*m": "kg·m", "rad^2*s": "rad²s", "rad^2/s": "rad²/s" };
+
+/**
+ * Return a unit as it is shown.
+ * @param {string} unit
+ * @returns {string}
+ */
+export function shownUnit(unit) {
+  return /** @type {Record<string, string>} */ (SHOWN)[unit] ?? unit.replace("^2", "²");
+}
+
+/**
+ * Return a number with so many digits, without trailing zeros.
+ * @param {number} value
+ * @param {number} [digits]
+ * @returns {string}
+ */
+export function short(value, digits = 6) {
+  if (!Number.isFinite(value)) return "";
+  const text = value.toPrecision(digits);
+  if (text.includes("e")) return String(Number(text));
+  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+/**
+ * Return number and unit of a text such as "24.5 cm"; the unit may be missing.
+ * @param {string} text
+ * @returns {{number: number, unit: string} | null}
+ */
+export function parseQuantity(text) {
+  const found = /^\s*([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*?)\s*$/i.exec(text);
+  return found ? { number: Number(found[1].replace("−", "-")), unit: found[2] } : null;
+}
+
+/**
+ * Return a quantity in SI units, or null if the unit is not among these.
+ * @param {string} text
+ * @param {Unit[]} units
+ * @returns {number | null}
+ */
+export function toSi(text, units) {
+  const found = parseQuantity(text);
+  if (!found) return null;
+  if (found.unit === "") return found.number;
+  const unit = units.find((each) => each.name === found.unit || shownUnit(each.name) === found.unit);
+  return unit ? found.number * unit.size : null;
+}
+
+/**
+ * Return the letters of a symbol written in TeX, for axes and labels of the page.
+ * @param {string} tex
+ * @returns {string}
+ */
+export function plainSymbol(tex) {
+  const letters = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
+    Theta: "Θ", dot: "", ddot: "", mathrm: "", ",": " " };
+  return tex
+    .replace(/\\d?dot\s*\{?\\?(\w+)\}?/g, (whole, name) =>
+      `${/** @type {any} */ (letters)[name] ?? name}${whole.includes("ddot") ? "̈" : "̇"}`)
+    .replace(/\\(\w+|,)/g, (_, name) => /** @type {any} */ (letters)[name] ?? name)
+    .replace(/[{}$]/g, "");
+}

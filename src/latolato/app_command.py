@@ -1,0 +1,34 @@
+"""What `latolato app` takes."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+
+def app(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        typer.Option(
+            help="Port, 0 for any free one; by default 8765 if it is free.",
+            min=0,
+            max=65535,
+            show_default=False,
+        ),
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    allow_others: Annotated[
+        bool,
+        typer.Option("--allow-others", help="Let in other machines that know the access token."),
+    ] = False,
+) -> None:
+    """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
+    try:
+        from latolato.app.serve import serve
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            f'the application needs {error.name}: pip install "latolato[app]"'
+        ) from None
+    serve(host, port, browser=browser, allow_others=allow_others)
