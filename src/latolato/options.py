@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import lru_cache
-from typing import Any, get_type_hints
+from typing import Any
 
 from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.quantities import Quantity
+from latolato.registry import types_of
 from latolato.tables import RATIOS, RUN_OPTIONS
 from latolato.units import to_si_list
 
@@ -53,7 +54,7 @@ def law_options() -> dict[str, LawOption]:
 
 def _options_of(law: type, table: str) -> Iterator[LawOption]:
     """Yield an option for each field of a law, and of the laws that it is made of."""
-    hints = get_type_hints(law)
+    hints = types_of(law)
     for field in fields(law):
         if not field.init:
             continue

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import lru_cache
 from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.quantities import Range
@@ -72,6 +73,14 @@ def _likeness(name: str, other: str) -> float:
                 slips = min(slips, last[j - 1] + 1)
             row.append(slips)
     return 1.0 - row[-1] / longer
+
+
+def types_of(law: type) -> dict[str, Any]:
+    """Return the types of a law's fields by name; looked up once, as forms ask at every change."""
+    return _TYPES(law)
+
+
+_TYPES: Callable[[Any], dict[str, Any]] = lru_cache(maxsize=256)(get_type_hints)
 
 
 class Registry(Mapping[str, Entry], Generic[Entry]):
@@ -234,7 +243,7 @@ def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
     ValueError
         For unknown and missing parameters.
     """
-    hints = get_type_hints(kind)
+    hints = types_of(kind)
     parameters = {
         name: rebuild(hints[name], value)
         if isinstance(value, Mapping) and is_dataclass(hints.get(name))

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import build, checked_number, describe, suggest
+from latolato.registry import build, checked_number, describe, suggest, types_of
 from latolato.units import to_si, to_si_list
 from latolato.variation import known_quantities, read_axes, with_placeholders
 
@@ -93,7 +93,7 @@ def law_from(value: Any, registry: Any, part: str, folder: Path) -> Any:
 def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> None:
     """Raise ValueError if an entry of a table belongs to other laws of the registry only."""
     owners = [k for k, law in registry.items() if name in {f.name for f in fields(law) if f.init}]
-    hints = get_type_hints(registry[kind])
+    hints = types_of(registry[kind])
     own = {f.name for f in fields(registry[kind])}
     of_parts = {f.name for n in own if is_dataclass(hints[n]) for f in fields(hints[n])}
     if not owners or name in own | of_parts:
@@ -118,7 +118,7 @@ def said_as(names: Mapping[str, str]) -> Iterator[None]:
 
 def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
     """Return a law from a table whose values may carry units."""
-    hints = get_type_hints(law)
+    hints = types_of(law)
     known = {f.name: f for f in fields(law)}
     parts = [name for name in known if is_dataclass(hints[name])]
     plain: dict[str, Any] = {}

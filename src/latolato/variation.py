@@ -9,13 +9,13 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any
 
 from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.quantities import ANY, QUANTITIES, Quantity
-from latolato.registry import checked_number, describe, number_fields, suggest
+from latolato.registry import checked_number, describe, number_fields, suggest, types_of
 from latolato.sweep.axes import DERIVED
 from latolato.units import to_si, to_si_list
 
@@ -44,7 +44,7 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
     found: dict[str, Quantity] = {}
     laws = [systems[system]] if system in systems else list(systems.values())
     for law in laws:
-        hints = get_type_hints(law)
+        hints = types_of(law)
         for field in fields(law):
             if is_dataclass(hints[field.name]):
                 inner = number_fields(hints[field.name])

@@ -73,7 +73,7 @@ def test_nothing_but_the_pages_is_served(client, path):
         (b'{"options": {"length": {}}}', 422),
         (b'{"scenario": "zeno", "columns": [1]}', 422),
         (b'{"scenario": "zeno", "columns": ["mass"]}', 422),
-        (b'{"scenario": "zeno", "samples": 1e9}', 422),
+        (b'{"scenario": "zeno", "samples": "many"}', 422),
         (b'{"scenario": "zeno", "samples": 1000000000}', 413),
         (b'{"scenario": "fig05"}', 422),
         (b"x" * (MOST_BODY + 1), 413),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from functools import lru_cache
-from typing import Any, get_type_hints
+from typing import Any
 
 from latolato.app.given import options_of
 from latolato.observables import observables
@@ -18,6 +18,7 @@ from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.quantities import QUANTITIES, Quantity
+from latolato.registry import types_of
 from latolato.scenario import Scenario, scenarios
 from latolato.simulate import version
 from latolato.summary import plain
@@ -92,7 +93,7 @@ def _law(law: type, table: str) -> dict[str, Any]:
 def _option_names(law: type, table: str) -> Iterator[str]:
     """Yield the options that set the fields of a law, in their order."""
     paths = {option.path: name for name, option in law_options().items()}
-    hints = get_type_hints(law)
+    hints = types_of(law)
     for field in fields(law):
         if is_dataclass(hints[field.name]):
             inner = fields(hints[field.name])
@@ -131,7 +132,7 @@ def _field_of(path: tuple[str, ...]) -> Any:
     """Return the field of the first law that an option sets, None for an entry of ``[run]``."""
     table, *inner, key = path
     for law in {"system": systems, "drive": drives}.get(table, {}).values():
-        hints = get_type_hints(law)
+        hints = types_of(law)
         owner = hints.get(inner[0]) if inner else law
         for field in fields(owner) if is_dataclass(owner) else ():
             if field.name == key:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from latolato.numerics.integrate import choose_step, choose_stepper
-from latolato.options import changes, law_options
+from latolato.options import LawOption, changes, law_options
 from latolato.registry import suggest
 from latolato.run_command import changed_tables
 from latolato.scenario import Scenario, shipped
@@ -23,6 +23,9 @@ MOST_LISTED = 10_000
 # Steps of one run; a second or two of work.
 MOST_STEPS = 5_000_000
 MOST_SECONDS = 1e5
+MOST_SAMPLES = 200_000
+_SWITCH = {"true": True, "false": False}
+_LONGEST = 20  # digits of a whole number
 
 
 class TooLargeError(ValueError):
@@ -67,7 +70,7 @@ class Asked:
         for name, value in (self.options or {}).items():
             if name not in known:
                 raise ValueError(f"unknown option '{name}': {suggest(name, list(known))}")
-            given[name] = _value(name, value, several=known[name].several)
+            given[name] = option_value(known[name], value)
         path = None
         if self.scenario is not None:
             if self.scenario not in shipped():
@@ -78,9 +81,14 @@ class Asked:
         return Scenario.from_dict(tables, folder=folder)
 
 
-def _value(name: str, value: Any, *, several: bool) -> Any:
+def option_value(option: LawOption, value: Any) -> Any:
     """Return the value of an option; a list stays one, so that a text never names a file."""
-    if several and isinstance(value, str):
+    name = option.name
+    if isinstance(value, str) and option.kind is bool and value in _SWITCH:
+        return _SWITCH[value]
+    if isinstance(value, str) and option.kind is int and value.strip().lstrip("-").isdecimal():
+        return int(value[:_LONGEST])
+    if option.several and isinstance(value, str):
         value = [part.strip() for part in value.split(",") if part.strip()]
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) > MOST_LISTED:
@@ -116,6 +124,8 @@ def check_size(scenario: Scenario) -> None:
     """
     run = scenario.run
     times = run.get("times")
+    if times and len(times) > MOST_SAMPLES:
+        raise TooLargeError(f"a run here has at most {MOST_SAMPLES} samples, got {len(times)}")
     end = float(run.get("duration") or (times[-1] if times else 0.0))
     if end > MOST_SECONDS:
         raise TooLargeError(f"duration must not exceed {MOST_SECONDS:g} s here, got {end:g}")

@@ -11,10 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.given import Asked, TooLargeError, check_size, options_of
+from latolato.app.given import (
+    MOST_SAMPLES,
+    Asked,
+    TooLargeError,
+    check_size,
+    option_value,
+    options_of,
+)
 from latolato.app.lines import command_line, python_line
+from latolato.options import law_options
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.registry import suggest
+from latolato.registry import checked_count, suggest
 from latolato.scenario import Scenario
 from latolato.simulate import SAMPLES_PER_PERIOD
 from latolato.summary import summarise
@@ -24,10 +32,20 @@ if TYPE_CHECKING:
 
 # Samples of a run that is shown: by default as many as files have, up to this number.
 USUAL_SAMPLES = 30_000
-MOST_SAMPLES = 200_000
 # Always sent, as the animation needs them.
 _MOTION = ("angle", "angular_velocity", "pivot_height")
-# What a page may ask for beside them.
+# What pages ask for beside them if they do not say.
+USUAL_COLUMNS = (
+    "kinetic_energy",
+    "potential_energy",
+    "total_energy",
+    "drive_power",
+    "damping_power",
+    "tension",
+)
+# The ledger, of which the end is sent always.
+_LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work")
+# What a page may ask for.
 COLUMNS = (
     *_MOTION,
     "pivot_velocity",
@@ -38,11 +56,7 @@ COLUMNS = (
     "drive_power",
     "damping_power",
     "tension",
-    "drive_work",
-    "damping_loss",
-    "impact_loss",
-    "capture_loss",
-    "noise_work",
+    *_LEDGER,
 )
 _ATTRIBUTES = (
     "system",
@@ -68,11 +82,12 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
     TypeError, ValueError
         For bad input, and for a run that is too large, before any work.
     """
-    if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int)):
-        raise TypeError(f"samples must be a whole number, got {samples!r}")
-    if samples is not None and not 2 <= samples <= MOST_SAMPLES:
-        raise TooLargeError(f"samples must lie in [2, {MOST_SAMPLES}], got {samples}")
-    scenario = asked.to_scenario()
+    wanted = dict(asked.options or {})
+    if "samples" in wanted:
+        samples = option_value(law_options()["samples"], wanted.pop("samples"))
+    if samples is not None and checked_count("samples", samples) > MOST_SAMPLES:
+        raise TooLargeError(f"samples must not exceed {MOST_SAMPLES}, got {samples}")
+    scenario = Asked(asked.scenario, wanted).to_scenario()
     if scenario.varied:
         raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
@@ -81,13 +96,13 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
         end = float(scenario.run.get("duration") or 0.0)
         fastest = max(scenario.system.natural_frequency, scenario.drive.fastest_frequency)
         usual = math.ceil(SAMPLES_PER_PERIOD * end * fastest / (2.0 * math.pi)) + 1
-        count = samples or max(min(usual, USUAL_SAMPLES), 2)
+        count = max(samples or min(usual, USUAL_SAMPLES), 2)
         if end > 0.0:
             times = np.linspace(0.0, end, count)
     return scenario, scenario.simulate(**({} if times is None else {"times": times}))
 
 
-def run_block(asked: Asked, columns: Sequence[str] = COLUMNS, samples: int | None = None) -> bytes:
+def run_block(asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None) -> bytes:
     """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
     for name in columns:
         if name not in COLUMNS:
@@ -115,6 +130,7 @@ def about(scenario: Scenario, run: xr.Dataset) -> dict[str, Any]:
         "attributes": {name: run.attrs[name] for name in _ATTRIBUTES if name in run.attrs},
         "balls": balls_of(scenario),
         "duration": float(run["time"][-1]),
+        "ledger": {name: float(run[name][-1]) for name in _LEDGER if name in run},
         "title": scenario.title,
         "python": python_line(scenario),
         "command": command_line(scenario),

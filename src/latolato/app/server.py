@@ -152,10 +152,10 @@ async def _run(request: Request) -> Response:
 
 
 def _run_response(given: Any) -> Response:
-    from latolato.app.runs import COLUMNS, run_block
+    from latolato.app.runs import USUAL_COLUMNS, run_block
 
     asked = Asked.from_json(given)
-    columns, samples = given.get("columns", COLUMNS), given.get("samples")
+    columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
         raise TypeError("columns must be a list of names")
     return Response(run_block(asked, columns, samples), media_type="application/octet-stream")

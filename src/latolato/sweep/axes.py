@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.quantities import ANY, NON_NEGATIVE, QUANTITIES, Quantity, Range
-from latolato.registry import checked_number, number_fields, suggest
+from latolato.registry import checked_number, number_fields, suggest, types_of
 
 # Parameters that stand for another one, which is set from them.
 DERIVED = {
@@ -56,7 +56,7 @@ def parameters_of(
 ) -> dict[str, Parameter]:
     """Return everything that a sweep of this system, drive and noise can vary, by name."""
     found: dict[str, Parameter] = {}
-    hints = get_type_hints(type(system))
+    hints = types_of(type(system))
     for field in fields(system):
         if is_dataclass(hints[field.name]):
             for inner in number_fields(hints[field.name]):

@@ -47,7 +47,8 @@ export class Curves {
   }
 
   /**
-   * Show a run, and a pinned one behind it.
+   * Show a run, and a pinned one behind it: the first chart at once; returned are the tasks that
+   * show the others.
    * @param {Motion} motion
    * @param {Motion | null} [pinned]
    */
@@ -55,18 +56,27 @@ export class Curves {
     const wasWhole = !this.motion || (this.span[0] <= 0 && this.span[1] >= this.motion.end);
     this.motion = motion;
     this.pinned = pinned;
-    const all = this.panels.map((panel) => this.curvesOf(panel, motion, pinned));
-    const signature = JSON.stringify(all.map((curves) => curves.map((c) => [c.label, c.paint])));
+    const names = [motion, ...(pinned ? [pinned] : [])].map((m) => m.balls.map((b) => b.name));
+    const signature = JSON.stringify(names);
     if (signature !== this.signature) {
-      this.build(all);
+      this.build(this.panels.map((panel) => this.curvesOf(panel, motion, pinned)));
       this.signature = signature;
     }
-    this.charts.forEach((chart, i) => {
-      chart.curves = all[i];
-      chart.plot.setData(data(motion, all[i]), false);
+    /** @type {[number, number]} */
+    const span = wasWhole ? [0, motion.end] : [this.span[0], Math.min(this.span[1], motion.end)];
+    this.span = span;
+    const tasks = this.charts.map((chart, i) => () => {
+      chart.curves = this.curvesOf(this.panels[i], motion, pinned);
+      this.setting = true;
+      chart.plot.batch(() => {
+        chart.plot.setData(data(motion, chart.curves), false);
+        chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
+      });
+      this.setting = false;
+      queueMicrotask(() => this.move(this.clock.time));
     });
-    this.zoom(...(wasWhole ? [0, motion.end] : [this.span[0], Math.min(this.span[1], motion.end)]));
-    this.move(this.clock.time);
+    tasks[0]?.();
+    return tasks.slice(1);
   }
 
   /**

@@ -3,6 +3,7 @@
 import { Clock } from "./clock.js";
 import { Curves, scaled } from "./curves.js";
 import { el, freshId } from "./dom.js";
+import { Later } from "./later.js";
 import { Plane } from "./plane.js";
 import { Scene } from "./scene.js";
 import { t } from "./strings.js";
@@ -78,6 +79,7 @@ export class Player {
     /** @type {Motion | null} */
     this.pinned = null;
     this.readAt = 0;
+    this.later = new Later();
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.transport = this.makeTransport();
     const curves = el("div", { class: "curves" });
@@ -147,21 +149,24 @@ export class Player {
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;
     this.scene.show(motion);
-    this.curves.show(motion, this.pinned);
-    this.showPlanes();
-    this.showContacts();
-    this.showLedger();
+    this.later.run([
+      ...this.curves.show(motion, this.pinned),
+      () => this.showPhase(),
+      () => this.showSection(),
+      () => this.showLedger(),
+      () => this.showContacts(),
+    ]);
     this.move(this.clock.time);
   }
 
   /** Keep the run on show behind the next ones, or let it go. */
   togglePin() {
     this.pinned = this.pinned ? null : this.motion;
-    if (this.motion) this.curves.show(this.motion, this.pinned);
+    if (this.motion) this.later.run(this.curves.show(this.motion, this.pinned));
     return this.pinned !== null;
   }
 
-  showPlanes() {
+  showPhase() {
     const motion = /** @type {Motion} */ (this.motion);
     const shapes = motion.balls.map((ball) => ({
       xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES),
@@ -169,6 +174,10 @@ export class Player {
       paint: ball.name === "left" ? "left" : "right",
     }));
     this.phase.show(shapes.slice().reverse());
+  }
+
+  showSection() {
+    const motion = /** @type {Motion} */ (this.motion);
     const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
     const dots = motion.balls.filter((b, i) => i === 0 || b.row > 0).map((ball) => ({
       xs: instants.map((s) => motion.angle(ball, s) * DEGREES),
@@ -275,10 +284,7 @@ export class Player {
  */
 export function ledgerRows(motion) {
   const times = ballsPerLedger(motion);
-  const last = (/** @type {string} */ name) => {
-    const values = motion.values(name);
-    return values ? times * values[values.length - 1] : 0;
-  };
+  const last = (/** @type {string} */ name) => times * (motion.about.ledger[name] ?? 0);
   const total = summed(motion, "total_energy");
   const parts = [
     { name: "atStart", energy: total[0], paint: "soft", side: 1 },
