@@ -41,11 +41,12 @@ coverage: $(STAMPS)/test ## run the tests and report the lines not reached
 	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
 
 .PHONY: lint
-lint: $(STAMPS)/dev ## style, format, types, layers
+lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, types, layers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/node $(VENV)/js/node_modules/typescript/bin/tsc -p tests/app/js
 
 .PHONY: format
 format: $(STAMPS)/dev ## apply the style and the format
@@ -91,6 +92,13 @@ $(STAMPS)/video: pyproject.toml | $(STAMPS)/venv
 $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
+	@touch $@
+
+# Types of the pages' modules, read from their JSDoc; Node.js itself is in the extra `test`.
+$(STAMPS)/typescript: $(STAMPS)/dev
+	@echo "installing typescript into $(VENV)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/npm install --silent --no-audit --no-fund \
+		--prefix $(VENV)/js typescript@5.9
 	@touch $@
 
 # The tests of the application drive a real browser: the system's Chromium.

@@ -1,6 +1,6 @@
 /** Curves over time, one below the other, with one zoom and the clock's instant in all. */
 
-import uPlot from "../vendor/uPlot.esm.js";
+import UPlot from "../vendor/uPlot.esm.js";
 import { envelope, isDense } from "./band.js";
 import { colour, el } from "./dom.js";
 import { t } from "./strings.js";
@@ -17,6 +17,9 @@ import { short } from "./units.js";
 const SYNC = "latolato";
 const AXIS_WIDTH = 58;
 const READ_EVERY = 100; // ms
+const LINE = /** @type {any} */ (UPlot.paths).linear();
+// A notch of the wheel, with Ctrl held, shows so much less or more.
+const WHEEL = 1.3;
 
 export class Curves {
   /**
@@ -110,11 +113,14 @@ export class Curves {
       const host = el("div", {
         class: "chart", tabindex: "0", role: "img",
         "aria-label": `${panel.label}: ${all[i].map((c) => c.label).join(", ")}`,
-        on: { keydown: (/** @type {KeyboardEvent} */ e) => this.key(e) },
+        on: {
+          keydown: (/** @type {KeyboardEvent} */ e) => this.key(e),
+          wheel: (/** @type {WheelEvent} */ e) => this.wheel(e),
+        },
       });
       this.root.append(el("figure", { class: "panel" },
         el("figcaption", {}, el("strong", {}, panel.label), legend), host));
-      const plot = new uPlot(this.options(panel, all[i]), data(this.motion, all[i]), host);
+      const plot = new UPlot(this.options(panel, all[i]), data(this.motion, all[i]), host);
       plot.over.append(head);
       return { plot, head, values, curves: all[i], host, panel };
     });
@@ -124,6 +130,7 @@ export class Curves {
   /**
    * @param {Panel} panel
    * @param {Curve[]} curves
+   * @returns {UPlot.Options}
    */
   options(panel, curves) {
     const paint = (/** @type {string} */ name) => () => colour(name, this.root);
@@ -145,15 +152,21 @@ export class Curves {
         drag: { x: true, y: false, setScale: true },
         points: { show: false },
         bind: {
-          mousedown: (/** @type {any} */ _, /** @type {any} */ __, /** @type {any} */ handle) =>
-            (/** @type {MouseEvent} */ e) => { pressed = e.clientX; handle(e); },
-          mouseup: (/** @type {any} */ u, /** @type {any} */ __, /** @type {any} */ handle) =>
-            (/** @type {MouseEvent} */ e) => {
-              handle(e);
-              if (Math.abs(e.clientX - pressed) < 3 && u.cursor.left >= 0)
-                this.clock.seek(u.posToVal(u.cursor.left, "x"));
-            },
-          dblclick: () => () => this.zoom(0, this.motion?.end ?? 1),
+          mousedown: (_, __, handle) => (e) => {
+            pressed = e.clientX;
+            handle(e);
+            return null;
+          },
+          mouseup: (u, __, handle) => (e) => {
+            handle(e);
+            if (Math.abs(e.clientX - pressed) < 3 && (u.cursor.left ?? -1) >= 0)
+              this.clock.seek(u.posToVal(u.cursor.left ?? 0, "x"));
+            return null;
+          },
+          dblclick: () => () => {
+            this.zoom(0, this.motion?.end ?? 1);
+            return null;
+          },
         },
       },
       axes: [
@@ -190,7 +203,7 @@ export class Curves {
     const period = (2 * Math.PI) / (this.motion?.about.attributes?.natural_frequency ?? Infinity);
     const position = (/** @type {number} */ x) => u.valToPos(x, "x", true);
     const pixels = position(1) - position(0);
-    if (!isDense(period, pixels)) return uPlot.paths.linear()(u, k, i0, i1);
+    if (!isDense(period, pixels)) return LINE(u, k, i0, i1);
     const { first, low, high } = envelope(u.data[0], u.data[k], i0, i1, position, period);
     const stroke = new Path2D();
     for (let i = 0; i < low.length; i += 1) {
@@ -240,6 +253,23 @@ export class Curves {
     action();
   }
 
+  /**
+   * Zoom about the pointer with Ctrl, move with Shift or a sideways wheel; else the page scrolls.
+   * @param {WheelEvent} event
+   */
+  wheel(event) {
+    const [from, to] = this.span;
+    const sideways = event.shiftKey ? event.deltaY || event.deltaX : event.deltaX;
+    if (event.ctrlKey) {
+      const by = event.deltaY > 0 ? WHEEL : 1 / WHEEL;
+      const left = this.charts.map(({ plot }) => plot.cursor.left).find((x) => x >= 0);
+      const at = left === undefined ? 0.5 * (from + to) : this.charts[0].plot.posToVal(left, "x");
+      this.zoom(at - (at - from) * by, at + (to - at) * by);
+    } else if (sideways) this.pan(0.1 * Math.sign(sideways) * (to - from));
+    else return;
+    event.preventDefault();
+  }
+
   /** @param {number} by */
   pan(by) {
     const end = this.motion?.end ?? 1;
@@ -287,6 +317,7 @@ export class Curves {
 /**
  * @param {Motion | null} motion
  * @param {Curve[]} curves
+ * @returns {any}
  */
 function data(motion, curves) {
   return [motion?.time ?? [0], ...curves.map((c) => c.values)];

@@ -2,7 +2,7 @@
 
 import { el, freshId } from "./dom.js";
 import { t } from "./strings.js";
-import { parseQuantity, plainSymbol, short, shownUnit, toSi } from "./units.js";
+import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {{label: string, symbol: string, description: string, unit: string,
@@ -208,10 +208,10 @@ export class Form {
    * @param {Option} option
    */
   label(name, option) {
-    const symbol = plainSymbol(option.symbol);
-    const words = this.registry.options[name].path ?? option.label;
     const side = /^(right|left)_/.exec(name)?.[1];
-    return [`${words}${side ? `, ${t(side)}` : ""}`, symbol ? el("i", {}, ` ${symbol}`) : ""];
+    const symbol = symbolParts(option.symbol).map(({ text, place }) =>
+      (place === "line" ? text : el(place, {}, text)));
+    return [`${option.label}${side ? `, ${t(side)}` : ""} `, symbol.length ? el("i", {}, ...symbol) : ""];
   }
 
   /**
@@ -286,7 +286,7 @@ export class Form {
       if (select instanceof HTMLSelectElement) select.value = unitOf().name;
       if (document.activeElement === input && this.store.state.options[name] !== undefined) return;
       if (text.includes(",")) {
-        const numbers = text.split(",").map((part) => toSi(part, [...units, { name: option.unit, size: 1 }]));
+        const numbers = text.split(",").map((/** @type {string} */ part) => toSi(part, [...units, { name: option.unit, size: 1 }]));
         input.value = numbers.map((v) => (v === null ? "?" : short(v / unitOf().size))).join(", ");
         return;
       }
@@ -382,7 +382,7 @@ export class Form {
     names.forEach((name, k) => this.fields.set(name, {
       read: (text) => {
         const units = [...options[k].units, { name: options[k].unit, size: 1 }];
-        columns[k] = (text ?? "").split(",").filter(Boolean).map((part) => toSi(part, units) ?? NaN);
+        columns[k] = (text ?? "").split(",").filter(Boolean).map((/** @type {string} */ part) => toSi(part, units) ?? NaN);
         draw();
       },
       error: (text) => {

@@ -44,6 +44,8 @@ export class Plane {
     this.marks = [];
     this.limits = { x: [-1, 1], y: [-1, 1] };
     this.still = document.createElement("canvas");
+    /** @type {Map<string, string>} colours of the style sheet, read once for each theme */
+    this.colours = new Map();
     this.release = fitCanvas(canvas, () => this.redraw());
   }
 
@@ -94,8 +96,22 @@ export class Plane {
     return [left + ((x - x0) / (x1 - x0)) * width, top + ((y1 - y) / (y1 - y0)) * height];
   }
 
+  /**
+   * Return a colour of the style sheet.
+   * @param {string} name
+   */
+  paint(name) {
+    let found = this.colours.get(name);
+    if (found === undefined) {
+      found = colour(name, this.canvas);
+      this.colours.set(name, found);
+    }
+    return found;
+  }
+
   redraw() {
     const { canvas, still } = this;
+    this.colours.clear();
     still.width = canvas.width;
     still.height = canvas.height;
     const context = still.getContext("2d");
@@ -108,7 +124,7 @@ export class Plane {
     context.rect(left, top, width, height);
     context.clip();
     for (const shape of this.shapes) {
-      context.strokeStyle = context.fillStyle = colour(shape.paint, canvas);
+      context.strokeStyle = context.fillStyle = this.paint(shape.paint);
       if (shape.dots) this.drawDots(context, shape, (shape.size ?? 2) * ratio);
       else this.drawLine(context, shape, ratio);
     }
@@ -122,8 +138,8 @@ export class Plane {
     const ratio = window.devicePixelRatio || 1;
     const { left, top, width, height } = this.frame();
     context.font = `${12 * ratio}px system-ui, sans-serif`;
-    context.fillStyle = colour("soft", canvas);
-    context.strokeStyle = colour("grid", canvas);
+    context.fillStyle = this.paint("soft");
+    context.strokeStyle = this.paint("grid");
     context.lineWidth = ratio;
     context.textAlign = "center";
     context.textBaseline = "top";
@@ -193,9 +209,9 @@ export class Plane {
       const [px, py] = this.place(x, y);
       context.beginPath();
       context.arc(px, py, 5 * ratio, 0, 2 * Math.PI);
-      context.fillStyle = colour(paint, this.canvas);
+      context.fillStyle = this.paint(paint);
       context.fill();
-      context.strokeStyle = colour("paper", this.canvas);
+      context.strokeStyle = this.paint("paper");
       context.lineWidth = 1.5 * ratio;
       context.stroke();
     }

@@ -162,6 +162,8 @@ export class Player {
   /** Keep the run on show behind the next ones, or let it go. */
   togglePin() {
     this.pinned = this.pinned ? null : this.motion;
+    this.scene.pinned = this.pinned;
+    this.scene.draw();
     if (this.motion) this.later.run(this.curves.show(this.motion, this.pinned));
     return this.pinned !== null;
   }

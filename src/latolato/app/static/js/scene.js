@@ -18,27 +18,40 @@ export class Scene {
     this.arrows = false;
     this.flash = -1;
     this.flashAt = 0;
+    /** @type {Motion | null} a run that is drawn behind, in outline */
+    this.pinned = null;
     /** Where the balls were last drawn, in pixels of the canvas. */
     this.drawn = /** @type {{x: number, y: number}[]} */ ([]);
     this.box = { left: -1, right: 1, low: -1, high: 1 };
-    this.readColours();
+    this.colours = this.readColours();
+    /** @type {[number, number]} */
+    this.pivotRange = [0, 0];
+    this.topSpeed = 1;
     this.release = fitCanvas(canvas, () => {
-      this.readColours();
+      this.colours = this.readColours();
       this.draw();
     });
   }
 
+  /** Return the colours of the style sheet, read once for each theme. */
   readColours() {
-    /** @type {Record<string, string>} */
-    this.colours = {};
-    for (const name of ["ink", "soft", "line", "right", "left", "flash", "force", "speed"])
-      this.colours[name] = colour(name, this.canvas);
+    const read = (/** @type {string} */ name) => colour(name, this.canvas);
+    return {
+      ink: read("ink"), soft: read("soft"), line: read("line"), right: read("right"),
+      left: read("left"), flash: read("flash"), force: read("force"), speed: read("speed"),
+    };
   }
 
   /** @param {Motion} motion */
   show(motion) {
     this.motion = motion;
     this.box = motion.box();
+    const { options } = motion.about;
+    if (options.drive === "crank_slider") {
+      const [, y] = crank(options, 0).center;
+      this.box.high = Math.max(this.box.high, y + options.drive_amplitude);
+      this.box.low = Math.min(this.box.low, y - options.drive_amplitude);
+    }
     this.pivotRange = range(motion.values("pivot_height") ?? [0]);
     this.topSpeed = Math.max(1e-9, ...motion.balls.map((b) =>
       b.length * largest(motion.values("angular_velocity", b.row) ?? [0])));
@@ -79,6 +92,7 @@ export class Scene {
    * Return where a point of the plane lies on the canvas, in its own pixels.
    * @param {number} x
    * @param {number} y
+   * @returns {[number, number]}
    */
   place(x, y) {
     const { size, x: cx, y: cy } = this.scale();
@@ -96,6 +110,7 @@ export class Scene {
     const pose = motion.pose(this.time);
     const unit = motion.longest * size;
     context.lineCap = "round";
+    if (this.pinned && this.time <= this.pinned.end) this.drawGhost(context, this.pinned, ratio);
     this.drawDrive(context, pose.height, unit);
     const [px, py] = this.place(0, pose.height);
     this.drawn = [];
@@ -119,34 +134,73 @@ export class Scene {
   }
 
   /**
+   * Draw a pinned run in outline.
+   * @param {CanvasRenderingContext2D} context
+   * @param {Motion} motion
+   * @param {number} ratio
+   */
+  drawGhost(context, motion, ratio) {
+    const { height, balls } = motion.pose(this.time);
+    const { size } = this.scale();
+    context.strokeStyle = this.colours.soft;
+    context.lineWidth = 1.2 * ratio;
+    context.setLineDash([5 * ratio, 4 * ratio]);
+    for (const { ball, x, y } of balls) {
+      const [bx, by] = this.place(x, y);
+      line(context, ...this.place(0, height), bx, by);
+      context.beginPath();
+      context.arc(bx, by, motion.radius(ball) * size, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.setLineDash([]);
+  }
+
+  /**
+   * Draw what moves the pivot: a crank, or a wheel whose pin is level with it, as cosines are.
    * @param {CanvasRenderingContext2D} context
    * @param {number} height of the pivot
    * @param {number} unit longest rod in pixels
    */
   drawDrive(context, height, unit) {
-    const [low, high] = this.pivotRange ?? [0, 0];
+    const [low, high] = this.pivotRange;
     const [x, bottom] = this.place(0, low);
     const [, top] = this.place(0, high);
     context.strokeStyle = this.colours.line;
     context.lineWidth = Math.max(4, 0.03 * unit);
     line(context, x, bottom, x, top);
-    const amplitude = 0.5 * (high - low);
-    if (!(amplitude > 0)) return;
-    // A wheel beside the guide whose pin is level with the pivot: a Scotch yoke, as cosines are.
-    const [, now] = this.place(0, height);
-    const middle = 0.5 * (top + bottom);
-    const radius = 0.5 * (bottom - top);
-    const away = x - 0.16 * unit - radius;
-    const up = middle - now;
-    const slope = this.motion ? this.motion.at("pivot_velocity", this.time) : 0;
-    const across = Math.sqrt(Math.max(radius * radius - up * up, 0)) * (slope > 0 ? 1 : -1);
+    const kind = this.motion?.about.options.drive;
+    if (!(high > low) || kind === "measured_pivot") return;
     context.lineWidth = Math.max(1, 0.008 * unit);
+    if (kind === "crank_slider") {
+      const { center, pin } = crank(this.motion?.about.options, this.time);
+      this.drawWheel(context, center, pin, unit);
+      line(context, ...this.place(...pin), x, this.place(0, height)[1]);
+      return;
+    }
+    const { size } = this.scale();
+    const radius = 0.5 * (high - low);
+    const middle = 0.5 * (high + low);
+    const away = -0.16 * (unit / size) - radius;
+    const up = height - middle;
+    const rising = (this.motion?.at("pivot_height", this.time + 1e-3) ?? 0) > height;
+    const across = Math.sqrt(Math.max(radius * radius - up * up, 0)) * (rising ? -1 : 1);
+    this.drawWheel(context, [away, middle], [away + across, height], unit);
+    line(context, ...this.place(away + across, height), ...this.place(0, height));
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {[number, number]} center in m
+   * @param {[number, number]} pin
+   * @param {number} unit
+   */
+  drawWheel(context, center, pin, unit) {
+    const radius = Math.hypot(pin[0] - center[0], pin[1] - center[1]) * this.scale().size;
     context.beginPath();
-    context.arc(away, middle, radius, 0, 2 * Math.PI);
+    context.arc(...this.place(...center), radius, 0, 2 * Math.PI);
     context.stroke();
-    line(context, away + across, now, x, now);
     context.beginPath();
-    context.arc(away + across, now, Math.max(2, 0.014 * unit), 0, 2 * Math.PI);
+    context.arc(...this.place(...pin), Math.max(2, 0.014 * unit), 0, 2 * Math.PI);
     context.fillStyle = this.colours.soft;
     context.fill();
   }
@@ -183,7 +237,7 @@ export class Scene {
     for (const { ball, angle, x, y } of pose.balls) {
       const [bx, by] = this.place(x, y);
       const rate = ball.sign * motion.at("angular_velocity", this.time, ball.row);
-      const speed = (0.35 * unit * ball.length * rate) / (this.topSpeed ?? 1);
+      const speed = (0.35 * unit * ball.length * rate) / this.topSpeed;
       arrow(context, bx, by, speed * Math.cos(angle), -speed * Math.sin(angle), this.colours.speed);
       const tension = motion.at("tension", this.time, ball.row);
       if (Number.isFinite(tension)) {
@@ -194,6 +248,19 @@ export class Scene {
       arrow(context, bx, by, 0, 0.15 * unit, this.colours.force);
     }
   }
+}
+
+/**
+ * Return the centre of a crank and its pin at an instant [m]; a guide below has the crank above.
+ * @param {any} options
+ * @param {number} time
+ * @returns {{center: [number, number], pin: [number, number]}}
+ */
+export function crank(options, time) {
+  const phase = options.drive_frequency * time + (options.drive_phase ?? 0);
+  const y = (options.guide === "above" ? -1 : 1) * options.connecting_rod_length;
+  const a = options.drive_amplitude;
+  return { center: [0, y], pin: [a * Math.sin(phase), y + a * Math.cos(phase)] };
 }
 
 /**

@@ -51,17 +51,27 @@ export function toSi(text, units) {
   return unit ? found.number * unit.size : null;
 }
 
+const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
+  Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ" };
+
 /**
- * Return the letters of a symbol written in TeX, for axes and labels of the page.
- * @param {string} tex
- * @returns {string}
+ * Return the parts of a symbol written in TeX as text, each on the line, below or above it.
+ * @param {string} tex such as "\\dot\\theta_0"
+ * @returns {{text: string, place: "line" | "sub" | "sup"}[]}
  */
-export function plainSymbol(tex) {
-  const letters = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
-    Theta: "Θ", dot: "", ddot: "", mathrm: "", ",": " " };
-  return tex
-    .replace(/\\d?dot\s*\{?\\?(\w+)\}?/g, (whole, name) =>
-      `${/** @type {any} */ (letters)[name] ?? name}${whole.includes("ddot") ? "̈" : "̇"}`)
-    .replace(/\\(\w+|,)/g, (_, name) => /** @type {any} */ (letters)[name] ?? name)
-    .replace(/[{}$]/g, "");
+export function symbolParts(tex) {
+  const plain = tex
+    .replace(/\\(d?dot)\s*\{?(\\?\w+?)\}?(?=_|\^|\s|$|[^\w])/g, (_, dot, name) =>
+      `${name}${dot === "ddot" ? "\u0308" : "\u0307"}`)
+    .replace(/\\mathrm\{(\w+)\}/g, "$1")
+    .replace(/\\([A-Za-z]+)/g, (_, name) => /** @type {Record<string, string>} */ (LETTERS)[name] ?? name)
+    .replace(/\\,/g, " ");
+  /** @type {{text: string, place: "line" | "sub" | "sup"}[]} */
+  const parts = [];
+  for (const found of plain.matchAll(/([_^])(?:\{([^}]*)\}|(.))|([^_^]+)/g)) {
+    const [, mark, group, letter, rest] = found;
+    const text = (group ?? letter ?? rest).replace(/[{}$]/g, "");
+    if (text) parts.push({ text, place: mark === "_" ? "sub" : mark === "^" ? "sup" : "line" });
+  }
+  return parts;
 }

