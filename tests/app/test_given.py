@@ -9,7 +9,9 @@ from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.given import Asked, TooLargeError, check_size, options_of
 from latolato.app.lines import command_line, python_line
-from latolato.app.runs import run_block, simulate_asked
+from latolato.app.runs import run_block, simulate_asked, strobes_of
+from latolato.numerics import records
+from latolato.physics.drives import Chirp, FrequencySchedule, Harmonic, Static
 from latolato.scenario import scenarios
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
@@ -96,3 +98,31 @@ def test_the_registry_names_units_and_ranges_of_every_number():
             option = found["options"][name]
             has_start = option["default"] is not None or option["usual"] is not None
             assert has_start, f"a form cannot begin with {name}"
+
+
+def height_of(drive, t):
+    """Return the height of the pivot by the drive's own formula [m]."""
+    found, starts = records.stretch_records(drive, 10.0)
+    stretch = records.python_view(found)[np.searchsorted(starts, t, side="right") - 1]
+    return drive.height(t, stretch)
+
+
+def test_a_strobe_stands_wherever_the_drive_begins_a_period():
+    schedule = FrequencySchedule(
+        drive_amplitude=0.01, times=(0.0, 3.0), drive_frequencies=(5.0, 8.0), ramp=1.0
+    )
+    chirp = Chirp(
+        drive_amplitude=0.01, drive_frequency=9.0, drive_frequency_final=2.0, sweep_time=6.0
+    )
+    harmonic = Harmonic(drive_amplitude=0.01, drive_frequency=7.0, drive_phase=0.4)
+    for drive in (schedule, chirp, harmonic):
+        strobes = strobes_of(drive, 10.0)
+        heights = [height_of(drive, t) for t in strobes]
+        np.testing.assert_allclose(heights, 0.01, rtol=0, atol=1e-12)
+        tops = np.array([height_of(drive, t) for t in np.linspace(0.0, 10.0, 20_001)])
+        peaks = np.count_nonzero((tops[1:-1] > tops[:-2]) & (tops[1:-1] >= tops[2:]))
+        assert peaks + (tops[0] > 0.01 - 1e-12) == len(strobes)
+
+
+def test_a_drive_without_periods_has_no_strobes():
+    assert strobes_of(Static(), 10.0).size == 0

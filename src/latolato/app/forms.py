@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from functools import lru_cache
+from inspect import Parameter, signature
 from typing import Any
 
 from latolato.app.given import options_of
@@ -20,7 +21,7 @@ from latolato.physics.pendulum import systems
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import types_of
 from latolato.scenario import Scenario, scenarios
-from latolato.simulate import version
+from latolato.simulate import simulate, version
 from latolato.summary import plain
 from latolato.units import to_si
 
@@ -109,7 +110,11 @@ def _option(name: str) -> dict[str, Any]:
     metadata = field.metadata if field is not None else {}
     allowed = metadata.get("range")
     quantity = metadata.get("quantity") or QUANTITIES.get(option.path[-1])
-    default = None if field is None or field.default is MISSING else field.default
+    if field is not None:
+        default = None if field.default is MISSING else field.default
+    else:
+        known = signature(simulate).parameters.get(name)
+        default = None if known is None or known.default is Parameter.empty else known.default
     return {
         "label": quantity.long_name if quantity else name.replace("_", " "),
         "symbol": quantity.symbol if quantity else "",

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from latolato.app.blocks import pack
 from latolato.app.given import (
@@ -22,6 +23,7 @@ from latolato.app.given import (
 from latolato.app.lines import command_line, python_line
 from latolato.options import law_options
 from latolato.physics.contacts import CONTACT_KINDS
+from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.registry import checked_count, suggest
 from latolato.scenario import Scenario
 from latolato.simulate import SAMPLES_PER_PERIOD
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
 # Samples of a run that is shown: by default as many as files have, up to this number.
 USUAL_SAMPLES = 30_000
+MOST_STROBES = 20_000
 # Always sent, as the animation needs them.
 _MOTION = ("angle", "angular_velocity", "pivot_height")
 # What pages ask for beside them if they do not say.
@@ -102,7 +105,9 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
     return scenario, scenario.simulate(**({} if times is None else {"times": times}))
 
 
-def run_block(asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None) -> bytes:
+def run_block(
+    asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
+) -> bytes:
     """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
     for name in columns:
         if name not in COLUMNS:
@@ -118,7 +123,8 @@ def run_block(asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int
             "warnings": [str(w.message) for w in caught],
             "wall_time": wall_time,
         },
-        arrays_of(run, [*_MOTION, *(name for name in columns if name not in _MOTION)]),
+        arrays_of(run, [*_MOTION, *(name for name in columns if name not in _MOTION)])
+        | {"strobe": strobes_of(scenario.drive, float(run["time"][-1]))},
     )
 
 
@@ -153,6 +159,36 @@ def balls_of(scenario: Scenario) -> list[dict[str, Any]]:
         }
         for i, name in enumerate(names)
     ]
+
+
+def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
+    """Return the instants up to `end` at which the drive's phase is a multiple of 2 pi [s].
+
+    Empty for a drive that has no phase, or that turns too often to be shown.
+    """
+    if isinstance(drive, (Harmonic, CrankSlider)):
+        names: tuple[str, ...] = ("start", "phase", "frequency", "rate")
+        stretches: Sequence[Any] = [(0.0, (0.0, drive.drive_phase, drive.drive_frequency, 0.0))]
+    elif {"phase", "frequency", "rate"} <= set(drive.stretch_fields):
+        names, stretches = drive.stretch_fields, drive.stretches(end)
+    else:
+        return np.empty(0)
+    found = []
+    ends = [*(start for start, _ in stretches[1:]), end]
+    for (start, values), last in zip(stretches, ends, strict=True):
+        p = dict(zip(names, values, strict=True))
+        phase, w, rate = p["phase"], p["frequency"], p["rate"]
+        span = last - start
+        reached = phase + span * (w + 0.5 * rate * span)
+        if not abs(reached - phase) < math.tau * MOST_STROBES:
+            return np.empty(0)
+        first = math.ceil(phase / math.tau - 1e-9)
+        turned = math.tau * np.arange(first, math.floor(reached / math.tau + 1e-9) + 1) - phase
+        # The root of w s + rate s^2/2 = turned, without loss of digits at small rates.
+        if w > 0.0 or rate > 0.0:
+            speed = np.sqrt(np.maximum(w * w + 2.0 * rate * turned, 0.0))
+            found.append(start + 2.0 * turned / (w + speed))
+    return np.unique(np.concatenate(found)) if found else np.empty(0)
 
 
 def arrays_of(run: xr.Dataset, columns: Sequence[str]) -> dict[str, Any]:

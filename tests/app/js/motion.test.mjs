@@ -45,10 +45,6 @@ test("a pose puts the ball on its rod below the pivot", () => {
   assert.equal(balls[1].x, -balls[0].x);
 });
 
-test("strobes stand at whole periods of a harmonic drive", () => {
-  assert.deepEqual(bounce().strobes().map((t) => Math.round(t * 100)), [0, 25, 50, 75, 100]);
-});
-
 test("before finds the last value that does not exceed another", () => {
   assert.equal(before([0, 1, 2], 1.5), 1);
   assert.equal(before([0, 1, 2], -1), 0);

@@ -145,7 +145,7 @@ export class Curves {
       width: Math.max(this.root.clientWidth, 100),
       height: panel.height ?? 170,
       legend: { show: false },
-      padding: [8, 8, 0, 0],
+      padding: [8, 18, 0, 0],
       scales: { x: { time: false, auto: false } },
       cursor: {
         sync: { key: SYNC, setSeries: false },

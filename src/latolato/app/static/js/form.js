@@ -136,7 +136,7 @@ export class Form {
   text(name) {
     const given = this.store.state.options[name];
     if (given !== undefined) return given;
-    const value = this.resolved[name];
+    const value = this.resolved[name] ?? this.registry.options[name].default;
     return value === undefined || value === null ? null : textOf(this.registry.options[name], value);
   }
 

@@ -164,17 +164,8 @@ export class Motion {
     return { left, right, low, high };
   }
 
-  /**
-   * Return the instants at which the drive begins a period, for a harmonic drive.
-   * @returns {number[]}
-   */
+  /** Return the instants at which the drive begins a period; none for a drive without one. */
   strobes() {
-    const options = this.about.options;
-    const frequency = options.drive_frequency;
-    if (options.drive !== "harmonic" || !(frequency > 0)) return [];
-    const period = (2 * Math.PI) / frequency;
-    const found = [];
-    for (let k = 0; k * period <= this.end && k < 100000; k += 1) found.push(k * period);
-    return found;
+    return [...(this.block.arrays.strobe ?? [])];
   }
 }

@@ -220,12 +220,16 @@ export class Player {
 
   showLedger() {
     const motion = /** @type {Motion} */ (this.motion);
-    this.ledger.replaceChildren(...ledgerRows(motion).map(({ name, share, energy, paint }) =>
-      el("div", { class: "ledger-row" },
+    const rows = ledgerRows(motion);
+    const side = (/** @type {string} */ title, /** @type {(p: {energy: number}) => boolean} */ is) => [
+      el("h3", {}, t(title)),
+      ...rows.filter(is).map(({ name, share, energy, paint }) => el("div", { class: "ledger-row" },
         el("span", {}, t(name)),
         el("span", { class: "bar" }, bar(share, paint)),
         el("output", {}, `${(100 * share).toFixed(1)} %`),
-        el("output", { class: "soft" }, `${short(energy, 4)} J`))));
+        el("output", { class: "soft" }, `${short(Math.abs(energy), 4)} J`)))];
+    this.ledger.replaceChildren(
+      ...side("cameIn", (row) => row.energy > 0), ...side("wentOut", (row) => row.energy <= 0));
   }
 
   /** @param {number} steps */
@@ -279,8 +283,8 @@ export class Player {
 }
 
 /**
- * Return where the energy came from and where it went, as shares of all that came in; the shares
- * of what went out and what is left sum to one.
+ * Return where the energy came from (positive) and where it went or what is left (negative), with
+ * shares of all that came in: those of each side sum to one.
  * @param {Motion} motion
  * @returns {{name: string, energy: number, share: number, paint: string}[]}
  */
@@ -289,17 +293,17 @@ export function ledgerRows(motion) {
   const last = (/** @type {string} */ name) => times * (motion.about.ledger[name] ?? 0);
   const total = summed(motion, "total_energy");
   const parts = [
-    { name: "atStart", energy: total[0], paint: "soft", side: 1 },
-    { name: "drivePower", energy: last("drive_work"), paint: "gain", side: 1 },
-    { name: "noise", energy: last("noise_work"), paint: "soft", side: 1 },
-    { name: "dampingPower", energy: last("damping_loss"), paint: "loss", side: -1 },
-    { name: "impacts", energy: last("impact_loss"), paint: "force", side: -1 },
-    { name: "capture", energy: last("capture_loss"), paint: "left", side: -1 },
-    { name: "left_over", energy: total[total.length - 1], paint: "right", side: -1 },
+    { name: "atStart", energy: total[0], paint: "soft" },
+    { name: "drivePower", energy: last("drive_work"), paint: "gain" },
+    { name: "noise", energy: last("noise_work"), paint: "soft" },
+    { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
+    { name: "impacts", energy: -last("impact_loss"), paint: "force" },
+    { name: "capture", energy: -last("capture_loss"), paint: "left" },
+    { name: "left_over", energy: -total[total.length - 1], paint: "right" },
   ];
-  const came = parts.reduce((sum, p) => sum + (p.side * p.energy > 0 ? p.side * p.energy : 0), 0);
+  const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
   return parts.filter((p) => Math.abs(p.energy) > 1e-9 * came || p.name === "left_over")
-    .map(({ name, energy, paint }) => ({ name, energy, paint, share: came ? energy / came : 0 }));
+    .map((part) => ({ ...part, share: came ? Math.abs(part.energy) / came : 0 }));
 }
 
 /**
