@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from latolato.figures.plot import plot
     from latolato.files import load, save
     from latolato.scenario import Scenario, load_scenario, scenarios
+    from latolato.widget import play
 
 # Names that are imported on first use, with the module they live in.
 _LATE: dict[str, str] = {
@@ -80,6 +81,7 @@ _LATE: dict[str, str] = {
     "gather_trials": "latolato.experiment.trials",
     "load": "latolato.files",
     "load_scenario": "latolato.scenario",
+    "play": "latolato.widget",
     "plot": "latolato.figures.plot",
     "save": "latolato.files",
     "scenarios": "latolato.scenario",
@@ -135,6 +137,7 @@ __all__ = [
     "gather_trials",
     "load",
     "load_scenario",
+    "play",
     "plot",
     "save",
     "scenarios",

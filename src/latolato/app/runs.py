@@ -116,16 +116,11 @@ def run_block(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         scenario, run = simulate_asked(asked, samples)
-    wall_time = time.perf_counter() - begun
-    return pack(
-        {
-            **about(scenario, run),
-            "warnings": [str(w.message) for w in caught],
-            "wall_time": wall_time,
-        },
-        arrays_of(run, [*_MOTION, *(name for name in columns if name not in _MOTION)])
-        | {"strobe": strobes_of(scenario.drive, float(run["time"][-1]))},
-    )
+    told = {
+        "warnings": [str(w.message) for w in caught],
+        "wall_time": time.perf_counter() - begun,
+    }
+    return pack({**about(scenario, run), **told}, arrays_of(scenario, run, columns))
 
 
 def about(scenario: Scenario, run: xr.Dataset) -> dict[str, Any]:
@@ -191,10 +186,11 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
     return np.unique(np.concatenate(found)) if found else np.empty(0)
 
 
-def arrays_of(run: xr.Dataset, columns: Sequence[str]) -> dict[str, Any]:
-    """Return instants, columns as rows of balls, and the table of contacts."""
+def arrays_of(scenario: Scenario, run: xr.Dataset, columns: Sequence[str]) -> dict[str, Any]:
+    """Return instants, motion, columns as rows of balls, the drive's periods and the contacts."""
     found: dict[str, Any] = {"time": run["time"].values.astype(np.float64)}
-    for name in columns:
+    found["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
+    for name in dict.fromkeys((*_MOTION, *columns)):
         if name in run:
             found[name] = np.atleast_2d(run[name].values).astype(np.float32)
     kinds = run["contact_kind"].values

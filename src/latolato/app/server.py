@@ -6,8 +6,6 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import anyio
@@ -19,10 +17,10 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
+from latolato.app.files import STATIC
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
 
-STATIC = Path(str(files("latolato.app") / "static"))
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
 # Runs that are computed at the same time; others wait.

@@ -1,0 +1,128 @@
+"""`latolato.play`: the player of the application in a notebook."""
+
+from __future__ import annotations
+
+import json
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from latolato.app.blocks import pack
+from latolato.app.files import STATIC
+from latolato.app.given import MOST_SAMPLES
+from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
+from latolato.scenario import Scenario
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Modules of the player, each after those that it imports.
+MODULES = (
+    "vendor/uPlot.esm.js",
+    "js/strings.js",
+    "js/dom.js",
+    "js/units.js",
+    "js/block.js",
+    "js/motion.js",
+    "js/clock.js",
+    "js/later.js",
+    "js/band.js",
+    "js/scene.js",
+    "js/plane.js",
+    "js/curves.js",
+    "js/player.js",
+    "js/notebook.js",
+)
+_IMPORT = re.compile(
+    r'^import (?:\{(?P<names>[^}]*)\}|(?P<default>\w+)) from "(?P<path>[^"]+)";$', re.M
+)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const|let) (?P<name>\w+))", re.M)
+_DEFAULT = re.compile(r"^export \{ (?P<name>\w+) as default \};$", re.M)
+
+
+def play(run: xr.Dataset) -> Any:
+    """Return a widget that plays a run: animation, curves, phase portrait, contacts, energies.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What `latolato.simulate` or `latolato.load` returned; of more than 200000 samples every
+        second, third, ... is shown.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        For Jupyter, marimo, VS Code and others; works without a network.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is no run.
+    ModuleNotFoundError
+        Without the extra `notebook`.
+    """
+    if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
+        raise ValueError("play needs a run: what simulate or load returned")
+    thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
+    scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
+    block = pack(
+        {**about(scenario, thinned), "warnings": []}, arrays_of(scenario, thinned, USUAL_COLUMNS)
+    )
+    return _widget_class()(block=block, style=style_sheet())
+
+
+@lru_cache(maxsize=1)
+def _widget_class() -> Any:
+    """Return the class of the widget; anywidget is imported here."""
+    try:
+        import anywidget
+        import traitlets
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            f'the player in a notebook needs {error.name}: pip install "latolato[notebook]"'
+        ) from None
+
+    class PlayerWidget(anywidget.AnyWidget):
+        """The player of one run."""
+
+        _esm = bundle()
+        block = traitlets.Bytes().tag(sync=True)
+        style = traitlets.Unicode().tag(sync=True)
+
+    return PlayerWidget
+
+
+@lru_cache(maxsize=1)
+def bundle() -> str:
+    """Return the modules of the player as one, which is what widgets are made of.
+
+    Each module becomes a function of those before it, so that names do not meet.
+    """
+    parts = ["const modules = {};"]
+    for path in MODULES:
+        source = (STATIC / path).read_text(encoding="utf-8")
+        names = {name: name for name in _EXPORT.findall(source)}
+        if whole := _DEFAULT.search(source):
+            names = {"default": whole["name"]}
+        body = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(_lookup, source)))
+        exports = ", ".join(f'"{name}": {own}' for name, own in names.items())
+        name = path.rpartition("/")[2]
+        parts.append(f'modules["{name}"] = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();')
+    parts.append('export default { render: modules["notebook.js"].render };')
+    return "\n".join(parts)
+
+
+def _lookup(found: re.Match[str]) -> str:
+    """Return the line that stands for an import: names of a module that came before."""
+    module = f'modules["{found["path"].rpartition("/")[2]}"]'
+    if found["default"]:
+        return f"const {found['default']} = {module}.default;"
+    return f"const {{ {found['names'].replace(' as ', ': ').strip()} }} = {module};"
+
+
+@lru_cache(maxsize=1)
+def style_sheet() -> str:
+    """Return the style sheet for the inside of a widget, which has a root of its own."""
+    sheets = [(STATIC / name).read_text("utf-8") for name in ("vendor/uPlot.css", "app.css")]
+    text = re.sub(r":root((?:\[[^\]]*\]|:not\([^)]*\))+)", r":host(\1)", "\n".join(sheets))
+    return text.replace(":root", ":host")

@@ -1,0 +1,117 @@
+"""The player in a notebook is the player of the application."""
+
+import base64
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.app.blocks import unpack
+from latolato.widget import MODULES, bundle, style_sheet
+
+# What anywidget is to a widget: a model that holds its values.
+PAGE = """async ({ source, block, style }) => {
+  const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
+  const values = { block: new DataView(bytes.buffer), style };
+  const model = { get: (name) => values[name], on() {}, off() {} };
+  const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+  const { default: widget } = await import(url);
+  document.body.replaceChildren();
+  const cell = document.createElement("div");
+  document.body.append(cell);
+  window.end = widget.render({ model, el: cell });
+  window.inside = cell.firstChild.shadowRoot;
+  await new Promise((resolve) => setTimeout(resolve, 300));
+}"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
+    return ll.simulate(toy, drive, initial_angle=0.5, duration=3.0)
+
+
+def test_the_widget_holds_the_run(run):
+    widget = ll.play(run)
+    about, arrays = unpack(widget.block)
+    np.testing.assert_array_equal(arrays["time"], run["time"].values)
+    np.testing.assert_array_equal(arrays["angle"][0], run["angle"].values.astype(np.float32))
+    assert about["options"]["length"] == 0.2
+
+
+def test_a_dataset_that_is_no_run_is_refused(run):
+    with pytest.raises(ValueError, match="play needs a run"):
+        ll.play(run.drop_vars("angle"))
+
+
+def test_a_file_is_played_like_the_run_that_it_holds(run, tmp_path):
+    path = tmp_path / "run.nc"
+    ll.save(run, path)
+    loaded = ll.play(ll.load(path))
+    np.testing.assert_array_equal(
+        unpack(loaded.block)[1]["angle"], unpack(ll.play(run).block)[1]["angle"]
+    )
+
+
+def test_the_bundle_holds_every_module_and_asks_for_none():
+    text = bundle()
+    for path in MODULES:
+        assert f'modules["{path.rpartition("/")[2]}"] =' in text
+    assert "\nimport " not in text
+    assert text.count("\nexport ") == 1
+    assert ":root" not in style_sheet()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_cell_shows_balls_where_the_run_has_them(browser, run, scheme):
+    widget = ll.play(run)
+    context = browser.new_context(color_scheme=scheme, viewport={"width": 1000, "height": 800})
+    page = context.new_page()
+    faults: list[str] = []
+    requests: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
+    page.on("request", lambda r: requests.append(r.url))
+    page.set_content("<body></body>")
+    given = {
+        "source": bundle(),
+        "block": base64.b64encode(widget.block).decode(),
+        "style": style_sheet(),
+    }
+    page.evaluate(PAGE, given)
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+    found = page.evaluate(
+        """() => {
+          const canvas = window.inside.querySelector("canvas.scene");
+          const pixels = canvas.getContext("2d")
+            .getImageData(0, 0, canvas.width, canvas.height).data;
+          const seen = { right: [0, 0, 0], left: [0, 0, 0] };
+          const style = getComputedStyle(canvas);
+          const wanted = {};
+          for (const name of ["right", "left"]) {
+            const hex = style.getPropertyValue(`--${name}`).trim();
+            wanted[name] = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+          }
+          for (let i = 0; i < pixels.length; i += 4)
+            for (const name of ["right", "left"])
+              if (wanted[name].every((v, k) => Math.abs(v - pixels[i + k]) < 4)) {
+                seen[name][0] += 1;
+                seen[name][1] += (i / 4) % canvas.width;
+                seen[name][2] += Math.floor(i / 4 / canvas.width);
+              }
+          return { seen, width: canvas.width };
+        }"""
+    )
+    (n, x, y), (m, u, v) = found["seen"]["right"], found["seen"]["left"]
+    assert n > 100
+    assert m > 100
+    middle = 0.5 * found["width"]
+    assert math.isclose(x / n - middle, middle - u / m, abs_tol=2.0)
+    assert math.isclose(y / n, v / m, abs_tol=2.0)
+    assert x / n > middle
+    assert not faults
+    assert [url for url in requests if not url.startswith("blob:")] == []
+    page.evaluate("() => window.end()")
+    context.close()
