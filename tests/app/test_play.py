@@ -6,6 +6,8 @@ import math
 
 import pytest
 
+from browser_checks import serious_faults
+
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 
@@ -69,3 +71,181 @@ def test_balls_are_drawn_where_the_run_has_them(page, scenario):
             x = scale["x"] + scale["size"] * length * math.sin(angle)
             y = scale["y"] - scale["size"] * (found["height"] - length * math.cos(angle))
             assert math.hypot(drawn["x"] - x, drawn["y"] - y) < 2.0
+
+
+# Reads the canvas of a curve: for some columns the rows in which a colour is seen.
+READ_CURVE = """({ chart, series }) => {
+  const { plot, curves } = window.latolato.views.play.player.curves.charts[chart];
+  const { ctx } = plot;
+  const canvas = ctx.canvas;
+  const { data } = ctx.getImageData(0, 0, canvas.width, canvas.height);
+  const paint = getComputedStyle(document.documentElement)
+    .getPropertyValue(`--${curves[series].paint}`).trim();
+  const wanted = [1, 3, 5].map((k) => parseInt(paint.slice(k, k + 2), 16));
+  const found = [];
+  for (const share of [0.13, 0.29, 0.41, 0.58, 0.71, 0.9]) {
+    const { min, max } = plot.scales.x;
+    const time = min + share * (max - min);
+    const column = Math.round(plot.valToPos(time, "x", true));
+    const rows = [];
+    for (let y = 0; y < canvas.height; y += 1) {
+      const i = 4 * (y * canvas.width + column);
+      if (wanted.every((v, k) => Math.abs(v - data[i + k]) < 40)) rows.push(y);
+    }
+    const at = plot.data[0].findIndex((t) => t >= time);
+    const value = plot.data[series + 1][at];
+    found.push({ rows, wanted: plot.valToPos(value, "y", true), ratio: devicePixelRatio });
+  }
+  return found;
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_curves_go_through_the_data(page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    open_play(page, "&scenario=fig02&initial_angle=10%20deg&duration=4%20s")
+    page.wait_for_timeout(300)
+    for found in page.evaluate(READ_CURVE, {"chart": 0, "series": 0}):
+        assert found["rows"], "no pixel of the curve's colour in this column"
+        assert min(abs(row - found["wanted"]) for row in found["rows"]) <= 3.0 * found["ratio"]
+
+
+CURSOR = """(share) => {
+  const { clock, curves } = window.latolato.views.play.player;
+  clock.seek(share * clock.end);
+  return curves.charts.map(({ plot, head }) => {
+    const box = plot.over.getBoundingClientRect();
+    const { min, max } = plot.scales.x;
+    const line = head.getBoundingClientRect();
+    return {
+      drawn: 0.5 * (line.left + line.right),
+      wanted: box.left + ((clock.time - min) / (max - min)) * box.width,
+    };
+  });
+}"""
+
+
+def test_the_cursor_stands_at_the_instant_also_after_a_change_of_size(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    for width in (1280, 700, 1100):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(200)
+        for share in (0.0, 0.37, 0.9):
+            for head in page.evaluate(CURSOR, share):
+                assert abs(head["drawn"] - head["wanted"]) <= 1.0
+
+
+def test_fast_and_slow_playback_show_the_same_motion(page):
+    open_play(page, "&scenario=fig04a_push&duration=20%20s")
+    shown = page.evaluate(
+        """() => {
+          const { clock, scene } = window.latolato.views.play.player;
+          const at = (speed, steps) => {
+            clock.speed = speed;
+            clock.seek(0);
+            for (let i = 0; i < steps; i += 1) clock.advance(0.05);
+            return [clock.time, ...scene.drawn.flatMap(({ x, y }) => [x, y])];
+          };
+          return [at(10, 25), at(1, 250)];
+        }"""
+    )
+    assert shown[0] == pytest.approx(shown[1], abs=1e-6)
+
+
+def test_the_address_brings_the_same_run_back(page):
+    open_play(page, "&scenario=fig12&duration=8%20s")
+    field = page.get_by_label("driving amplitude", exact=False).first
+    field.fill("28")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('28')")
+    state = "() => window.latolato.views.play.player.motion.about.options"
+    page.wait_for_function(
+        "() => Math.abs(window.latolato.views.play.player.motion.about.options.drive_amplitude"
+        " - 0.028) < 1e-12"
+    )
+    before, address = page.evaluate(state), page.url
+    page.goto("about:blank")
+    page.goto(address)
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert page.evaluate(state) == before
+
+
+def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
+    open_play(page, "&scenario=fig02&duration=5%20s")
+    for system in ("latolato", "ballpair", "mathieu", "pendulum"):
+        page.get_by_label("System", exact=True).select_option(system)
+        page.wait_for_function(
+            "name => window.latolato.views.play.player.motion.about.options.system === name",
+            arg=system,
+        )
+    page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
+    page.get_by_role("button", name="Add a row").click()
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
+    )
+    for drive in ("chirp", "crank_slider", "static", "harmonic"):
+        page.get_by_label("Drive", exact=True).select_option(drive)
+        page.wait_for_function(
+            "name => window.latolato.views.play.player.motion.about.options.drive === name",
+            arg=drive,
+        )
+
+
+def test_the_keyboard_plays_steps_and_zooms(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    chart = page.get_by_role("img", name="angle [°]", exact=False).first
+    chart.focus()
+    chart.press(".")
+    chart.press(".")
+    step = page.evaluate("() => 20 / (window.latolato.views.play.player.motion.time.length - 1)")
+    assert page.evaluate("() => window.latolato.views.play.player.clock.time") == pytest.approx(
+        2 * step
+    )
+    chart.press("+")
+    span = page.evaluate("() => window.latolato.views.play.player.curves.span")
+    assert span[1] - span[0] == pytest.approx(10.0, rel=0.5)
+    chart.press("0")
+    assert page.evaluate("() => window.latolato.views.play.player.curves.span") == [0, 20]
+    chart.press(" ")
+    page.wait_for_function("() => window.latolato.views.play.player.clock.time > 0.2")
+    chart.press(" ")
+    assert page.evaluate("() => window.latolato.views.play.player.clock.playing") is False
+
+
+def test_a_pinned_run_stays_behind_the_next(page):
+    open_play(page, "&scenario=fig04b_push&duration=10%20s")
+    page.get_by_role("button", name="Pin this run").click()
+    field = page.get_by_label("driving amplitude", exact=False).first
+    field.fill("30")
+    field.press("Enter")
+    page.get_by_text("right ball, pinned").wait_for()
+    series = page.evaluate("() => window.latolato.views.play.player.curves.charts[0].plot.data")
+    assert len(series) == 5  # time, two pinned angles, two angles
+    page.get_by_role("button", name="Take the pin off").click()
+    page.get_by_text("right ball, pinned").wait_for(state="detached")
+
+
+def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
+    open_play(page, "&scenario=fig12")
+    page.get_by_text("Out, and left").wait_for()
+    sides = page.evaluate(
+        """async () => {
+          const { ledgerRows } = await import("/static/js/player.js");
+          const rows = ledgerRows(window.latolato.views.play.player.motion);
+          const sum = (sign) => rows.filter((r) => r.energy * sign > 0)
+            .reduce((total, r) => total + r.share, 0);
+          return [sum(1), sum(-1)];
+        }"""
+    )
+    assert sides == pytest.approx([1.0, 1.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_play_is_accessible_and_fits_the_screen(page, scheme, width):
+    page.emulate_media(color_scheme=scheme)
+    page.set_viewport_size({"width": width, "height": 900})
+    open_play(page, "&scenario=ballpair_asymmetric&duration=10%20s")
+    page.wait_for_timeout(300)
+    assert serious_faults(page) == []
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= width

@@ -57,7 +57,6 @@ USUAL: dict[str, Any] = {
     "times": [0.0, 4.0],
     "sweep_time": 30.0,
     "connecting_rod_length": 0.1,
-    "pivot_heights": [0.0, 0.01],
     "duration": 20.0,
     "initial_angle": 0.35,
 }

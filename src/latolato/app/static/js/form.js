@@ -179,7 +179,10 @@ export class Form {
 
   /** @param {"system" | "drive"} part */
   choice(part) {
-    const laws = this.registry[`${part}s`];
+    // Measured heights come from an experiment, not from a form.
+    const laws = Object.fromEntries(Object.entries(this.registry[`${part}s`]).filter(([name, law]) =>
+      name === this.kinds[part] || /** @type {any} */ (law).options.every((/** @type {string} */ o) =>
+        this.registry.options[o].default !== null || this.registry.options[o].usual !== null)));
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
