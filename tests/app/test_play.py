@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
 # How long a page may take to show its first run [ms].
@@ -249,3 +250,26 @@ def test_play_is_accessible_and_fits_the_screen(page, scheme, width):
     page.wait_for_timeout(300)
     assert serious_faults(page) == []
     assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+def test_a_page_goes_on_when_its_server_comes_back(browser):
+    first = start_server()
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    page = context.new_page()
+    page.goto(f"{first.address}?scenario=fig04b_push&duration=5%20s")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    stop_server(first)
+    field = page.get_by_label("driving amplitude", exact=False).first
+    field.fill("31")
+    field.press("Enter")
+    page.get_by_text("The server does not answer").wait_for()
+    second = start_server("--port", str(first.port))
+    try:
+        page.wait_for_function(
+            "() => Math.abs(window.latolato.views.play.player.motion.about.options"
+            ".drive_amplitude - 0.031) < 1e-12"
+        )
+        assert page.get_by_text("The server does not answer").count() == 0
+    finally:
+        stop_server(second)
+        context.close()

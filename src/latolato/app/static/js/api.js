@@ -14,6 +14,9 @@ export class Refusal extends Error {
   }
 }
 
+/** A request that never reached the server: it is down, or being started again. */
+export class Offline extends Error {}
+
 /**
  * @typedef {{scenario?: string | null, options: Record<string, any>}} Asked
  */
@@ -31,7 +34,9 @@ export async function ask(path, body, signal) {
     headers: { "Content-Type": "application/json" },
     body: JSON.stringify(body),
   };
-  const response = await fetch(path, { ...options, signal });
+  const response = await fetch(path, { ...options, signal }).catch((error) => {
+    throw error instanceof TypeError ? new Offline(error.message) : error;
+  });
   if (response.ok) return response;
   const told = await response.json().catch(() => ({ error: response.statusText, field: null }));
   throw new Refusal(told.error, told.field);

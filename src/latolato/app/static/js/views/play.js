@@ -1,6 +1,6 @@
 /** Play: parameters on one side, the motion that they make on the other. */
 
-import { askBlock, newest } from "../api.js";
+import { askBlock, newest, Offline } from "../api.js";
 import { el, tell } from "../dom.js";
 import { Form, withLaws } from "../form.js";
 import { Motion } from "../motion.js";
@@ -11,6 +11,8 @@ import { t } from "../strings.js";
 
 /** What is on show where the address says nothing. */
 export const FIRST = "fig04b_push";
+// A server that does not answer is asked again after this time.
+const RETRY = 1000; // ms
 
 export class PlayView {
   /** @param {Page} page */
@@ -96,6 +98,11 @@ export class PlayView {
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
+      if (error instanceof Offline) {
+        this.notes.textContent = t("offline");
+        setTimeout(() => this.run(null), RETRY);
+        return;
+      }
       this.form.error(error.message, /** @type {any} */ (error).field ?? null);
     }
   }

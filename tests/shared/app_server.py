@@ -1,0 +1,44 @@
+"""The application's server in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+
+@dataclass
+class Server:
+    """A server of its own in another process."""
+
+    process: subprocess.Popen[str]
+    address: str
+
+    @property
+    def port(self) -> int:
+        """The port on which it listens."""
+        port = urlsplit(self.address).port
+        assert port is not None
+        return port
+
+
+def start_server(*options: str) -> Server:
+    """Return a server that answers."""
+    command = [sys.executable, "-m", "latolato", "app", "--no-browser", *options]
+    if "--port" not in options:
+        command += ["--port", "0"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ})
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    assert " at http" in line, f"the server said {line!r} instead of its address"
+    return Server(process, line.split(" at ")[1].strip())
+
+
+def stop_server(server: Server) -> None:
+    """End a server and its pipe."""
+    server.process.terminate()
+    server.process.wait(timeout=20)
+    assert server.process.stdout is not None
+    server.process.stdout.close()
