@@ -82,6 +82,14 @@ def test_the_drag_law_is_told():
         assert f"{law[0].upper()}{law[1:]} drag describes this decay best" in found.verdict
 
 
+def test_laws_are_compared_also_where_a_start_leads_astray():
+    # Quadratic and Coulomb drag alone, started without either, never come back.
+    table = decay_table(**COUPLED, angle=0.61, duration=16.0, seed=0)
+    found = fit_decay(table, mass=COUPLED["mass"], method="equation", profile=False)
+    assert "quadratic, coulomb alone are excluded" in found.verdict
+    assert found["damping"].value == pytest.approx(COUPLED["damping"], rel=0.002)
+
+
 def test_gravity_may_be_tilted_and_the_swing_large():
     table = decay_table(length=0.3, mass=0.1, damping=0.004, angle=2.4)
     table["angle_1"].values[:] += 0.02
@@ -144,6 +152,10 @@ def test_what_is_no_free_decay_is_refused():
     still["angle_1"].values[:] = 1e-3 * np.sin(1000.0 * table.time.values**2)
     with pytest.raises(ValueError, match="swing"):
         fit_decay(still)
+    degrees = table.copy(deep=True)
+    degrees["angle_1"].values[:] *= 180.0 / np.pi
+    with pytest.raises(ValueError, match="more than half a turn"):
+        fit_decay(degrees)
     lost = table.copy(deep=True)
     lost["flag_1"].values[:] = "lost"
     with pytest.raises(ValueError, match="0 samples flagged ok"):

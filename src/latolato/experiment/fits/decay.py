@@ -43,8 +43,9 @@ LAWS: dict[str, tuple[str, ...]] = {
     "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
 }
 METHODS = ("both", "equation", "envelope")
-# Angle of trials that end early [rad].
+# Angle of trials that end early, and beyond which nothing swings (half a turn, off its middle).
 _WILD = 10.0
+_HALF_TURN = 1.2 * math.pi
 # The coefficient of each term as a parameter of `Pendulum`.
 _COEFFICIENTS = {
     "linear": "damping",
@@ -141,6 +142,12 @@ def fit_decay(
     data = samples_of(table, ball, start=start, end=end)
     begin = free_start(data.times, data.values) if start is None else float(data.times[0])
     data = _from(data, begin)
+    reach = float(np.max(np.abs(data.values - np.median(data.values))))
+    if reach > _HALF_TURN:
+        raise ValueError(
+            f"the angle goes {reach:.3g} rad to one side, more than half a turn, which no free "
+            "swing does: are these degrees? Or give start, from when on it swings"
+        )
     swings = swings_of(data.times, data.values - np.median(data.values))
     swings = Swings(
         swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
@@ -247,24 +254,32 @@ def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
     thin = slice(None, None, max(1, len(data) // _ENOUGH))
     data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
     # Friction that holds the ball at last makes false minima: two starts, the better counts.
-    tries = []
-    for law in ("linear", fullest):
-        with suppress(ValueError):  # the other start is enough
-            start = _shared(first, LAWS[law])
-            tries.append(_fit_equation(data, start, LAWS[fullest], limit=_TRIES))
-    if not tries:
-        tries = [_fit_equation(data, _shared(first, LAWS["linear"]), LAWS[fullest])]
-    whole = min(tries, key=lambda found: found.scatter)
+    starts = [_shared(first, LAWS[law]) for law in ("linear", fullest)]
+    whole = _best_fit(data, starts, LAWS[fullest])
     found = {}
     for name, terms in LAWS.items():
-        start = {**whole.values, **_shared(first, terms)}
+        if name == fullest:
+            found[name] = whole
+            continue
+        starts = [{**whole.values, **_shared(first, terms)}]
         if len(terms) > 1:
             least = {term: 1e-3 * first[term] for term in terms}
-            start = {**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}}
-        found[name] = whole if name == fullest else _fit_equation(
-            data, start, terms, correlation=whole.correlation, kept=whole.kept
-        )  # fmt: skip
+            starts.append({**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}})
+        found[name] = _best_fit(data, starts, terms, correlation=whole.correlation, kept=whole.kept)
     return found
+
+
+def _best_fit(
+    data: Data, starts: Sequence[Mapping[str, float]], terms: Sequence[str], **options: Any
+) -> Solution:
+    """Return the best of the fits from several starts, of which one must end."""
+    tries = []
+    for start in starts:
+        with suppress(ValueError):  # another start may be enough
+            tries.append(_fit_equation(data, start, terms, limit=_TRIES, **options))
+    if not tries:
+        return _fit_equation(data, starts[0], terms, **options)
+    return min(tries, key=lambda found: found.chi_square)
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
