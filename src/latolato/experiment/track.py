@@ -34,6 +34,8 @@ Place = Sequence[float]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
+# Frames that a whole file may declare and not show.
+_FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
 _NEVER, _SELDOM = 0.12, 0.4
 # Fewest frames that show a motion.
@@ -216,6 +218,12 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         table = _tracked(task, sample, np.array(setup.pivot), balls, progress)
     if progress:
         progress(1.0)
+    missing = video.frame_count - table.sizes["frame"]
+    if missing > _FEW_MISSING:
+        task.warnings.append(
+            f"{missing} of the {video.frame_count} frames that the file declares could not be "
+            "decoded: is it whole?"
+        )
     if task.warnings:
         # One text, whose parts a semicolon tells apart.
         task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
