@@ -9,7 +9,9 @@ import pytest
 
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.result import load_fit
-from track_tables import decay_table
+from latolato.physics.drives import Harmonic
+from latolato.physics.pendulum import Pendulum
+from track_tables import decay_table, motion_table
 
 SINGLE = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
 COUPLED = {"length": 0.2450, "mass": 0.10644, "damping": 0.00506}
@@ -100,6 +102,16 @@ def test_gravity_may_be_tilted_and_the_swing_large():
     assert found["damping"].low < found["damping"].value < found["damping"].high
 
 
+def test_the_piece_between_start_and_end_alone_must_have_a_pivot_at_rest():
+    table = decay_table(**SINGLE, duration=12.0)
+    time = table.time.values
+    table["pivot_y"].values[:] = np.where(time < 3.0, 0.02 * np.cos(12.0 * time), 0.0)
+    with pytest.raises(ValueError, match="start and end for the piece at rest"):
+        fit_decay(table)
+    found = fit_decay(table, mass=SINGLE["mass"], start=3.5, compare=False, profile=False)
+    assert found["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
+
+
 def test_a_wrong_declared_length_is_told():
     found = fit_decay(decay_table(**SINGLE), length=0.40, mass=0.1, compare=False)
     assert "declared length 0.4 m is" in found.verdict
@@ -148,6 +160,12 @@ def test_what_is_no_free_decay_is_refused():
     driven["pivot_y"].values[:] = 0.02 * np.cos(12.0 * table.time.values)
     with pytest.raises(ValueError, match="the pivot moves by 20 mm"):
         fit_decay(driven)
+    pumped = motion_table(
+        Pendulum(**SINGLE), Harmonic(drive_amplitude=0.02, drive_frequency=10.09),
+        initial_angle=0.7, duration=4.0,
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="the pivot moves by"):
+        fit_decay(pumped, length=0.363)
     still = table.copy(deep=True)
     still["angle_1"].values[:] = 1e-3 * np.sin(1000.0 * table.time.values**2)
     with pytest.raises(ValueError, match="swing"):

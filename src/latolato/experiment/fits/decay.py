@@ -21,7 +21,13 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.motion import angles_at, step_of
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
-from latolato.experiment.fits.samples import is_driven, length_of, pivot_swing, samples_of
+from latolato.experiment.fits.samples import (
+    is_driven,
+    length_of,
+    pivot_swing,
+    samples_of,
+    within,
+)
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Static
@@ -140,6 +146,9 @@ def fit_decay(
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     given = length_of(table, length)
     data = samples_of(table, ball, start=start, end=end)
+    piece = table.isel(frame=within(table["time"].values, start, end))
+    if given is not None:  # before a driven swing is taken for one that somebody holds
+        _check_rest(piece, given)
     begin = free_start(data.times, data.values) if start is None else float(data.times[0])
     data = _from(data, begin)
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
@@ -153,11 +162,8 @@ def fit_decay(
         swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
     )
     first = _first_guess(data, swings)
-    if is_driven(table, given or gravity / first["natural_frequency"] ** 2):
-        raise ValueError(
-            f"the pivot moves by {1e3 * pivot_swing(table):.3g} mm either way: a decay needs a "
-            "pivot at rest; use fit_model, or start and end for the piece at rest"
-        )
+    if given is None:
+        _check_rest(piece, gravity / first["natural_frequency"] ** 2)
     body = _Body(given, mass, radius, gravity)
     estimates: dict[str, Estimate] = {}
     curves: dict[str, tuple[str, Any]] = {}
@@ -204,6 +210,15 @@ def fit_decay(
         about["envelope_autocorrelation"] = envelope.correlation
         told.append(_envelope_verdict(estimates))
     return make_fit("decay", estimates, " ".join(told), curves, about)
+
+
+def _check_rest(piece: xr.Dataset, length: float) -> None:
+    """Raise ValueError if the pivot moves."""
+    if is_driven(piece, length):
+        raise ValueError(
+            f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay needs a "
+            "pivot at rest; use fit_model, or start and end for the piece at rest"
+        )
 
 
 def _from(data: Data, begin: float) -> Data:
