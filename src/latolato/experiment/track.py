@@ -183,7 +183,7 @@ def prepare(
             setup = with_changes(read_sidecar(found, path), given)
             if count is not None and count != len(setup.balls):
                 raise ValueError(
-                    f"'{found}' is about {len(setup.balls)} balls, not {count}; remove it, or "
+                    f"'{found}' is made for --balls {len(setup.balls)}, not {count}; remove it, or "
                     "point at pivot and balls"
                 )
             video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
