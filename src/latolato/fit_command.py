@@ -28,7 +28,8 @@ TableArgument = Annotated[
 ColumnOption = Annotated[
     list[str] | None,
     typer.Option(
-        help='Column of another program\'s table: time="t [s]", angle_1="theta [deg]". '
+        # Round brackets: square ones are taken for markup.
+        help='Column of another program\'s table: time="t (s)", angle_1="theta (deg)". '
         "May be given several times.",
         show_default=False,
         rich_help_panel="Table",
@@ -233,7 +234,31 @@ def import_(
         y_axis=y_axis,
         angle_sigma=to_si("angle_sigma", angle_sigma, "rad"),
     )
-    print(write_table(table, target))
+    write_table(table, target)
+    print(about(table, target))
+
+
+def about(table: xr.Dataset, path: Path) -> str:
+    """Return what an imported table holds, as lines that show a wrong unit or column."""
+    from math import degrees
+
+    from latolato.experiment.table import balls_of
+
+    time = table["time"].values
+    lines = {"table": f"{len(time)} rows, {time[-1] - time[0]:.6g} s"}
+    for ball in range(1, balls_of(table) + 1):
+        angle = table[f"angle_{ball}"]
+        missing = int(angle.isnull().sum())
+        lines[f"angle {ball}"] = (
+            f"{degrees(float(angle.min())):.4g} to {degrees(float(angle.max())):.4g} deg"
+            + (f", missing in {missing} rows" if missing else "")
+        )
+    height = table["pivot_y"]
+    if height.notnull().any():
+        low, high = 1e3 * float(height.min()), 1e3 * float(height.max())
+        lines["pivot"] = f"{low:.4g} to {high:.4g} mm high"
+    lines["written"] = str(path)
+    return "\n".join(f"{name:16} {text}" for name, text in lines.items())
 
 
 def run(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
@@ -104,19 +106,38 @@ def summary(table: xr.Dataset) -> dict[str, Any]:
         "length": attrs["length"],
         "radius": attrs["radius"],
         "metres_per_pixel": attrs["metres_per_pixel"],
+        **optics(attrs["camera"]),
     }
+
+
+def optics(camera: str) -> dict[str, float]:
+    """Return what the tracker must be told of a camera (JSON), in its words."""
+    said = json.loads(camera)
+    half_diagonal = 0.5 * math.hypot(said["width"], said["height"])
+    wider = half_diagonal / (said["focal_length"] or half_diagonal)
+    found = {
+        "row_time": said["row_time"],
+        "lens_k1": said["k1"] * wider**2,
+        "lens_k2": said["k2"] * wider**4,
+    }
+    return {name: value for name, value in found.items() if value}
 
 
 def as_text(found: Mapping[str, Any]) -> str:
     """Return a summary as lines for reading, with the command that tracks the video."""
     clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in found["ball"])
     u, v = found["pivot"]
+    declared = "".join(
+        f" --{name.replace('_', '-')} {found[name]:.9g}"
+        for name in ("row_time", "lens_k1", "lens_k2")
+        if name in found
+    )
     lines = {
         "video": f"{found['condition']}, {found['frames']} frames, {found['duration']:.6g} s",
         "scale": f"{1e3 * found['metres_per_pixel']:.6g} mm a pixel",
         "track it": f"latolato track {found['files'][0]} --balls {found['balls']} "
         f'--pivot {u:g},{v:g} {clicks} --length "{found["length"]:.9g} m" '
-        f'--radius "{found["radius"]:.6g} m"',
+        f'--radius "{found["radius"]:.6g} m"{declared}',
         "wall time": f"{found['wall_time']:.2f} s",
         "written": ", ".join(found["files"]),
     }

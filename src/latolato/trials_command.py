@@ -154,6 +154,8 @@ def as_text(table: xr.Dataset, written: Sequence[Path]) -> str:
             f"{row['class']}{mark}  {row['source']}{note}"
         )
     classes = ", ".join(f"{count} {name}" for name, count in found["classes"].items())
-    lines.append(f"{len(found['trials'])} trials in {len(found['sets'])} sets: {classes}")
+    trials, sets = len(found["trials"]), len(found["sets"])
+    words = f"{trials} trial{'s' * (trials != 1)} in {sets} set{'s' * (sets != 1)}"
+    lines.append(f"{words}: {classes}")
     lines.append(f"written    {', '.join(map(str, written)) or 'nothing; name a file: --output'}")
     return "\n".join(lines)

@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import latolato as ll
 from latolato.cli import main
 from latolato.experiment.video import Limits, open_video
 from little_videos import encoded
@@ -48,6 +49,15 @@ def test_a_truncated_video_is_refused(swing, tmp_path, capsys):
     assert "cut" in refused(capsys, tmp_path, cut, *swing.options)
     cut.write_bytes(whole[:200])
     assert "cut off" in refused(capsys, tmp_path, cut, *swing.options)
+
+
+def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp_path):
+    whole = swing.path.read_bytes()
+    cut = tmp_path / "cut.mp4"
+    cut.write_bytes(whole[: int(0.955 * len(whole))])
+    with pytest.warns(RuntimeWarning, match="frames that the file declares could not be decoded"):
+        table = ll.track(cut, pivot=swing.pivot, balls=swing.balls, length=swing.length)
+    assert 3 < swing.truth.sizes["frame"] - table.sizes["frame"] < 12
 
 
 def test_a_video_without_frames_is_refused(tmp_path, capsys):

@@ -9,7 +9,9 @@ import pytest
 
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.result import load_fit
-from track_tables import decay_table
+from latolato.physics.drives import Harmonic
+from latolato.physics.pendulum import Pendulum
+from track_tables import decay_table, motion_table
 
 SINGLE = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
 COUPLED = {"length": 0.2450, "mass": 0.10644, "damping": 0.00506}
@@ -82,6 +84,14 @@ def test_the_drag_law_is_told():
         assert f"{law[0].upper()}{law[1:]} drag describes this decay best" in found.verdict
 
 
+def test_laws_are_compared_also_where_a_start_leads_astray():
+    # Quadratic and Coulomb drag alone, started without either, never come back.
+    table = decay_table(**COUPLED, angle=0.61, duration=16.0, seed=0)
+    found = fit_decay(table, mass=COUPLED["mass"], method="equation", profile=False)
+    assert "quadratic, coulomb alone are excluded" in found.verdict
+    assert found["damping"].value == pytest.approx(COUPLED["damping"], rel=0.002)
+
+
 def test_gravity_may_be_tilted_and_the_swing_large():
     table = decay_table(length=0.3, mass=0.1, damping=0.004, angle=2.4)
     table["angle_1"].values[:] += 0.02
@@ -90,6 +100,16 @@ def test_gravity_may_be_tilted_and_the_swing_large():
     assert found["damping"].value == pytest.approx(0.004, rel=0.003)
     assert found["damping_envelope"].value == pytest.approx(0.004, rel=0.01)
     assert found["damping"].low < found["damping"].value < found["damping"].high
+
+
+def test_the_piece_between_start_and_end_alone_must_have_a_pivot_at_rest():
+    table = decay_table(**SINGLE, duration=12.0)
+    time = table.time.values
+    table["pivot_y"].values[:] = np.where(time < 3.0, 0.02 * np.cos(12.0 * time), 0.0)
+    with pytest.raises(ValueError, match="start and end for the piece at rest"):
+        fit_decay(table)
+    found = fit_decay(table, mass=SINGLE["mass"], start=3.5, compare=False, profile=False)
+    assert found["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
 
 
 def test_a_wrong_declared_length_is_told():
@@ -140,10 +160,20 @@ def test_what_is_no_free_decay_is_refused():
     driven["pivot_y"].values[:] = 0.02 * np.cos(12.0 * table.time.values)
     with pytest.raises(ValueError, match="the pivot moves by 20 mm"):
         fit_decay(driven)
+    pumped = motion_table(
+        Pendulum(**SINGLE), Harmonic(drive_amplitude=0.02, drive_frequency=10.09),
+        initial_angle=0.7, duration=4.0,
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="the pivot moves by"):
+        fit_decay(pumped, length=0.363)
     still = table.copy(deep=True)
     still["angle_1"].values[:] = 1e-3 * np.sin(1000.0 * table.time.values**2)
     with pytest.raises(ValueError, match="swing"):
         fit_decay(still)
+    degrees = table.copy(deep=True)
+    degrees["angle_1"].values[:] *= 180.0 / np.pi
+    with pytest.raises(ValueError, match="more than half a turn"):
+        fit_decay(degrees)
     lost = table.copy(deep=True)
     lost["flag_1"].values[:] = "lost"
     with pytest.raises(ValueError, match="0 samples flagged ok"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.experiment.fits.restitution import _pooled
 from track_tables import motion_table
 
 BALL = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
@@ -35,6 +36,15 @@ def test_one_ball_and_a_wall_give_it_too():
     found = ll.fit_restitution(table, length=0.245)
     assert abs(found["restitution"].value - 0.9) < 3.0 * found["restitution"].sigma
     assert "one ball and a wall" in found.verdict
+
+
+def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():
+    each = np.array([0.600, 0.604, 0.6, 0.6, 0.6])
+    sigmas = np.array([0.0003, 0.0003, 0.02, 0.02, 0.02])
+    pooled, words = _pooled(each, sigmas, np.ones(5))
+    assert pooled.sigma > 0.0009  # 0.00021 by the two precise ones alone
+    assert "they differ by 0.00" in words
+    assert "by 0," not in words
 
 
 def test_what_cannot_be_seen_is_refused():

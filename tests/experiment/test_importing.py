@@ -51,6 +51,13 @@ def test_units_in_the_names_of_a_phones_columns_are_enough(tmp_path):
             assert np.all(table.angle_sigma_1 == 2e-3)
 
 
+def test_rows_whose_angle_is_missing_are_rows_also_at_the_top(tmp_path):
+    text = "# run 7\nt (s),theta (deg)\n0,\n0.1,\n0.2,10\n0.3,\n0.4,9\n"
+    table = import_table(written(tmp_path, text))
+    assert table.time.values.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert np.isfinite(table.angle_1.values).tolist() == [False, False, True, False, True]
+
+
 def test_positions_become_angles_about_the_pivot_and_full_turns_are_unwrapped(tmp_path):
     angle = 4.0 * TIME
     x, y = 1.0 + 0.3 * np.sin(angle), 2.0 - 0.3 * np.cos(angle)

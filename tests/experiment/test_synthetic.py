@@ -210,7 +210,17 @@ def test_the_command_prints_clicks_that_lie_on_the_ball(tmp_path, capsys):
     truth = read_table(table)
     assert found["frames"] == truth.sizes["frame"] == 12
     assert found["ball"][0][0] == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.01)
+    assert truth.attrs["gravity_direction"] == pytest.approx(np.radians(7.0), abs=1e-3)
     assert video.stat().st_size > 1000
+
+
+def test_the_command_that_tracks_the_video_declares_its_camera(tmp_path, capsys):
+    video = tmp_path / "clip.mp4"
+    arguments = f"synthesise fig02 --duration 0.1 --output {video} --condition rolling"
+    more = "--camera width=320 --camera height=240 --camera k1=-0.02 --camera focal_length=100"
+    assert main([*arguments.split(), *more.split()]) == 0
+    # In units of half the diagonal, 200 pixels, instead of the focal length.
+    assert "--row-time 1.5e-05 --lens-k1 -0.08\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from latolato.experiment.overlay import places_of
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
 from latolato.experiment.table import read_table
+from latolato.experiment.tracking.learn import learn_scene
 from latolato.experiment.tracking.sample import read_sample
 from latolato.experiment.video import open_video
 
@@ -192,3 +193,28 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
     assert "bad.mp4 cannot be read" in told.err
     assert "1 of 2 videos failed" in told.err
     assert sorted(p.name for p in folder.iterdir()) == ["swing.csv", "swing.mp4.track.toml"]
+
+
+def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monkeypatch):
+    learned = []
+
+    def astray(*args):
+        scene = learn_scene(*args)
+        learned.append(args[4])
+        if args[4] is not None:  # the radius declared: a circle beside the ball is taken for it
+            scene.look.radius *= 1.3
+            scene.explained = 0.8
+        return scene
+
+    monkeypatch.setattr("latolato.experiment.track.learn_scene", astray)
+    radius = swing.truth.attrs["radius"]
+    with pytest.warns(RuntimeWarning, match="the balls' radius is"):
+        table = ll.track(
+            swing.path,
+            pivot=swing.pivot,
+            balls=swing.balls,
+            length=swing.length,
+            radius=1.5 * radius,
+        )
+    assert table.attrs["measured_radius"] == pytest.approx(radius, rel=0.05)
+    assert learned[1:] == [None]

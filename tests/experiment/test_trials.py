@@ -218,7 +218,7 @@ def test_the_command_writes_the_table_and_tells_of_bad_files(folder, tmp_path, c
     assert err.count("\n") == 1
     assert read_trials(target).sizes["trial"] == 6
     assert main(["trials", str(folder / "low"), "--output", str(target)]) == 0
-    assert "3 trials in 1 sets" in capsys.readouterr().out
+    assert "3 trials in 1 set:" in capsys.readouterr().out
     assert main(["trials", str(folder), "--output", str(tmp_path / "t.txt")]) == 2
     assert main(["trials", str(folder), "--pivot", "here"]) == 2
     assert main(["trials", str(folder), "--balls", "2", "--ball", "1,2"]) == 2

@@ -166,6 +166,8 @@ def _split(raw: bytes, path: Path) -> _Text:
     else:
         raise ValueError(f"'{path}' holds no rows of numbers below a line of names")
     width = len(rows[body])
+    while body > 0 and _is_sparse(rows[body - 1], width, delimiter):
+        body -= 1
     named = [row for row in rows[:body] if len(row) == width and any(row)]
     if not named:
         raise ValueError(
@@ -190,6 +192,12 @@ def _is_numbers(row: list[str], delimiter: str | None) -> bool:
     """Return whether a row holds at least two numbers and nothing but numbers and empty cells."""
     known = [_number(cell, delimiter != ",") for cell in row if cell]
     return len(known) >= 2 and None not in known
+
+
+def _is_sparse(row: list[str], width: int, delimiter: str | None) -> bool:
+    """Return whether a row above the numbers is one of them, with all cells empty but one."""
+    known = [_number(cell, delimiter != ",") for cell in row if cell]
+    return len(row) == width and len(known) == 1 and known[0] is not None
 
 
 def _number(cell: str, decimal_comma: bool) -> float | None:

@@ -433,7 +433,7 @@ def _true_table(take: Take) -> xr.Dataset:
         "length": max(motion.lengths),
         "radius": motion.radii[0],
         "metres_per_pixel": 1.0 / view.scale,
-        "gravity_direction": 0.5 * math.pi - camera.roll,
+        "gravity_direction": camera.roll,
         **clicks,
         "run_time": begin,
         **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},

@@ -34,6 +34,8 @@ Place = Sequence[float]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is told.
 _RADIUS_TOLERANCE = 0.03
+# Frames that a whole file may declare and not show.
+_FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
 _NEVER, _SELDOM = 0.12, 0.4
 # Fewest frames that show a motion.
@@ -181,7 +183,7 @@ def prepare(
             setup = with_changes(read_sidecar(found, path), given)
             if count is not None and count != len(setup.balls):
                 raise ValueError(
-                    f"'{found}' is about {len(setup.balls)} balls, not {count}; remove it, or "
+                    f"'{found}' is made for --balls {len(setup.balls)}, not {count}; remove it, or "
                     "point at pivot and balls"
                 )
             video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
@@ -216,6 +218,12 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         table = _tracked(task, sample, np.array(setup.pivot), balls, progress)
     if progress:
         progress(1.0)
+    missing = video.frame_count - table.sizes["frame"]
+    if missing > _FEW_MISSING:
+        task.warnings.append(
+            f"{missing} of the {video.frame_count} frames that the file declares could not be "
+            "decoded: is it whole?"
+        )
     if task.warnings:
         # One text, whose parts a semicolon tells apart.
         task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
@@ -277,6 +285,14 @@ def _tracked(
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise ValueError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
     scene = learn_scene(video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED))
+    if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
+        # A declared radius that is wrong may lead astray: without it more may be explained.
+        try:
+            free = learn_scene(video, sample, pivot, balls, None, None)
+        except ValueError:
+            free = scene
+        if free.explained > scene.explained:
+            scene = free
     stiffness = setup.gravity / length if length else 0.0
     seen = follow(
         video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
@@ -300,6 +316,11 @@ def _tracked(
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     return _table(task, scene, seen, measured)
+
+
+def _doubt(scene: Scene) -> float:
+    """Return by which share the radius measured may differ from that declared."""
+    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -340,8 +361,7 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
         if not length:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    doubt = _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
-    if radius and length and abs(found_radius / radius - 1.0) > doubt:
+    if radius and length and abs(found_radius / radius - 1.0) > _doubt(scene):
         task.warnings.append(
             f"the balls' radius is {found_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"

@@ -194,7 +194,8 @@ def gather_trials(
     failed: list[str] = []
     for done, (file, row) in enumerate(_rows(files, of_trial, of_video, workers), start=1):
         if isinstance(row, str):
-            failed.append(f"{_name(file)}: {row}")
+            # Most messages name the file themselves.
+            failed.append(row if str(file) in row else f"{_name(file)}: {row}")
             warnings.warn(failed[-1], RuntimeWarning, stacklevel=2)
         else:
             rows.append(row)

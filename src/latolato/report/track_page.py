@@ -313,7 +313,7 @@ def _numbers(table: xr.Dataset) -> str:
         source = {"image": "assumed", "drive axis": "from the drive's axis"}.get(
             attrs["gravity_source"], f"from the {attrs['gravity_source']}"
         )
-        rows.append(("gravity, from straight down", f"{tilt:.2f} degrees, {source}"))
+        rows.append(("gravity, from straight down", f"{tilt:z.2f} degrees, {source}"))
     if attrs.get("proposed"):
         rows.append(("pivot and balls", "found in the video; nobody pointed at them"))
     body = "".join(
@@ -325,9 +325,10 @@ def _numbers(table: xr.Dataset) -> str:
 
 def _flags(table: xr.Dataset) -> str:
     """Return the table of flags with their shares."""
+    meanings = MEANINGS if balls_of(table) == 2 else MEANINGS | {"ok": "measured"}
     body = "".join(
         f'<tr><th scope="row">{flag}</th><td>{100.0 * share:.3g} %</td>'
-        f"<td>{escape(MEANINGS[flag])}</td></tr>"
+        f"<td>{escape(meanings[flag])}</td></tr>"
         for flag, share in flag_shares(table).items()
     )
     return f"<table>{body}</table>"

@@ -21,7 +21,13 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.motion import angles_at, step_of
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
-from latolato.experiment.fits.samples import is_driven, length_of, pivot_swing, samples_of
+from latolato.experiment.fits.samples import (
+    is_driven,
+    length_of,
+    pivot_swing,
+    samples_of,
+    within,
+)
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Static
@@ -43,8 +49,9 @@ LAWS: dict[str, tuple[str, ...]] = {
     "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
 }
 METHODS = ("both", "equation", "envelope")
-# Angle of trials that end early [rad].
+# Angle of trials that end early, and beyond which nothing swings (half a turn, off its middle).
 _WILD = 10.0
+_HALF_TURN = 1.2 * math.pi
 # The coefficient of each term as a parameter of `Pendulum`.
 _COEFFICIENTS = {
     "linear": "damping",
@@ -139,18 +146,24 @@ def fit_decay(
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     given = length_of(table, length)
     data = samples_of(table, ball, start=start, end=end)
+    piece = table.isel(frame=within(table["time"].values, start, end))
+    if given is not None:  # before a driven swing is taken for one that somebody holds
+        _check_rest(piece, given)
     begin = free_start(data.times, data.values) if start is None else float(data.times[0])
     data = _from(data, begin)
+    reach = float(np.max(np.abs(data.values - np.median(data.values))))
+    if reach > _HALF_TURN:
+        raise ValueError(
+            f"the angle goes {reach:.3g} rad to one side, more than half a turn, which no free "
+            "swing does: are these degrees? Or give start, from when on it swings"
+        )
     swings = swings_of(data.times, data.values - np.median(data.values))
     swings = Swings(
         swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
     )
     first = _first_guess(data, swings)
-    if is_driven(table, given or gravity / first["natural_frequency"] ** 2):
-        raise ValueError(
-            f"the pivot moves by {1e3 * pivot_swing(table):.3g} mm either way: a decay needs a "
-            "pivot at rest; use fit_model, or start and end for the piece at rest"
-        )
+    if given is None:
+        _check_rest(piece, gravity / first["natural_frequency"] ** 2)
     body = _Body(given, mass, radius, gravity)
     estimates: dict[str, Estimate] = {}
     curves: dict[str, tuple[str, Any]] = {}
@@ -197,6 +210,15 @@ def fit_decay(
         about["envelope_autocorrelation"] = envelope.correlation
         told.append(_envelope_verdict(estimates))
     return make_fit("decay", estimates, " ".join(told), curves, about)
+
+
+def _check_rest(piece: xr.Dataset, length: float) -> None:
+    """Raise ValueError if the pivot moves."""
+    if is_driven(piece, length):
+        raise ValueError(
+            f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay needs a "
+            "pivot at rest; use fit_model, or start and end for the piece at rest"
+        )
 
 
 def _from(data: Data, begin: float) -> Data:
@@ -247,24 +269,32 @@ def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
     thin = slice(None, None, max(1, len(data) // _ENOUGH))
     data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
     # Friction that holds the ball at last makes false minima: two starts, the better counts.
-    tries = []
-    for law in ("linear", fullest):
-        with suppress(ValueError):  # the other start is enough
-            start = _shared(first, LAWS[law])
-            tries.append(_fit_equation(data, start, LAWS[fullest], limit=_TRIES))
-    if not tries:
-        tries = [_fit_equation(data, _shared(first, LAWS["linear"]), LAWS[fullest])]
-    whole = min(tries, key=lambda found: found.scatter)
+    starts = [_shared(first, LAWS[law]) for law in ("linear", fullest)]
+    whole = _best_fit(data, starts, LAWS[fullest])
     found = {}
     for name, terms in LAWS.items():
-        start = {**whole.values, **_shared(first, terms)}
+        if name == fullest:
+            found[name] = whole
+            continue
+        starts = [{**whole.values, **_shared(first, terms)}]
         if len(terms) > 1:
             least = {term: 1e-3 * first[term] for term in terms}
-            start = {**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}}
-        found[name] = whole if name == fullest else _fit_equation(
-            data, start, terms, correlation=whole.correlation, kept=whole.kept
-        )  # fmt: skip
+            starts.append({**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}})
+        found[name] = _best_fit(data, starts, terms, correlation=whole.correlation, kept=whole.kept)
     return found
+
+
+def _best_fit(
+    data: Data, starts: Sequence[Mapping[str, float]], terms: Sequence[str], **options: Any
+) -> Solution:
+    """Return the best of the fits from several starts, of which one must end."""
+    tries = []
+    for start in starts:
+        with suppress(ValueError):  # another start may be enough
+            tries.append(_fit_equation(data, start, terms, limit=_TRIES, **options))
+    if not tries:
+        return _fit_equation(data, starts[0], terms, **options)
+    return min(tries, key=lambda found: found.chi_square)
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:

@@ -257,6 +257,12 @@ def _minimized(minimizer: Any, limit: int) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         found = minimizer.minimize(method="leastsq", max_nfev=limit)
+    # lmfit's own words of such an end are about tolerances, which is misleading.
+    if found.aborted:
+        raise ValueError(
+            f"the fit does not end within {limit} trials: does the data show such a motion, and "
+            "are its units right?"
+        )
     if not found.success:
         raise ValueError(f"the fit does not end: {' '.join(str(found.message).split())}")
     return found

@@ -322,6 +322,23 @@ def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:
     return kept
 
 
+def _excess(each: Floats, sigmas: Floats) -> float:
+    """Return the variance beyond the sigmas that makes chi-square what it should be.
+
+    Paule & Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377: more than 0 wherever the reduced
+    chi-square is more than 1.
+    """
+    from scipy.optimize import brentq
+
+    def surplus(extra: float) -> float:
+        weights = 1.0 / (sigmas**2 + extra)
+        mean = float(np.sum(weights * each) / np.sum(weights))
+        return float(np.sum(weights * (each - mean) ** 2)) - (len(each) - 1)
+
+    # All as far apart as the outermost two: more cannot be needed.
+    return float(brentq(surplus, 0.0, float(np.ptp(each)) ** 2 * len(each)))
+
+
 def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str]:
     """Return the pooled coefficient, and what is said of its scatter and of speed."""
     weights = 1.0 / sigmas**2
@@ -331,8 +348,8 @@ def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str
     chi_square = float(np.sum(weights * (each - mean) ** 2)) / max(count - 1, 1)
     words = ""
     if count > 3 and chi_square > 1.0 + 3.0 * math.sqrt(2.0 / (count - 1)):
-        # Impacts differ by more than they are uncertain: all count alike then.
-        extra = max(float(np.var(each, ddof=1)) - float(np.mean(sigmas**2)), 0.0)
+        # Impacts differ by more than they are uncertain: all count nearly alike then.
+        extra = _excess(each, sigmas)
         weights = 1.0 / (sigmas**2 + extra)
         mean = float(np.sum(weights * each) / np.sum(weights))
         own = math.sqrt(1.0 / float(np.sum(weights)))
