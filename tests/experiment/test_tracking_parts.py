@@ -9,9 +9,12 @@ import pytest
 
 import latolato as ll
 from latolato.experiment.calibrate import Optics, _extremes, _hinge, _scatter, undistorted
-from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking import fitting, kernels, smears
+from latolato.experiment.tracking.appearance import Colours, samples_for
+from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted
+from latolato.experiment.video import Frame
 
 
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
@@ -37,6 +40,60 @@ def test_a_smeared_disc_covers_the_same_area_about_the_middle_of_its_path():
     assert layer[..., 3].sum() == pytest.approx(_disc((20.0, 20.0))[..., 3].sum(), rel=1e-3)
     columns = np.arange(41)
     assert (layer[..., 3].sum(axis=0) @ columns) / layer[..., 3].sum() == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("length", [10.0, 30.0, 70.0])
+def test_a_ball_swept_along_an_arc_is_the_mean_of_many_places(length):
+    radius, blur, arm, half = 12.0, 0.9, 150.0, 18
+    j, i = np.mgrid[-half : half + 1, -half : half + 1]
+    paint = np.stack([50.0 + 2.0 * i, 30.0 - j, 20.0 + 0.0 * i], axis=-1)
+
+    def path(count):
+        angles = 0.4 + length / arm * ((np.arange(count) + 0.5) / count - 0.5)
+        return np.stack([arm * np.sin(angles), arm * np.cos(angles) - 75.0], axis=-1)
+
+    pivot = np.array([0.0, -75.0])
+    exact, swept = np.zeros((2, 120, 140, 4), np.float32)
+    kernels.cover(path(400), np.zeros(400), radius, blur, paint, 0, 0, exact)
+    few = path(samples_for(length))
+    total, pieces = fitting.prepared(few, pivot, False, radius, blur, paint)
+    assert len(pieces) >= 1
+    fitting.draw(few, np.zeros(2), pivot, False, radius, blur, paint, pieces, total, 0, 0, swept)
+    assert swept[..., 3].sum() == pytest.approx(exact[..., 3].sum(), rel=1e-4)
+    assert np.abs(swept - exact)[..., 3].max() < 0.05
+    columns = np.arange(140)
+    middles = [
+        layer[..., 3].sum(axis=0) @ columns / layer[..., 3].sum() for layer in (exact, swept)
+    ]
+    assert middles[0] == pytest.approx(middles[1], abs=0.02)
+
+
+def test_a_path_that_turns_back_has_no_straight_pieces():
+    there = np.stack([np.linspace(0.0, 9.0, 6), np.zeros(6)], axis=-1)
+    assert len(smears.pieces_of(np.concatenate([there, there[::-1]]))) == 0
+
+
+@pytest.mark.parametrize("guess", [20.0, 17.0])
+def test_a_ball_of_two_colours_is_a_whole_disc(guess):
+    # One half is lighter, the other darker than the wall.
+    j, i = np.mgrid[:200, :200]
+    luma = np.full((200, 200), 110, np.uint8)
+    disc = np.hypot(i - 103.0, j - 98.0) < 20.0
+    luma[disc] = np.where(i[disc] > 103, 190, 40)
+    grey = np.full((100, 100), 128, np.uint8)
+    colours = Colours(kernels.linear_light(), kernels.colour_coefficients("bt709", True))
+    click, pivot = np.array([101.0, 100.0]), np.array([100.0, -80.0])
+    centre, radius = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
+    assert np.allclose(centre, [103.0, 98.0], atol=1.5)
+    assert radius == pytest.approx(20.0, rel=0.06)
+
+
+def test_contacts_are_told_at_their_time_also_after_the_middle_of_the_exposure():
+    predictor = Predictor(0.0, 0.2)
+    predictor.start(0.0, np.array([0.2, -0.2]), np.array([-10.0, 10.0]), 0.01)
+    expected = predictor.predict(0.005, np.array([0.005]), 0.0, until=0.015)
+    assert expected.contact_times == pytest.approx([0.01])
+    assert expected.angles == pytest.approx([0.15, -0.15])
 
 
 def test_normal_equations_find_a_shift_of_a_disc():

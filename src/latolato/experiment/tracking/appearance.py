@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking import fitting, kernels
 from latolato.experiment.video import Video
 
 # Angles tried around the circle per radius of the ball.
 _FINENESS = 2.5
 # First steps take residuals this much larger for what they are, to be drawn from farther away.
 _TOLERANT = 4.0
-# Steps below this are the last [pixels]; balls beyond this radius need every second pixel only.
-_CONVERGED, _LARGE = 0.02, 14.0
-# Largest number of samples along the path of a smeared ball.
-_MOST_SAMPLES = 48
+# Balls beyond this radius need every second pixel only [pixels].
+_LARGE = 14.0
+# Samples along the path of a smeared ball: up to these every 2 pixels, beyond in this spacing.
+_FEW_SAMPLES, _SPACING = 5, 6.0
 
 
 _UNCHANGED = np.eye(3, dtype=np.float32)
@@ -122,8 +122,13 @@ class Appearance:
         """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
         layer = np.zeros((*shape, 4), np.float32)
         x, y = int(corner[0]), int(corner[1])
-        turns = self.turns(path, pivot)
-        kernels.cover(path, turns, self.radius, self.blur, self.white_paint, x, y, layer)
+        total, pieces = fitting.prepared(
+            path, pivot, self.is_spinning, self.radius, self.blur, self.white_paint
+        )
+        fitting.draw(
+            path, np.zeros(2), pivot, self.is_spinning, self.radius, self.blur, self.white_paint,
+            pieces, total, x, y, layer,
+        )  # fmt: skip
         return layer
 
     def seen(
@@ -217,29 +222,14 @@ def fit_balls(
     seen = look.seen(planes, low, shape, is_sparse=is_sparse)
     behind = look.background(low, shape)
     shift = np.zeros((balls, 2))
-    matrix, vector = np.empty((2 * balls, 2 * balls)), np.empty(2 * balls)
-    tally = np.empty((balls, 4))
-    cost = 0.0
-    for round_ in range(rounds):
-        layers = np.stack(
-            [look.ball(p + s, pivot, low, shape) for p, s in zip(paths, shift, strict=True)]
-        )
-        centres = np.stack([p.mean(axis=0) + s for p, s in zip(paths, shift, strict=True)])
-        scale = look.scale * (_TOLERANT if round_ < tolerant else 1.0)
-        cost = kernels.normal_equations(
-            seen, behind, layers, centres, pivot, look.radius, low.astype(float), scale, is_sparse,
-            matrix, vector, tally,
-        )  # fmt: skip
-        matrix += np.eye(2 * balls) * (prior + 1e-9)
-        vector -= prior * shift.ravel()
-        if round_ == rounds - 1:
-            break
-        step = np.linalg.solve(matrix, vector).reshape(balls, 2)
-        length = np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-12)
-        step *= np.minimum(1.0, 0.3 * look.radius / length)[:, None]
-        shift += step
-        if round_ >= tolerant and np.max(np.abs(step)) < _CONVERGED:
-            break
+    matrix, tally = np.empty((2 * balls, 2 * balls)), np.empty((balls, 4))
+    scales = np.full(rounds, look.scale)
+    scales[:tolerant] *= _TOLERANT
+    cost = fitting.settle(
+        seen, behind, everything, np.cumsum([len(path) for path in paths]), pivot,
+        look.is_spinning, look.radius, look.blur, look.white_paint, low.astype(float), scales,
+        prior, is_sparse, shift, matrix, tally,
+    )  # fmt: skip
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
     return Fit(
@@ -253,8 +243,9 @@ def arc(pivots: np.ndarray, angles: np.ndarray, arm: float) -> np.ndarray:
 
 
 def samples_for(length: float) -> int:
-    """Return how many samples make a smear of some pixels smooth."""
-    return int(min(max(1, math.ceil(length / 2.0)), _MOST_SAMPLES))
+    """Return how many samples make a smear of some pixels smooth; straight pieces need fewer."""
+    most = max(_FEW_SAMPLES, math.ceil(length / _SPACING))
+    return min(max(1, math.ceil(length / 2.0)), most)
 
 
 def best_angles(

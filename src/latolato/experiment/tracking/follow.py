@@ -22,14 +22,19 @@ from latolato.experiment.video import Frame, Video
 
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
 _MEASURED, _WHOLE = 0.4, 0.82
-# The same for a ball whose pattern turns through the light, which no one template describes.
-_WHOLE_TURNING = 0.55
+# The same for a ball whose pattern turns through the light, or that no one template describes
+# because it looks otherwise from frame to frame: less than this share typically looks like it.
+_WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
 # Time after which a ball that was not seen is lost [s].
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
 # Error of the pivot's smear that is worth a second look [pixels].
 _SMEAR = 1.0
+# By how much the exposure may be longer than was learned, as a share of the interval.
+_UNSURE_EXPOSURE = 0.04
+# Contacts this much before the middle of an exposure count as its own: a share of the interval.
+_BEFORE = 0.25
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # How far from the circle a centre may lie, as a share of the ball's radius.
@@ -118,6 +123,8 @@ class _Follower:
         self.unseen = np.zeros(scene.balls)
         self.is_begun = False
         self.pivot_cost = 0.0
+        # Contacts this close to the middle of an exposure [s] belong to it.
+        self.near = (0.5 * scene.look.exposure + _UNSURE_EXPOSURE) * interval
 
     def pivot_in(self, frame: Frame) -> np.ndarray:
         """Return the pivot's place in a frame."""
@@ -188,7 +195,8 @@ class _Follower:
         count = samples_for(speed * exposure * scene.arm)
         instants = frame.time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
         places, lift = self._pivot_motion(instants)
-        expected = predictor.predict(frame.time, instants, lift / scene.arm)
+        until = frame.time + self.near
+        expected = predictor.predict(frame.time, instants, lift / scene.arm, until)
         if np.any(self.unseen > _PATIENCE):
             self._search(frame, pivot, expected)
         angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=0)
@@ -344,14 +352,15 @@ class _Follower:
         scene, predictor = self.scene, self.predictor
         balls = scene.balls
         centres, flags = np.full((balls, 2), np.nan), np.full(balls, "lost", "U9")
-        half = max(0.5 * scene.look.exposure, 0.25) * self.interval
-        is_contact = any(abs(t - frame.time) <= half for t in expected.contact_times)
+        early = max(self.near, _BEFORE * self.interval)
+        is_contact = any(-early <= t - frame.time <= self.near for t in expected.contact_times)
         for b, (centre, explained, _) in enumerate(fits):
             if not bad[b]:
                 self.unseen[b] = 0.0
                 centres[b] = centre
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
-                whole = _WHOLE_TURNING if scene.look.is_spinning else _WHOLE
+                is_varied = scene.look.is_spinning or scene.explained < _DESCRIBED
+                whole = _WHOLE_TURNING if is_varied else _WHOLE
                 if explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:

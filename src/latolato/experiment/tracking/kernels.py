@@ -7,25 +7,17 @@ red, green and blue between 0 and 1.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
 
-import numba
 import numpy as np
+
+from latolato.experiment.tracking.jit import jit
 
 # Steps of the table that turns a coded value between 0 and 255 into linear light.
 _FINENESS = 4
-_Kernel = TypeVar("_Kernel", bound=Callable[..., Any])
 # Part of a ball's largest share from which a pixel is the ball's.
 _CORE = 0.7
 # Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
 _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
-
-
-def _jit(kernel: _Kernel) -> _Kernel:
-    """Return a kernel compiled; its machine code is kept between processes."""
-    options: Any = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
-    return cast(_Kernel, numba.njit(cache=True, nogil=True, **options)(kernel))
 
 
 def linear_light() -> np.ndarray:
@@ -44,7 +36,7 @@ def colour_coefficients(matrix: str, is_full_range: bool) -> np.ndarray:
     return np.array([gain, offset, red, -kb * blue / kg, -kr * red / kg, blue], np.float32)
 
 
-@_jit
+@jit
 def _linear(value: float, table: np.ndarray) -> float:
     """Look up the linear light of a coded value."""
     at = min(max(value, 0.0), 255.0) * _FINENESS
@@ -52,7 +44,7 @@ def _linear(value: float, table: np.ndarray) -> float:
     return light
 
 
-@_jit
+@jit
 def _chroma(plane: np.ndarray, column: float, row: float) -> float:
     """Interpolate a chroma plane at a luma position (columns cosited, rows between)."""
     height, width = plane.shape
@@ -67,7 +59,7 @@ def _chroma(plane: np.ndarray, column: float, row: float) -> float:
     return chroma
 
 
-@_jit
+@jit
 def window(
     luma: np.ndarray,
     blue: np.ndarray,
@@ -103,7 +95,7 @@ def window(
                 out[j, i, c] = whiten[c, 0] * first + whiten[c, 1] * second + whiten[c, 2] * third
 
 
-@_jit
+@jit
 def cover(
     path: np.ndarray,
     turns: np.ndarray,
@@ -125,6 +117,7 @@ def cover(
     half = (paint.shape[0] - 1) // 2
     weight = 1.0 / path.shape[0]
     reach = radius + 2.0 * blur
+    core = max(radius - 2.0 * blur, 0.0) ** 2
     for k in range(path.shape[0]):
         cx, cy = path[k, 0] - left, path[k, 1] - top
         cosine, sine = math.cos(turns[k]), math.sin(turns[k])
@@ -135,25 +128,49 @@ def cover(
             wide = math.sqrt(reach * reach - dy * dy)
             for i in range(max(0, int(cx - wide)), min(columns, int(cx + wide) + 2)):
                 dx = i - cx
-                depth = (radius - math.sqrt(dx * dx + dy * dy)) / blur
-                if depth <= -2.0:
-                    continue
-                # A smooth edge close to the integral of a bell of standard deviation `blur`.
-                share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
-                share *= weight
+                share = weight
+                if dx * dx + dy * dy > core:
+                    depth = (radius - math.sqrt(dx * dx + dy * dy)) / blur
+                    if depth <= -2.0:
+                        continue
+                    # A smooth edge close to the integral of a bell of standard deviation `blur`.
+                    share *= 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
-                p, q = int(u), int(v)
+                # Whole numbers without a sign spare the question whether they count from the end.
+                p, q, one = np.uint64(u), np.uint64(v), np.uint64(1)
                 a, b = u - p, v - q
+                k11, k10, k01 = share * a * b, share * b, share * a
+                k10, k01, k00 = k10 - k11, k01 - k11, share - k10 - k01 + k11
                 for c in range(3):
-                    colour = (1.0 - b) * (
-                        (1.0 - a) * paint[q, p, c] + a * paint[q, p + 1, c]
-                    ) + b * ((1.0 - a) * paint[q + 1, p, c] + a * paint[q + 1, p + 1, c])
-                    out[j, i, c] += share * colour
+                    out[j, i, c] += (
+                        k00 * paint[q, p, c]
+                        + k01 * paint[q, p + one, c]
+                        + k10 * paint[q + one, p, c]
+                        + k11 * paint[q + one, p + one, c]
+                    )
                 out[j, i, 3] += share
 
 
-@_jit
+@jit
+def turned(image: np.ndarray, centre: np.ndarray, turn: float, out: np.ndarray) -> None:
+    """Write the image about a centre, turned back, into `out`, shape (2 m + 1, 2 m + 1, 3)."""
+    half = (out.shape[0] - 1) // 2
+    cosine, sine = math.cos(turn), math.sin(turn)
+    rows, columns = image.shape[0], image.shape[1]
+    for j in range(-half, half + 1):
+        for i in range(-half, half + 1):
+            x = min(max(centre[0] + i * cosine + j * sine, 0.0), columns - 1.001)
+            y = min(max(centre[1] - i * sine + j * cosine, 0.0), rows - 1.001)
+            p, q = int(x), int(y)
+            a, b = x - p, y - q
+            for c in range(3):
+                out[half + j, half + i, c] = (1.0 - b) * (
+                    (1.0 - a) * image[q, p, c] + a * image[q, p + 1, c]
+                ) + b * ((1.0 - a) * image[q + 1, p, c] + a * image[q + 1, p + 1, c])
+
+
+@jit
 def normal_equations(
     seen: np.ndarray,
     behind: np.ndarray,
@@ -245,7 +262,7 @@ def normal_equations(
     return cost
 
 
-@_jit
+@jit
 def _has_slope(layers: np.ndarray, j: int, i: int) -> bool:
     """Return whether a pixel or a neighbour is covered by any layer."""
     for b in range(layers.shape[0]):
@@ -260,7 +277,7 @@ def _has_slope(layers: np.ndarray, j: int, i: int) -> bool:
     return False
 
 
-@_jit
+@jit
 def _is_rod(x: float, y: float, centres: np.ndarray, pivot: np.ndarray, radius: float) -> bool:
     """Return whether a pixel lies where a rod hides the background beside its ball."""
     for b in range(centres.shape[0]):
@@ -274,7 +291,7 @@ def _is_rod(x: float, y: float, centres: np.ndarray, pivot: np.ndarray, radius: 
     return False
 
 
-@_jit
+@jit
 def gains(
     seen: np.ndarray,
     behind: np.ndarray,
@@ -317,98 +334,3 @@ def gains(
                 if as_wall == as_wall:  # both are known
                     total += as_wall / (limit + as_wall) - as_ball / (limit + as_ball)
         out[k] = total / max(count, 1)
-
-
-@_jit
-def _cubic(s: float) -> tuple[float, float, float, float]:
-    """Return Keys' cubic convolution weights of the four neighbours at `s` between two pixels."""
-    return (
-        ((-0.5 * s + 1.0) * s - 0.5) * s,
-        (1.5 * s - 2.5) * s * s + 1.0,
-        ((-1.5 * s + 2.0) * s + 0.5) * s,
-        (0.5 * s - 0.5) * s * s,
-    )
-
-
-@_jit
-def resample(plane: np.ndarray, left: float, top: float, out: np.ndarray) -> None:
-    """Write the plane's values at (left + column, top + row) into `out`, cubic convolution."""
-    i0, j0 = math.floor(left), math.floor(top)
-    a = _cubic(left - i0)
-    b = _cubic(top - j0)
-    height, width = plane.shape
-    for j in range(out.shape[0]):
-        for i in range(out.shape[1]):
-            total = 0.0
-            for n in range(4):
-                y = min(max(j0 + j + n - 1, 0), height - 1)
-                line = 0.0
-                for m in range(4):
-                    x = min(max(i0 + i + m - 1, 0), width - 1)
-                    line += a[m] * plane[y, x]
-                total += b[n] * line
-            out[j, i] = total
-
-
-@_jit
-def shift_equations(
-    seen: np.ndarray,
-    model: np.ndarray,
-    weight: np.ndarray,
-    limit: float,
-    matrix: np.ndarray,
-    vector: np.ndarray,
-) -> float:
-    """Fill the normal equations of a shift of `model` towards `seen`; return the robust cost."""
-    matrix[:] = 0.0
-    vector[:] = 0.0
-    cost = 0.0
-    for j in range(1, model.shape[0] - 1):
-        for i in range(1, model.shape[1] - 1):
-            if weight[j, i] <= 0.0:
-                continue
-            r = seen[j, i] - model[j, i]
-            robust = 1.0 / (1.0 + weight[j, i] * r * r / limit)
-            cost += weight[j, i] * r * r * robust
-            factor = weight[j, i] * robust * robust
-            sx = -0.5 * (model[j, i + 1] - model[j, i - 1])
-            sy = -0.5 * (model[j + 1, i] - model[j - 1, i])
-            vector[0] += factor * sx * r
-            vector[1] += factor * sy * r
-            matrix[0, 0] += factor * sx * sx
-            matrix[0, 1] += factor * sx * sy
-            matrix[1, 1] += factor * sy * sy
-    matrix[1, 0] = matrix[0, 1]
-    return cost
-
-
-@_jit
-def search_shift(
-    plane: np.ndarray,
-    model: np.ndarray,
-    weight: np.ndarray,
-    corners: np.ndarray,
-    limit: float,
-    stride: int,
-    out: np.ndarray,
-) -> None:
-    """Write the robust difference between `model` and the plane at each whole-pixel corner.
-
-    Every `stride`-th pixel is looked at.
-    """
-    height, width = plane.shape
-    for k in range(corners.shape[0]):
-        cost, total = 0.0, 0.0
-        for j in range(0, model.shape[0], stride):
-            y = corners[k, 1] + j
-            for i in range(0, model.shape[1], stride):
-                x = corners[k, 0] + i
-                if weight[j, i] <= 0.0:
-                    continue
-                total += 1.0
-                if x < 0 or y < 0 or x >= width or y >= height:
-                    cost += 1.0
-                    continue
-                r = plane[y, x] - model[j, i]
-                cost += weight[j, i] * r * r / (limit + weight[j, i] * r * r)
-        out[k] = cost / max(total, 1.0)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-import warnings
-
 import numpy as np
 
+from latolato.experiment.tracking import kernels
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
 
@@ -61,19 +59,14 @@ def painted(
     frame: Frame, centre: np.ndarray, turn: float, colours: Colours, radius: float, inner: float
 ) -> np.ndarray:
     """Return the colours about a centre, turned back, extended beyond `inner` by the nearest."""
-    from scipy.ndimage import map_coordinates
-
     half = int(np.ceil(1.3 * radius)) + 2
     reach = int(1.5 * half) + 2
     corner = np.floor(centre).astype(int) - reach
     side = 2 * reach + 2
     image = np.nan_to_num(colours.window(frame[2:], (int(corner[0]), int(corner[1])), (side, side)))
-    j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
-    x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
-    y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
-    paint = np.stack(
-        [map_coordinates(image[..., c], [y, x], order=1, mode="nearest") for c in range(3)], axis=-1
-    )
+    paint = np.empty((2 * half + 1, 2 * half + 1, 3))
+    kernels.turned(image, centre - corner, turn, paint)
+    j, i = np.indices(paint.shape[:2]) - half
     paint[np.hypot(i, j) > inner] = np.nan
     return np.asarray(filled(paint), float)
 
@@ -107,9 +100,10 @@ def learn_background(
         image = look.colours.window(frame[2:], corner, shape)
         colours[k] = image[rows - low[0], columns - low[1]]
         colours[k][hidden[k, rows, columns]] = np.nan
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # pixels that no frame shows
-        seen = np.nanmedian(colours, axis=0)
+    # The lower median of the frames that show a pixel, which sorting puts first; none: unknown.
+    colours.sort(axis=0)
+    middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
+    seen = np.take_along_axis(colours, middle[None], axis=0)[0]
     behind = look.behind.copy()
     behind[rows, columns] = seen
     look.behind = filled(behind)

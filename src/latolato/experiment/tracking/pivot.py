@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking import shifts as kernels
 from latolato.experiment.video import Frame
 
 # Residuals beyond this many standard deviations count little.
@@ -20,6 +20,11 @@ _SIZES = (6, 9, 13, 19, 27, 38, 54)
 _SHOWS, _SHOWS_SHARE = 4.0, 0.3
 # How much of the wall around the pivot belongs to its edge [pixels].
 _EDGE = 2
+# Frames in which templates of several sizes are compared.
+_JUDGES = 8
+# Rows by which a template moves that does not rest, and the share of the clearness of one that
+# rests at which it is believed.
+_MOVES, _SUFFICES = 4.0, 0.5
 # Fewest pixels a template may be compared at.
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
@@ -97,12 +102,13 @@ class PivotTracker:
         start = self._search(luma, guess, model, room)
         return self._refine(luma, start, model)
 
-    def margin(self, luma: np.ndarray) -> float:
-        """Return how much worse the template fits anywhere else than at its best place."""
+    def margin(self, luma: np.ndarray) -> tuple[float, float]:
+        """Return how much worse the template fits elsewhere than at its best place, and its row."""
         corners, cost = self._costs(luma, None, self.template)
-        away = np.abs(corners - corners[np.argmin(cost)]).max(axis=1)
+        best = corners[np.argmin(cost)]
+        away = np.abs(corners - best).max(axis=1)
         far = cost[away > max(3, self.half // 3)]
-        return float(far.min() - cost.min()) if len(far) else 0.0
+        return float(far.min() - cost.min()) if len(far) else 0.0, float(best[1])
 
     def _smeared(self, smear: np.ndarray) -> np.ndarray:
         """Return the template averaged along a motion within the exposure."""
@@ -110,12 +116,8 @@ class PivotTracker:
         if length < 0.3:
             return self.template
         count = int(np.ceil(length)) + 1
-        total = np.zeros_like(self.template)
-        part = np.empty_like(self.template)
-        for share in (np.arange(count) + 0.5) / count - 0.5:
-            kernels.resample(self.template, -share * smear[0], -share * smear[1], part)
-            total += part
-        return total / count
+        averaged: np.ndarray = kernels.smeared(self.template, smear[0], smear[1], count)
+        return averaged
 
     def _costs(
         self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int = 3
@@ -124,7 +126,7 @@ class PivotTracker:
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
-            low, high = near - 3, near + 3
+            low, high = near - 2, near + 2
             low[1], high[1] = near[1] - room, near[1] + room
         columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
         shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
@@ -149,27 +151,9 @@ class PivotTracker:
         self, luma: np.ndarray, shift: np.ndarray, model: np.ndarray
     ) -> tuple[np.ndarray, float]:
         """Return the shift to a fraction of a pixel (Gauss-Newton), and the mean cost."""
-        size = model.shape[0]
-        moved = np.empty_like(model)
-        matrix, vector = np.empty((2, 2)), np.empty(2)
         shift = shift.astype(float)
-        cost = np.inf
-        for _ in range(6):
-            corner = self.origin - self.half + shift
-            whole = np.rint(corner).astype(int)
-            rest = corner - whole
-            x0, y0 = whole
-            if x0 < 0 or y0 < 0 or x0 + size > luma.shape[1] or y0 + size > luma.shape[0]:
-                return shift, np.inf
-            kernels.resample(model, -rest[0], -rest[1], moved)
-            seen = luma[y0 : y0 + size, x0 : x0 + size]
-            cost = kernels.shift_equations(seen, moved, self.weight, _LIMIT, matrix, vector)
-            matrix += np.eye(2) * (1e-9 + 1e-6 * np.trace(matrix))
-            step = np.linalg.solve(matrix, vector)
-            step = np.clip(step, -1.0, 1.0)
-            shift = shift + step
-            if np.max(np.abs(step)) < 2e-3:
-                break
+        corner = self.origin - self.half
+        cost = kernels.refine_shift(luma, model, self.weight, _LIMIT, corner, shift)
         return shift, cost / max(float(np.count_nonzero(self.weight)), 1.0)
 
 
@@ -348,12 +332,12 @@ def _distinct(
     """Return the tracker with the template that is found most clearly at one place per frame.
 
     A textured wall is found very clearly, always at the same place: templates are tried with and
-    without what looks as the median of the frames does.
+    without what looks as the median of the frames does, and one that moves needs less to win.
     """
     tall, wide = 0.4 * arm, 3.0
     reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
-    some = frames[:: max(1, len(frames) // 12)]
-    best: tuple[float, PivotTracker] | None = None
+    some = frames[:: max(1, len(frames) // _JUDGES)]
+    best: dict[bool, tuple[float, PivotTracker]] = {}
     for half in sorted({min(size, room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
         inside = np.hypot(*(np.indices(template.shape) - half)) <= half + 0.5
@@ -367,11 +351,15 @@ def _distinct(
                 continue
             noise = min(max(_SHARE * height, 1.0), 8.0)
             tracker = PivotTracker(click, template, np.where(used, 1.0 / noise**2, 0.0), reach)
-            margin = float(np.quantile([tracker.margin(f.luma) for f in some], 0.25))
-            if best is None or margin > best[0]:
-                best = (margin, tracker)
-    assert best is not None
-    return best[1]
+            margins, rows = np.transpose([tracker.margin(f.luma) for f in some])
+            margin, moves = float(np.quantile(margins, 0.25)), bool(np.ptp(rows) > _MOVES)
+            if moves not in best or margin > best[moves][0]:
+                best[moves] = (margin, tracker)
+    moving, resting = best.get(True), best.get(False)
+    if moving is None or (resting is not None and moving[0] < _SUFFICES * resting[0]):
+        assert resting is not None
+        return resting[1]
+    return moving[1]
 
 
 def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:

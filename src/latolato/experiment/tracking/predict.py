@@ -72,15 +72,17 @@ class Predictor:
             [np.diag([sigma**2, speed**2 if np.isnan(v) else 0.25 * v**2 + 1.0]) for v in speeds]
         )
 
-    def predict(self, time: float, instants: np.ndarray, pivot_stiffness: float) -> Prediction:
+    def predict(
+        self, time: float, instants: np.ndarray, pivot_stiffness: float, until: float = -math.inf
+    ) -> Prediction:
         """Return the state at `time` and the angles at `instants`, sorted, around it.
 
         `pivot_stiffness` is the pivot's acceleration over the length [1/s^2], which adds to
-        gravity's.
+        gravity's. Contacts are told up to `until` [s] at least.
         """
         force = self.stiffness + pivot_stiffness
         angles, speeds = self.angles.copy(), self.velocities.copy()
-        stops = np.union1d(instants, [time])
+        stops = np.union1d(instants, [time, max(time, until)])
         path = np.empty((len(instants), len(angles)))
         now, contacts = self.time, []
         state = angles.copy(), speeds.copy()
@@ -93,8 +95,10 @@ class Predictor:
                     speeds[b] -= h * force * restoring_sine(angles[b])
                 angles += 0.5 * h * speeds
                 now += h
-                if len(angles) == 2 and self._collide(angles, speeds):
-                    contacts.append(now)
+                if len(angles) == 2:
+                    ago = self._collide(angles, speeds)
+                    if ago is not None:
+                        contacts.append(now - ago)
             now = stop
             path[instants == stop] = angles
             if stop == time:
@@ -102,8 +106,11 @@ class Predictor:
         spread = self._spread(time - self.time, force, contacts)
         return Prediction(*state, spread, path, contacts, state[0].copy())
 
-    def _collide(self, angles: np.ndarray, speeds: np.ndarray) -> bool:
-        """Reflect two balls that would pass each other, at the bottom or at the top."""
+    def _collide(self, angles: np.ndarray, speeds: np.ndarray) -> float | None:
+        """Reflect two balls that would pass each other, at the bottom or at the top.
+
+        Returns how long ago they met [s], or None if they did not or hardly moved.
+        """
         between, closing = angles[0] - angles[1], speeds[0] - speeds[1]
         for wall, sign in ((self.gap, 1.0), (2.0 * math.pi - self.gap, -1.0)):
             past = sign * (wall - between)
@@ -114,8 +121,8 @@ class Predictor:
                 if hits:
                     change = -0.5 * (1.0 + _RESTITUTION) * closing
                     speeds += np.array([change, -change])
-                return bool(hits and abs(closing) > 0.05)
-        return False
+                return float(past / abs(closing)) if hits and abs(closing) > 0.05 else None
+        return None
 
     def _spread(self, interval: float, force: float, contacts: list[float]) -> np.ndarray:
         """Return the covariance after an interval."""

@@ -19,6 +19,10 @@ _TEACHES = 0.8
 # Luminance of linear light (BT.709), its noise, and the difference that shows an edge.
 _LUMA = np.array([0.2126, 0.7152, 0.0722])
 _FAINT, _DIFFERS = 0.01, 0.06
+# How many of the fastest balls tell the exposure, and how many of the slowest the edge.
+_FASTEST, _SLOWEST = 6, 6
+# Balls around which noise is learned.
+_RINGS = 16
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
 _SLOW = 0.4
 
@@ -58,7 +62,7 @@ def learn_look(
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
     _learn_paint(look, frames, teachers, arm)
-    _learn_edge(look, frames, teachers[:6], arm, widths)
+    _learn_edge(look, frames, teachers[:_SLOWEST], arm, widths)
     _learn_noise(look, frames, good)
     return arm
 
@@ -139,7 +143,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> N
     """Learn the covariance of what the background does not explain around the balls."""
     outer, inner, rest_walls = [], [], []
     exposure = look.exposure or 0.5
-    for one in found[:: max(1, len(found) // 30)]:
+    for one in found[:: max(1, len(found) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
         smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
         half = int(1.7 * look.radius + 0.5 * smear) + 2
@@ -206,7 +210,7 @@ def learn_exposure(
             if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
                 alone.append(one)
         moving = alone
-    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:6]
+    fastest = sorted(moving, key=lambda one: -abs(one.speed))[:_FASTEST]
     if len(fastest) < 3:
         return
 
@@ -217,14 +221,28 @@ def learn_exposure(
             for one in fastest
         )
 
-    middle, step = (look.exposure, 0.1) if look.exposure > 0.0 else (0.5, 0.25)
+    middle, step = (look.exposure, 0.05) if look.exposure > 0.0 else (0.5, 0.25)
     costs: dict[float, float] = {}
     while step > 0.04:
         for share in np.clip(middle + step * np.arange(-2, 3), 0.0, 1.0).round(4).tolist():
             if share not in costs:
                 costs[share] = cost(share)
         middle, step = min(costs, key=costs.__getitem__), 0.5 * step
-    look.exposure = middle
+    look.exposure = _least(costs)
+
+
+def _least(costs: dict[float, float]) -> float:
+    """Return where costs are least: on the parabola through the least and its neighbours."""
+    places = sorted(costs)
+    at = min(range(len(places)), key=lambda k: costs[places[k]])
+    if at in (0, len(places) - 1):
+        return places[at]
+    (a, b, c), (p, q, r) = places[at - 1 : at + 2], [costs[x] for x in places[at - 1 : at + 2]]
+    bend = (r - q) / (c - b) - (q - p) / (b - a)
+    if not bend > 0.0:
+        return b
+    slope = (q - p) / (b - a)
+    return min(max(0.5 * (a + b) - 0.5 * slope * (c - a) / bend, a), c)
 
 
 def _cost_in_window(
