@@ -25,6 +25,7 @@ MODULES = (
     "js/block.js",
     "js/motion.js",
     "js/clock.js",
+    "js/clack.js",
     "js/later.js",
     "js/band.js",
     "js/scene.js",

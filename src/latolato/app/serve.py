@@ -94,4 +94,4 @@ def _warm() -> None:
     from latolato.app.runs import run_block
 
     registry()
-    run_block(Asked("fig04b_push", {"duration": "1 s"}))
+    run_block(Asked("toy", {"duration": "1 s"}))

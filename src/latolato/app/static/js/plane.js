@@ -8,6 +8,7 @@ const LEFT = 52;
 const BELOW = 34;
 const ABOVE = 10;
 const RIGHT = 12;
+const LEAST_MARKS = 3;
 
 /**
  * Return round numbers between two, about `count` of them.
@@ -20,11 +21,15 @@ export function ticks(low, high, count = 5) {
   const rough = (high - low) / count;
   if (!(rough > 0) || !Number.isFinite(rough)) return [low];
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= rough) ?? rough;
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
-    found.push(Math.abs(k) < 1e-9 ? 0 : k * step);
-  return found;
+  const steps = [0.2, 0.5, 1, 2, 5, 10].map((k) => k * power);
+  // The step that is asked for, or a finer one if that left less than three marks.
+  for (let i = steps.findIndex((s) => s >= rough * (1 - 1e-9)); ; i -= 1) {
+    const step = steps[i];
+    const found = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
+      found.push(Math.abs(k) < 1e-9 ? 0 : k * step);
+    if (found.length >= LEAST_MARKS || i === 0) return found;
+  }
 }
 
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, paint: string, dots?: boolean,

@@ -1,11 +1,12 @@
 /** The player: animation, transport and curves of one run, on one clock. */
 
+import { Clack } from "./clack.js";
 import { Clock } from "./clock.js";
 import { Curves, scaled } from "./curves.js";
 import { el, freshId } from "./dom.js";
 import { Later } from "./later.js";
 import { Plane } from "./plane.js";
-import { Scene } from "./scene.js";
+import { range, Scene } from "./scene.js";
 import { t } from "./strings.js";
 import { short } from "./units.js";
 
@@ -99,6 +100,13 @@ export class Player {
           el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
         el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts)));
     this.scene = new Scene(canvas);
+    this.clack = new Clack();
+    this.scene.onContact = (k) => {
+      const { arrays } = /** @type {Motion} */ (this.motion).block;
+      if (arrays.contact_kind[k] > 1) return;
+      this.clack.sound(Math.abs(arrays.angular_velocity_before[k]) / this.fastest);
+    };
+    this.fastest = 1;
     this.curves = new Curves(curves, this.clock, PANELS);
     const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
     this.phase = new Plane(phase, labels);
@@ -127,6 +135,9 @@ export class Player {
       this.scene.arrows = arrows.checked;
       this.scene.draw();
     } } });
+    const sound = el("input", { type: "checkbox", on: { change: () => {
+      this.clack.on = sound.checked;
+    } } });
     return el("div", { class: "transport" },
       el("div", { class: "row" }, this.button,
         el("button", { type: "button", class: "plain", "aria-label": t("stepBack"),
@@ -137,7 +148,8 @@ export class Player {
       el("div", { class: "row" },
         el("label", { for: id }, t("speed")), this.speed,
         el("label", { class: "check" }, this.loop, t("loop")),
-        el("label", { class: "check", title: t("arrowsHint") }, arrows, t("arrows"))));
+        el("label", { class: "check", title: t("arrowsHint") }, arrows, t("arrows")),
+        el("label", { class: "check" }, sound, t("sound"))));
   }
 
   /**
@@ -149,6 +161,8 @@ export class Player {
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;
     this.scene.show(motion);
+    const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
+    this.fastest = Math.max(-slow, fast, 1e-9);
     this.later.run([
       ...this.curves.show(motion, this.pinned),
       () => this.showPhase(),

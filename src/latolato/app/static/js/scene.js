@@ -16,6 +16,8 @@ export class Scene {
     this.motion = null;
     this.time = 0;
     this.arrows = false;
+    /** Called with the number of a contact that is passed. */
+    this.onContact = (/** @type {number} */ _k) => {};
     this.flash = -1;
     this.flashAt = 0;
     /** @type {Motion | null} a run that is drawn behind, in outline */
@@ -70,6 +72,7 @@ export class Scene {
         if (contacts[k] > this.time) {
           this.flash = this.motion?.block.arrays.contact_kind[k] ?? -1;
           this.flashAt = performance.now();
+          this.onContact(k);
         }
         break;
       }

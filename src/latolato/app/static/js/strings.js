@@ -38,6 +38,7 @@ export const STRINGS = {
   speed: "Speed",
   loop: "Loop",
   arrows: "Arrows",
+  sound: "Sound",
   arrowsHint: "velocity and force of each ball",
   timeText: "t = {time} s",
   speedText: "{speed}×",

@@ -10,7 +10,7 @@ import { t } from "../strings.js";
 /** @typedef {import("../main.js").Page} Page */
 
 /** What is on show where the address says nothing. */
-export const FIRST = "fig04b_push";
+export const FIRST = "toy";
 // A server that does not answer is asked again after this time.
 const RETRY = 1000; // ms
 
