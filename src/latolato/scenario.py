@@ -282,6 +282,8 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
     for part, new in changes.items():
         old = dict(checked_table(tables.get(part, {}), part))
         kind = new.get("kind")
+        if kind is not None and not isinstance(kind, str):
+            raise TypeError(f"the kind of {part} must be a text, got {kind!r}")
         if part in ("system", "drive") and kind is not None and kind != old.get("kind"):
             law = (systems if part == "system" else drives)[kind]
             known = {f.name for f in fields(law)}
