@@ -36,8 +36,13 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "gate"))
 SAMPLED = np.linspace(0.0, 12.0, 121)
 # Values of the fields that hold a sequence.
 ARRAYS = {
+    # A change that begins before the last one has ended, too.
+    ("times", "ramps"): lambda: (0.0, 1.5, 1.8, 4.0),
+    ("drive_frequencies", "ramps"): lambda: (7.0, 4.0, 5.5, 6.0),
     ("times", "drive_frequencies"): lambda: (0.0, 1.5, 4.0),
     ("drive_frequencies", "times"): lambda: (7.0, 4.0, 5.5),
+    ("drive_amplitudes", "ramps"): lambda: (0.03, 0.05, 0.01, 0.02),
+    ("ramps", "drive_amplitudes"): lambda: (0.1, 0.5, 0.3, 0.2),
     ("times", "pivot_heights"): lambda: tuple(SAMPLED),
     ("pivot_heights", "times"): lambda: tuple(
         0.03 * np.cos(5.0 * SAMPLED) + 0.01 * np.sin(2.0 * SAMPLED)

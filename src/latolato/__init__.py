@@ -35,6 +35,7 @@ from latolato.physics.drives import (
     FrequencySchedule,
     Harmonic,
     MeasuredPivot,
+    Stages,
     Static,
 )
 from latolato.physics.noise import VelocityKicks
@@ -119,6 +120,7 @@ __all__ = [
     "Scenario",
     "SelfStart",
     "SlackFraction",
+    "Stages",
     "Static",
     "Stroboscope",
     "TopContacts",

@@ -105,8 +105,10 @@ def test_zero_amplitude_is_a_pivot_at_rest(name):
         "drive_frequency_final": 7.0,
         "sweep_time": 3.0,
         "connecting_rod_length": 0.1,
-        "times": (0.0, 1.0, 2.0) if name == "frequency_schedule" else tuple(np.arange(0.0, 12.0)),
+        "times": tuple(np.arange(0.0, 12.0)) if name == "measured_pivot" else (0.0, 1.0, 2.0),
         "drive_frequencies": (5.0, 3.0, 4.0),
+        "drive_amplitudes": (0.0, 0.0, 0.0),
+        "ramps": (0.1, 0.1, 0.1),
         "pivot_heights": (0.0,) * 12,
     }
     names = {f.name for f in dataclasses.fields(kind)}
@@ -202,6 +204,50 @@ class TestSwept:
             )
             starts = [s for s, _ in found.stretches(100.0)]
             assert all(b > a for a, b in itertools.pairwise(starts)), (times, ramp)
+
+
+class TestStages:
+    def test_one_stage_is_the_harmonic_drive(self):
+        one = ll.Stages(
+            times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[6.0], ramps=[1.0],
+            drive_phase=0.4,
+        )  # fmt: skip
+        same = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0, drive_phase=0.4)
+        for t in np.linspace(0.0, END, 29):
+            assert motion(one, t) == pytest.approx(motion(same, t), abs=1e-13)
+        assert one.largest_acceleration == pytest.approx(same.largest_acceleration, rel=1e-14)
+
+    def test_equal_amplitudes_are_a_frequency_schedule(self):
+        times, rates = [0.0, 4.0, 7.0], [19.83, 15.11, 17.0]
+        stages = ll.Stages(
+            times=times, drive_amplitudes=[0.03] * 3, drive_frequencies=rates, ramps=[0.5] * 3
+        )
+        same = ll.FrequencySchedule(
+            drive_amplitude=0.03, times=times, drive_frequencies=rates, ramp=0.5
+        )
+        for t in np.linspace(0.0, END, 61):
+            assert motion(stages, t) == pytest.approx(motion(same, t), abs=1e-12)
+
+    def test_velocity_is_continuous_also_where_changes_overlap(self):
+        stages = ll.Stages(
+            times=[0.0, 1.0, 1.1, 1.15],
+            drive_amplitudes=[0.0, 0.04, 0.01, 0.05],
+            drive_frequencies=[10.0, 20.0, 5.0, 12.0],
+            ramps=[0.3, 0.3, 0.3, 0.3],
+        )
+        for (_, end, p), (_, _, q) in itertools.pairwise(pieces(stages)):
+            assert stages.velocity(end, p) == pytest.approx(stages.velocity(end, q), abs=1e-13)
+
+    def test_a_stage_ends_with_its_amplitude_and_frequency(self):
+        stages = ll.Stages(
+            times=[0.0, 2.0], drive_amplitudes=[0.01, 0.03], drive_frequencies=[9.0, 12.0],
+            ramps=[0.1, 0.1],
+        )  # fmt: skip
+        phase = 2.0 * 9.0 + 0.1 * 10.5 + (5.0 - 2.1) * 12.0
+        y, v, a = motion(stages, 5.0)
+        assert y == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
+        assert v == pytest.approx(-0.03 * 12.0 * math.sin(phase), abs=1e-13)
+        assert a == pytest.approx(-0.03 * 144.0 * math.cos(phase), abs=1e-12)
 
 
 class TestCrankSlider:

@@ -18,6 +18,7 @@ from latolato.physics.drives.harmonic import Harmonic, Static  # isort: skip - t
 from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
 from latolato.physics.drives.crank import CrankSlider
 from latolato.physics.drives.measured import MeasuredPivot
+from latolato.physics.drives.stages import Stages
 
 __all__ = [
     "Chirp",
@@ -26,6 +27,7 @@ __all__ = [
     "FrequencySchedule",
     "Harmonic",
     "MeasuredPivot",
+    "Stages",
     "Static",
     "Stretch",
     "drives",
