@@ -217,14 +217,14 @@ def simulate(
         warnings.warn(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=2
         )
-    dataset = _dataset(system, trajectory, seen, instants, frame)
+    dataset = dataset_of(system, trajectory, seen, instants, frame)
     run = {
         "tolerance": tolerance,
         "rest_speed": rest_speed,
         "frame": frame,
         "contact_limit": contact_limit,
     }
-    dataset.attrs.update(_attributes(system, drive, law, noise, start, end, run))
+    dataset.attrs.update(attributes_of(system, drive, law, noise, start, end, run))
     dataset.attrs.update(
         energy_residual=max(residual, _sampled_residual(trajectory, seen)),
         status=trajectory.status,
@@ -341,7 +341,7 @@ def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
     return float(np.nanmax(error, initial=0.0))
 
 
-def _dataset(
+def dataset_of(
     system: System, trajectory: Trajectory, seen: dict[str, Floats], times: Floats, frame: str
 ) -> xr.Dataset:
     """Return the labelled variables."""
@@ -403,7 +403,7 @@ def _dataset(
     return dataset
 
 
-def _attributes(
+def attributes_of(
     system: System,
     drive: Drive,
     law: Exact | Clamp | NoContact,

@@ -12,7 +12,7 @@ import anyio
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
@@ -71,7 +71,9 @@ def make_app(settings: Settings) -> Starlette:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    return []
+    from latolato.app import live
+
+    return [*live.routes()]
 
 
 async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:
@@ -88,7 +90,7 @@ async def answered(request: Request, work: Callable[..., Response], *given: Any)
         return refusal(422, str(error))
 
 
-async def in_thread(request: Request, work: Callable[..., Any], *given: Any) -> Any:
+async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
     """Return what `work` returns, in one of the few threads that compute."""
     state = request.app.state
     if state.workers is None:

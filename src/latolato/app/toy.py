@@ -1,0 +1,459 @@
+"""A toy that runs while its parameters change: the exact integrator, one tick of time at a go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from latolato.app.recording import Recording
+from latolato.numerics import records
+from latolato.numerics.integrate import (
+    Floats,
+    body_rows,
+    choose_stepper,
+    initial_state,
+    kernel,
+    rate_of,
+    settings_values,
+    step_for,
+)
+from latolato.numerics.observe import BALL_ROWS, KINETIC, PIVOT_ROWS, POTENTIAL, ball_records
+from latolato.physics.contacts import BOTTOM, TOP, NoContact
+from latolato.physics.drives import Drive, Stages, Static
+from latolato.physics.drives.stages import Stage, moved
+from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.quantities import QUANTITIES, Range
+from latolato.registry import checked_number, suggest
+from latolato.scenario import Scenario
+from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+
+TICKS_PER_SECOND = 60
+# Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
+TOLERANCE = 1e-10
+# The least time of a change, and the acceleration that no change adds more of, so that moving a
+# slider is no blow: about half of gravity.
+SHORTEST_CHANGE = 0.05  # s
+GENTLE = 5.0  # m/s^2
+# What may be set: up to so many lengths and natural frequencies.
+MOST_AMPLITUDE, MOST_FREQUENCY, MOST_DAMPING_RATIO = 0.5, 20.0, 2.0
+# A hand moves no faster than this, and halves its distance from where it wants to be in a tick.
+HAND_SPEED = 8.0  # m/s
+_HAND_GAIN = 0.6
+_HELD_STILL = 1e-4  # rad
+MOST_PUSH = 20.0  # rad/s
+# Samples of a recording in a tick.
+_RECORDED = 4
+_ROOM = 256
+_CALLS = 200  # of the kernel in a tick; more means that the motion cannot be followed
+
+
+class Toy:
+    """A system whose drive, damping and restitution may change at every tick.
+
+    Attributes
+    ----------
+    controls : dict
+        What was asked for last: `drive_amplitude`, `drive_frequency`, `damping` and, where balls
+        meet, `restitution`, in SI units.
+    limits : dict
+        The least and largest value of each.
+    kinetic, potential : float
+        The energies of all balls on show [J].
+    """
+
+    def __init__(self, scenario: Scenario, was: Mapping[str, Any] | None = None) -> None:
+        """Begin as a scenario does, or go on from what `state` returned."""
+        run, system = scenario.run, scenario.system
+        law = checked_contact(run.get("contact", "exact"), system)
+        self._contact = "none" if isinstance(law, NoContact) else "exact"
+        self._rest_speed = float(run.get("rest_speed", DEFAULT_REST_SPEED))
+        self.system: System = system
+        self.walls = walls_of(system, law)
+        amplitude, frequency, phase = cosine_of(scenario.drive, system)
+        self.limits = limits_of(system)
+        self.controls = {"drive_amplitude": amplitude, "drive_frequency": frequency}
+        self.controls["damping"] = system.balls[0].damping
+        if isinstance(system, (LatoLato, BallPair)):
+            self.controls["restitution"] = system.restitution
+        self._check(self.controls)
+        angles = run.get("initial_angle")
+        velocities = run.get("initial_angular_velocity", 0.0)
+        offset, time = run.get("initial_offset"), 0.0
+        if was is not None:
+            known = _checked_state(was, system.angles)
+            time, phase, angles, velocities = known[:4]
+            offset = None
+            amplitude, frequency = known[4:]
+            self._check({"drive_amplitude": amplitude, "drive_frequency": frequency})
+        start = checked_start(system, self.walls, angles, velocities, offset)
+        if max(map(abs, start.velocities)) > 100.0 * system.natural_frequency:
+            raise ValueError("initial_angular_velocity is too fast for Live")
+
+        self._stepper = choose_stepper(system)
+        kind = "pair" if system.angles == 2 else "one"
+        drive_laws = Stages.height, Stages.velocity, Stages.acceleration
+        self._carry_on = kernel(kind, Stages.acceleration, system.restoring, system.potential)
+        self._observe = kernel("observe", *drive_laws, system.restoring, system.potential)
+        states, counters = initial_state(start.angles, start.velocities)
+        self._state, self._counters = states[0], counters[0]
+        self.ticks = round(time * TICKS_PER_SECOND)
+        self._state[records.T_BASE] = self.time
+        stages = 6 if system.angles == 2 else 2
+        self._tables = np.zeros((stages, 3, len(self._stepper.kicks)))
+        self._space, self._acc = np.zeros(records.SPACE), np.zeros(1)
+        self._buffers = np.empty(_ROOM), np.empty(_ROOM, dtype=np.int64), np.zeros((4, _ROOM))
+        self._no_kick = np.empty(0), np.empty((system.angles, 0))
+        balls = len(system.balls)
+        self._seen = {
+            n: (
+                np.full((records.SAMPLE_ROWS, n), np.nan),
+                np.empty((len(PIVOT_ROWS), n)),
+                np.empty((balls, len(BALL_ROWS), n)),
+            )
+            for n in (1, _RECORDED)
+        }
+        self.stages: list[Stage] = [
+            Stage(self.time, phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)
+        ]
+        self._push = np.zeros(system.angles)
+        self._held: tuple[int, float] | None = None
+        self._wants_record = False
+        self.recording: Recording | None = None
+        self.contacts, self.clack = 0, 0.0
+        self._speed = 0.0
+        self._prepare()
+        self._look_at(np.array([self.time]), start_only=True)
+        if was is not None:
+            self._steer()
+
+    @property
+    def time(self) -> float:
+        """The instant that was reached [s]."""
+        return self.ticks / TICKS_PER_SECOND
+
+    @property
+    def angles(self) -> tuple[float, ...]:
+        """The angles [rad], right ball first."""
+        return tuple(map(float, self._state[_ANGLES][: self.system.angles]))
+
+    @property
+    def velocities(self) -> tuple[float, ...]:
+        """The angular velocities [rad/s], right ball first."""
+        return tuple(map(float, self._state[_VELOCITIES][: self.system.angles]))
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Take new values of controls, which the next tick begins to show.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is unknown or beyond its limits; then none is taken.
+        """
+        found = self._check(values)
+        self.controls.update(found)
+        ball = {"damping": found["damping"]} if "damping" in found else {}
+        whole = {"restitution": found["restitution"]} if "restitution" in found else {}
+        if ball or whole:
+            if isinstance(self.system, BallPair):
+                right, left = (replace(b, **ball) for b in self.system.balls)
+                self.system = replace(self.system, right=right, left=left, **whole)
+            else:
+                self.system = replace(self.system, **ball, **whole)
+            if self.recording is not None:
+                self.recording.by_hand = True
+        if "drive_amplitude" in found or "drive_frequency" in found:
+            self._steer()
+        self._prepare()
+
+    def push(self, speed: Any) -> None:
+        """Give the ball, or both apart, an angular velocity [rad/s] at the next tick."""
+        size = checked_number("push", speed, Range(-MOST_PUSH, MOST_PUSH), "rad/s")
+        self._push += np.array([size, -size])[: self.system.angles]
+
+    def hold(self, ball: Any, angle: Any) -> None:
+        """Lead a ball to an angle [rad] from now on, as a hand would."""
+        if isinstance(ball, bool) or not isinstance(ball, int):
+            raise TypeError(f"ball must be a whole number, got {ball!r}")
+        if not 0 <= ball < self.system.angles:
+            raise ValueError(f"ball must lie in [0, {self.system.angles}), got {ball}")
+        turns = Range(-1e4, 1e4)
+        target = checked_number("angle", angle, turns, "rad")
+        if self.system.angles == 1:
+            target = min(max(target, self.walls[0]), self.walls[1])
+        self._held = ball, target
+
+    def release(self) -> None:
+        """Let go of the ball that is held; it keeps the velocity that the hand gave it."""
+        self._held = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a hand leads a ball."""
+        return self._held is not None
+
+    def settle(self) -> None:
+        """Let the drive do at once what was asked for, instead of moving there."""
+        now = self.stages[0].at(self.time)
+        amplitude, frequency = self.controls["drive_amplitude"], self.controls["drive_frequency"]
+        self.stages = [Stage(self.time, now.phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)]
+        self._prepare()
+
+    def record(self) -> None:
+        """Begin a recording as soon as the drive is steady."""
+        self._wants_record = True
+
+    def finish(self) -> Recording | None:
+        """Return the recording that ends here, None if none had begun."""
+        found, self.recording, self._wants_record = self.recording, None, False
+        return found if found is not None and found.times else None
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether a recording runs or is about to."""
+        return self._wants_record or self.recording is not None
+
+    def advance(self) -> None:
+        """Move on by one tick.
+
+        Raises
+        ------
+        ArithmeticError
+            If the motion left the range of numbers or cannot be followed in time.
+        """
+        if len(self.stages) > 1 and self.time >= self.stages[1].start:
+            del self.stages[0]
+            self._prepare()
+        if self._wants_record and len(self.stages) == 1 and self._held is None:
+            self._begin_recording()
+        kick = self._kick()
+        speed = max(map(abs, self.velocities)) + max(map(abs, kick), default=0.0)
+        if speed > self._speed:
+            self._prepare(speed)
+        state, counters = self._state, self._counters
+        before, self.ticks = self.time, self.ticks + 1
+        stop = self.time
+        count = _RECORDED if self.recording is not None else 1
+        instants = before + (stop - before) * np.arange(1, count + 1) / count
+        instants[-1] = stop
+        samples = self._seen[count][0]
+        given = self._no_kick
+        if kick.any():
+            given = np.array([before]), np.ascontiguousarray(kick[:, None])
+            if self.recording is not None:
+                self.recording.by_hand = True
+        counters[records.SAMPLE] = counters[records.KICKED] = 0
+        for _ in range(_CALLS):
+            rows = self._carry_on(
+                state, counters, self._settings, self._bodies, self._stretches, self._starts,
+                self._jumps, *given, self._tables, self._space, self._stepper.kicks,
+                self._stepper.drifts, self._stepper.nodes, instants, samples, *self._buffers,
+                stop, 10_000, self._acc, 0, self.system.angles,
+            )  # fmt: skip
+            if rows:
+                self._note_contacts(rows)
+            if state[records.T_BASE] + counters[records.STEPS] * self._step >= stop:
+                break
+        else:
+            raise ArithmeticError("the motion cannot be followed in real time")
+        if not np.all(np.isfinite(state[records.ANGLE_1 : records.VELOCITY_2 + 1])):
+            raise ArithmeticError("the motion left the range of numbers")
+        state[records.T_BASE], counters[records.STEPS] = stop, 0
+        self._look_at(instants)
+        if self.recording is not None:
+            self.recording.add(instants, *self._seen[count])
+
+    def state(self) -> dict[str, Any]:
+        """Return what a toy needs to go on from here."""
+        now = self.stages[0].at(self.time)
+        return {
+            "time": self.time,
+            "phase": now.phase % (2.0 * math.pi),
+            "drive_amplitude": now.c0,
+            "drive_frequency": now.frequency,
+            "angles": list(self.angles),
+            "velocities": list(self.velocities),
+        }
+
+    def _check(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """Return values of controls as numbers within their limits."""
+        found = {}
+        for name, value in values.items():
+            if name not in self.controls:
+                raise ValueError(f"unknown control '{name}': {suggest(name, list(self.controls))}")
+            low, high = self.limits[name]
+            if not isinstance(value, (int, float)) or isinstance(value, bool):
+                raise TypeError(f"{name} must be a number, got {value!r}")
+            found[name] = checked_number(name, value, Range(low, high), QUANTITIES[name].unit)
+        return found
+
+    def _steer(self) -> None:
+        """Lead the drive from what it does now to what was asked for."""
+        amplitude, frequency = self.controls["drive_amplitude"], self.controls["drive_frequency"]
+        now = self.stages[0].at(self.time)
+        more = abs(amplitude - now.c0)
+        turn = max(amplitude, abs(now.c0)) * abs(frequency - now.frequency)
+        ramp = max(SHORTEST_CHANGE, math.sqrt(6.0 * more / GENTLE), turn / GENTLE)
+        self.stages = list(moved(self.stages[0], self.time, amplitude, frequency, ramp))
+        if self.recording is not None:
+            self.recording.steer(self.time, amplitude, frequency, ramp)
+
+    def _prepare(self, speed: float | None = None) -> None:
+        """Write what the kernel reads and a tick does not change."""
+        system, stages = self.system, self.stages
+        self._speed = 1.5 * max(*map(abs, self.velocities), speed or 0.0, system.natural_frequency)
+        spans = [*(b.start - a.start for a, b in pairwise(stages)), 0.0]
+        bound = max(s.acceleration_bound(span) for s, span in zip(stages, spans, strict=True))
+        frequency = max(s.frequency for s in stages)
+        rows, offsets = body_rows(system, self.walls)
+        rate = max(
+            rate_of(system.gravity, ball.length, bound, frequency, self._speed, (row[1], row[2]))
+            for ball, row in zip(system.balls, rows, strict=False)
+        )
+        self._step = float(step_for(rate, TOLERANCE, self._stepper))
+        self._bodies = records.bodies(*rows)
+        self._settings = np.zeros(1, dtype=records.SETTINGS)
+        self._settings[0] = settings_values(
+            gravity=system.gravity,
+            walls=self.walls,
+            restitution=getattr(system, "restitution", 1.0),
+            rest_speed=self._rest_speed,
+            step=self._step,
+            lift_bound=bound,
+            rate=rate,
+            offsets=offsets,
+            follows_tension=False,
+        )
+        self._stretches = np.array(list(map(tuple, stages)), dtype=_STRETCH)
+        self._starts = np.array([stage.start for stage in stages])
+        self._jumps = np.zeros(len(stages))
+        self._counters[records.STRETCH] = 0
+        self._balls = ball_records(system.balls)
+
+    def _kick(self) -> Floats:
+        """Return the change of velocity that pushes and the hand make now [rad/s]."""
+        kick = self._push.copy()
+        self._push[:] = 0.0
+        if self._held is None:
+            return kick
+        ball, target = self._held
+        angle, velocity = self.angles[ball], self.velocities[ball]
+        away = target - angle
+        mode = self._counters[records.MODE]
+        if mode in (records.REST_LOW, records.REST_HIGH) and abs(away) < _HELD_STILL:
+            return kick
+        body, now = self.system.balls[ball], self.stages[0].at(self.time)
+        lift = Stages.acceleration(self.time, now)
+        fall = -(self.system.gravity + lift) / body.length * self.system.restoring(angle)
+        fastest = HAND_SPEED / body.length
+        wanted = min(max(_HAND_GAIN * away * TICKS_PER_SECOND, -fastest), fastest)
+        kick[ball] += wanted - 0.5 * fall / TICKS_PER_SECOND - velocity
+        return kick
+
+    def _note_contacts(self, rows: int) -> None:
+        """Count contacts and remember the hardest, for the flash; keep them if recording."""
+        times, kinds, values = self._buffers
+        hits = (kinds[:rows] == BOTTOM) | (kinds[:rows] == TOP)
+        self.contacts += int(hits.sum())
+        if hits.any():
+            before = values[:, :rows][:, hits]
+            closing = before[0] - before[1] if self.system.angles == 2 else 2.0 * before[0]
+            self.clack = max(self.clack, float(np.abs(closing).max()))
+        if self.recording is not None:
+            self.recording.add_contacts(times[:rows], kinds[:rows], values[:, :rows])
+
+    def _look_at(self, instants: Floats, *, start_only: bool = False) -> None:
+        """Compute energies and the pivot's motion at the samples of this tick."""
+        samples, pivot, out = self._seen[len(instants)]
+        if start_only:
+            samples[: 2 * self.system.angles, 0] = np.column_stack(
+                (self.angles, self.velocities)
+            ).ravel()
+            samples[records.S_WORK :, 0] = 0.0
+        self._observe(
+            instants, samples, samples[records.S_MODE], self._stretches, self._starts, self._balls,
+            self.system.gravity, False, pivot, out,
+        )  # fmt: skip
+        self.pivot = tuple(map(float, pivot[:, -1]))
+        twins = 2.0 if isinstance(self.system, LatoLato) else 1.0
+        self.kinetic = twins * float(out[:, KINETIC, -1].sum())
+        self.potential = twins * float(out[:, POTENTIAL, -1].sum())
+
+    def _begin_recording(self) -> None:
+        """Begin a recording at this instant."""
+        self._wants_record = False
+        run: dict[str, Any] = {
+            "initial_angle": self.angles if self.system.angles == 2 else self.angles[0],
+            "initial_angular_velocity": (
+                self.velocities if self.system.angles == 2 else self.velocities[0]
+            ),
+            "contact": self._contact,
+            "rest_speed": self._rest_speed,
+        }
+        now = self.stages[0].at(self.time)
+        self.recording = Recording(self.system, self.time, now, run)
+        samples, pivot, out = self._seen[1]
+        self._look_at(np.array([self.time]), start_only=True)
+        self._state[list(_LEDGER)] = 0.0
+        self.recording.add(np.array([self.time]), samples, pivot, out)
+
+
+_ANGLES = [records.ANGLE_1, records.ANGLE_2]
+_VELOCITIES = [records.VELOCITY_1, records.VELOCITY_2]
+_LEDGER = (records.WORK, records.DAMPED, records.IMPACT, records.CAPTURED, records.NOISE)
+_STRETCH = np.dtype([(name, "f8") for name in Stages.stretch_fields])
+
+
+def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:
+    """Return amplitude [m], angular frequency [rad/s] and phase [rad] that a drive begins with."""
+
+    def first(name: str, several: str, otherwise: float) -> float:
+        found: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
+        return float(found[0])
+
+    usual = 2.0 * system.natural_frequency if isinstance(drive, Static) else drive.fastest_frequency
+    heights = getattr(drive, "pivot_heights", (0.0,))
+    return (
+        first("drive_amplitude", "drive_amplitudes", 0.5 * (max(heights) - min(heights))),
+        first("drive_frequency", "drive_frequencies", usual),
+        float(getattr(drive, "drive_phase", 0.0)),
+    )
+
+
+def limits_of(system: System) -> dict[str, tuple[float, float]]:
+    """Return the least and the largest value of each control, in SI units."""
+    ball = min(system.balls, key=lambda b: b.mass * b.length)
+    longest = max(b.length for b in system.balls)
+    rate = MOST_DAMPING_RATIO * system.natural_frequency
+    return {
+        "drive_amplitude": (0.0, MOST_AMPLITUDE * longest),
+        "drive_frequency": (0.0, MOST_FREQUENCY * system.natural_frequency),
+        "damping": (0.0, rate * ball.mass * ball.length),
+        "restitution": (0.0, 1.0),
+    }
+
+
+def _checked_state(was: Mapping[str, Any], angles: int) -> tuple[Any, ...]:
+    """Return time, phase, angles, velocities, amplitude and frequency of an earlier toy."""
+    if not isinstance(was, Mapping):
+        raise TypeError(f"state must be an object, got {was!r}")
+    anything = Range(-1e9, 1e9)
+    time = checked_number("time", was.get("time"), Range(0.0, 1e7), "s")
+    phase = checked_number("phase", was.get("phase"), anything, "rad")
+    lists = []
+    for name in ("angles", "velocities"):
+        values = was.get(name)
+        if not isinstance(values, list) or len(values) < angles:
+            raise ValueError(f"{name} must be a list of {angles} numbers, got {values!r}")
+        numbers = [checked_number(name, value, anything, "") for value in values[:angles]]
+        lists.append(numbers if angles == 2 else numbers[0])
+    drive = [
+        checked_number(name, was.get(name), anything, QUANTITIES[name].unit)
+        for name in ("drive_amplitude", "drive_frequency")
+    ]
+    # A change that was interrupted may have swung a little below zero.
+    return time, phase, *lists, max(drive[0], 0.0), max(drive[1], 0.0)
