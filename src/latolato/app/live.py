@@ -17,7 +17,6 @@ import struct
 import tempfile
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +28,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.given import Asked
 from latolato.app.server import field_of, in_thread
+from latolato.physics.drives import CrankSlider, MeasuredPivot
 from latolato.summary import plain
 
 if TYPE_CHECKING:
@@ -227,7 +227,7 @@ def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
         "frame": FRAME,
         "title": scenario.title,
         "options": options_of(scenario),
-        "by_cosine": scenario.drive.__class__.__name__ in ("Harmonic", "Static", "Stages"),
+        "by_cosine": not isinstance(scenario.drive, (CrankSlider, MeasuredPivot)),
     }
 
 
@@ -338,14 +338,13 @@ async def _both(socket: WebSocket, session: Session) -> None:
     """Listen and move until the page goes."""
     moving = asyncio.ensure_future(_move(socket, session))
     listening = asyncio.ensure_future(_listen(socket, session))
-    done, waiting = await asyncio.wait({moving, listening}, return_when=asyncio.FIRST_COMPLETED)
-    for task in waiting:
+    await asyncio.wait({moving, listening}, return_when=asyncio.FIRST_COMPLETED)
+    for task in (moving, listening):
         task.cancel()
-    for task in waiting:
-        with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
-            await task
-    for task in done:
-        task.result()
+    ends = await asyncio.gather(moving, listening, return_exceptions=True)
+    for end in ends:  # both may have met the end of the socket
+        if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+            raise end
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:

@@ -5,13 +5,14 @@ import { el, tell } from "./dom.js";
 import { format, Store } from "./state.js";
 import { t } from "./strings.js";
 
-/** @typedef {{registry: any, store: Store}} Page */
+/** @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page */
 
 // Every view is a module that is loaded when it is first wanted, and the class that it exports.
 /** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,
  *   hide(): void}>>} */
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
+  live: async () => (await import("./views/live.js")).LiveView,
 };
 const THEMES = ["auto", "light", "dark"];
 

@@ -7,7 +7,7 @@ import { row } from "./block.js";
  *   mass: number}} Ball */
 
 // A ball of unknown or zero radius is drawn with this share of the length.
-const SHOWN_RADIUS = 0.04;
+export const SHOWN_RADIUS = 0.04;
 
 /**
  * Return the last index whose value does not exceed `x`, 0 if there is none.

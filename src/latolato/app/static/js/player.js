@@ -309,7 +309,7 @@ export function ledgerRows(motion) {
   const parts = [
     { name: "atStart", energy: total[0], paint: "soft" },
     { name: "drivePower", energy: last("drive_work"), paint: "gain" },
-    { name: "noise", energy: last("noise_work"), paint: "soft" },
+    { name: motion.about.by_hand ? "hand" : "noise", energy: last("noise_work"), paint: "soft" },
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },

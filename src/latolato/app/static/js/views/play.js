@@ -5,6 +5,7 @@ import { el, tell } from "../dom.js";
 import { Form, withLaws } from "../form.js";
 import { Motion } from "../motion.js";
 import { Player } from "../player.js";
+import { presetField } from "../presets.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
@@ -14,13 +15,16 @@ export const FIRST = "toy";
 // A server that does not answer is asked again after this time.
 const RETRY = 1000; // ms
 
+// Where the address names a recording of Live that this page still has.
+const RECORDING = "play.recording";
+
 export class PlayView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
     const form = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
-    this.presets = this.makePresets();
+    this.presets = presetField(page);
     const stage = el("div", { class: "player" });
     this.notes = el("p", { class: "notes", role: "status" });
     this.code = el("div", {});
@@ -33,22 +37,6 @@ export class PlayView {
     this.run = newest(() => this.simulate());
     /** @type {() => void} */
     this.unsubscribe = () => {};
-  }
-
-  makePresets() {
-    const groups = Object.entries(this.page.registry.scenarios)
-      .filter(([, s]) => !(/** @type {any} */ (s).sweep));
-    const select = el("select", { id: "preset", on: { change: () =>
-      this.page.store.set({ scenario: select.value || null, options: {} }, "preset") } },
-      el("option", { value: "" }, t("presetNone")),
-      ...groups.map(([name, s]) => {
-        const scenario = /** @type {any} */ (s);
-        const figure = scenario.figure ? ` (Fig. ${scenario.figure})` : "";
-        return el("option", { value: name, title: scenario.description }, `${scenario.title}${figure}`);
-      }));
-    const about = el("p", { class: "hint" });
-    const field = el("div", { class: "field preset" }, el("label", { for: "preset" }, t("preset")), select, about);
-    return { field, select, about };
   }
 
   makeActions() {
@@ -64,8 +52,12 @@ export class PlayView {
   }
 
   show() {
-    this.unsubscribe = this.page.store.subscribe((_, changed) => {
-      if (changed !== "extra") this.run(null);
+    this.unsubscribe = this.page.store.subscribe((state, changed) => {
+      if (changed === "extra") return;
+      // Whoever changes a parameter wants a run of these parameters.
+      if (["options", "preset"].includes(changed) && RECORDING in state.extra)
+        this.page.store.keep(RECORDING, null);
+      this.run(null);
     });
     this.run(null);
   }
@@ -73,6 +65,19 @@ export class PlayView {
   hide() {
     this.unsubscribe();
     this.player.clock.pause();
+  }
+
+  /** Return the recording that the address names, null without one. */
+  recording() {
+    const { store, recordings } = this.page;
+    const name = store.state.extra[RECORDING];
+    if (name === undefined) return null;
+    const found = recordings?.[name] ?? null;
+    if (!found) {
+      tell(t("recordingGone"));
+      store.keep(RECORDING, null);
+    }
+    return found;
   }
 
   /** Simulate what the address asks for, and show it. */
@@ -84,15 +89,15 @@ export class PlayView {
       // A scenario's own values do not fit another system.
       options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
     }
-    this.presets.select.value = scenario ?? "";
-    this.presets.about.textContent = scenario ? registry.scenarios[scenario]?.description ?? "" : "";
+    this.presets.show(scenario);
     this.form.build();
     try {
-      const block = await askBlock("/api/run", { scenario, options });
+      const block = this.recording() ?? await askBlock("/api/run", { scenario, options });
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
-      this.notes.textContent = block.about.warnings.map((/** @type {string} */ text) =>
+      const { warnings, note } = block.about;
+      this.notes.textContent = [...warnings, ...(note ? [note] : [])].map((text) =>
         t("warning", { text })).join(" ");
       this.showCode(block.about);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
@@ -109,7 +114,7 @@ export class PlayView {
 
   /** @param {any} about */
   showCode(about) {
-    this.code.replaceChildren(...[about.python, about.command].map((text) => el("div", { class: "code" },
+    this.code.replaceChildren(...[about.python, about.command].filter(Boolean).map((text) => el("div", { class: "code" },
       el("pre", { tabindex: "0" }, text),
       el("button", { type: "button", class: "plain", on: { click: async () => {
         await navigator.clipboard.writeText(text);

@@ -1,0 +1,72 @@
+/** Dragging a ball with a mouse, a pen or a finger. */
+
+/** @typedef {import("../scene.js").Scene} Scene */
+/** @typedef {import("./motion.js").LiveMotion} LiveMotion */
+
+// A ball is caught this far from its edge [CSS pixels]: fingers are broad.
+const REACH = 28;
+
+/**
+ * Call `drag` with the row and the angle [rad] of the ball that a pointer leads, null when it
+ * lets go; returns nothing.
+ * @param {HTMLCanvasElement} canvas
+ * @param {Scene} scene
+ * @param {() => LiveMotion | null} motion
+ * @param {(held: {ball: number, angle: number} | null) => void} drag
+ */
+export function followHand(canvas, scene, motion, drag) {
+  /** @type {number | null} index of the ball on show */
+  let held = null;
+  const point = (/** @type {PointerEvent} */ event) => {
+    const box = canvas.getBoundingClientRect();
+    return [((event.clientX - box.left) * canvas.width) / box.width,
+      ((event.clientY - box.top) * canvas.height) / box.height];
+  };
+  const nearest = (/** @type {PointerEvent} */ event) => {
+    const now = motion();
+    if (!now) return null;
+    const [x, y] = point(event);
+    const ratio = window.devicePixelRatio || 1;
+    const { size } = scene.scale();
+    let found = null;
+    let least = Infinity;
+    scene.drawn.forEach((ball, k) => {
+      const far = Math.hypot(ball.x - x, ball.y - y) - now.radius(now.balls[k]) * size;
+      if (far < REACH * ratio && far < least) [found, least] = [k, far];
+    });
+    return found;
+  };
+  const lead = (/** @type {PointerEvent} */ event) => {
+    const now = motion();
+    if (held === null || !now) return;
+    const ball = now.balls[held];
+    const [x, y] = point(event);
+    const [px, py] = scene.place(0, now.frame.pivot_height);
+    const shown = Math.atan2(x - px, y - py);
+    // Of all turns the one that is next to where the ball is.
+    const before = now.angle(ball);
+    const turn = 2 * Math.PI * Math.round((before - shown) / (2 * Math.PI));
+    drag({ ball: ball.row, angle: ball.sign * (shown + turn) });
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    held = nearest(event);
+    if (held === null) return;
+    event.preventDefault();
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(event.pointerId);
+    canvas.classList.add("held");
+    lead(event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (held !== null) lead(event);
+    else canvas.classList.toggle("near", nearest(event) !== null);
+  });
+  const free = () => {
+    if (held === null) return;
+    held = null;
+    canvas.classList.remove("held");
+    drag(null);
+  };
+  canvas.addEventListener("pointerup", free);
+  canvas.addEventListener("pointercancel", free);
+}

@@ -1,0 +1,338 @@
+/** Live: the toy runs in real time while hands change everything. */
+
+import { tell } from "../dom.js";
+import { withLaws } from "../form.js";
+import { withControls } from "../live/address.js";
+import { followHand } from "../live/hand.js";
+import { Keeper } from "../live/keeper.js";
+import { KEYS, Knob } from "../live/knob.js";
+import { Link } from "../live/link.js";
+import { History, LiveMotion, SPAN } from "../live/motion.js";
+import { layOut, makeParts } from "../live/parts.js";
+import { Strip } from "../live/strip.js";
+import { presetField } from "../presets.js";
+import { Scene } from "../scene.js";
+import { t } from "../strings.js";
+
+/** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("../live/link.js").Frame} Frame */
+
+// What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
+// a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
+// the change); from 32 mm on they always do (60 of 60, within 5 s).
+const FIRST = "fig12";
+const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
+const DEGREES = 180 / Math.PI;
+const READ_EVERY = 100; // ms
+// Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
+const RATIOS = { high: 3.136, low: 2.389 };
+// A push, in natural angular frequencies [rad/s].
+const PUSH = 0.4;
+// A softer contact is no clack to be seen [rad/s].
+const SOFTEST = 0.1;
+const FLAG_PAUSED = 1;
+// How far the sliders go: lengths, natural frequencies, and a share of what the server takes.
+const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
+
+export class LiveView {
+  /** @param {Page} page */
+  constructor(page) {
+    this.page = page;
+    this.shown = false;
+    this.paused = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.calm = this.paused;
+    /** @type {any} */
+    this.about = null;
+    /** @type {LiveMotion | null} */
+    this.motion = null;
+    this.history = new History(["right", "left", "kinetic", "potential", "total"]);
+    /** What the server is asked to go on from after a break. @type {any} */
+    this.last = null;
+    /** @type {Record<string, number> | null} */
+    this.controls = null;
+    this.signature = "";
+    this.contacts = 0;
+    this.dirty = false;
+    this.readAt = 0;
+    this.preset = presetField(page);
+    this.link = new Link({
+      hello: () => this.hello(),
+      ready: (about) => this.ready(about),
+      frame: (frame) => this.see(frame),
+      error: (text, field) => this.refuse(text, field),
+      recorded: (about) => this.keeper.finish(about),
+      connected: (is) => this.connected(is),
+    });
+    this.keeper = new Keeper(page, (record) => this.link.send({ record }));
+    /** @type {Record<string, Knob>} */
+    this.knobs = {};
+    this.parts = makeParts(RATIOS, {
+      pause: () => this.pause(),
+      push: () => this.push(),
+      restart: () => this.link.send({ reset: true }),
+      high: () => this.ratio(RATIOS.high),
+      low: () => this.ratio(RATIOS.low),
+    });
+    this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
+    this.scene = new Scene(this.parts.canvas);
+    this.angleStrip = new Strip(this.parts.angle.canvas, { least: [-15, 15], curves: [
+      { name: "left", paint: "left" }, { name: "right", paint: "right" }] });
+    this.energyStrip = new Strip(this.parts.energy.canvas, { least: [0, 1e-6], curves: [
+      { name: "kinetic", paint: "kinetic" }, { name: "potential", paint: "potential" },
+      { name: "total", paint: "ink" }] });
+    this.angleStrip.history = this.energyStrip.history = this.history;
+    followHand(this.parts.canvas, this.scene, () => this.motion, (drag) => this.link.send({ drag }));
+    this.root.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("visibilitychange", () => this.holdOrGoOn());
+    this.draw = this.draw.bind(this);
+    /** @type {() => void} */
+    this.unsubscribe = () => {};
+  }
+
+  show() {
+    this.shown = true;
+    this.unsubscribe = this.page.store.subscribe((_, changed) => {
+      if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature) this.begin();
+    });
+    if (this.wish() !== this.signature || !this.link.socket) this.begin();
+    else this.holdOrGoOn();
+    this.parts.canvas.focus({ preventScroll: true });
+    requestAnimationFrame(this.draw);
+  }
+
+  hide() {
+    this.shown = false;
+    this.unsubscribe();
+    if (this.keeper.running) this.keeper.toggle();
+    this.holdOrGoOn();
+  }
+
+  /** Return what the address asks for, as a text to compare. */
+  wish() {
+    const { scenario, options } = this.page.store.state;
+    return JSON.stringify([scenario, options]);
+  }
+
+  /** Begin with what the address asks for. */
+  begin() {
+    this.signature = this.wish();
+    this.last = null;
+    this.controls = null;
+    this.link.open();
+  }
+
+  /** Return the greeting: what to run and, after a break, where it was. */
+  hello() {
+    const { registry, store } = this.page;
+    let { scenario, options } = store.state;
+    if (!scenario && !options.system) {
+      scenario = FIRST;
+      options = { ...FIRST_OPTIONS, ...options };
+    }
+    if (scenario && options.system)
+      options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
+    this.preset.show(scenario);
+    return { scenario, options, controls: this.controls ?? undefined, state: this.last ?? undefined };
+  }
+
+  /** @param {any} about */
+  ready(about) {
+    this.about = about;
+    const fresh = !this.last;
+    this.motion = new LiveMotion(about);
+    if (fresh) {
+      this.history.count = 0;
+      this.contacts = 0;
+      this.angleStrip.limits = [...this.angleStrip.least];
+    }
+    this.angleStrip.marks = [];
+    this.controls = about.controls;
+    const names = Object.keys(about.controls);
+    if (names.join() !== Object.keys(this.knobs).join()) this.makeKnobs(names);
+    const longest = this.motion.longest;
+    for (const name of names) {
+      const limits = about.limits[name];
+      const ends = /** @type {Record<string, number>} */ ({
+        drive_amplitude: SLIDER.drive_amplitude * longest,
+        drive_frequency: SLIDER.drive_frequency * about.natural_frequency,
+        damping: Math.max(SLIDER.damping * limits[1], 4 * about.controls.damping),
+      });
+      this.knobs[name].allow(limits, ends[name] ?? limits[1]);
+      this.knobs[name].show(about.controls[name]);
+      this.knobs[name].error(null);
+    }
+    this.root.classList.toggle("single", this.motion.balls.length < 2);
+    this.rescale();
+    this.parts.notice.textContent = about.by_cosine ? "" : t("liveCosine");
+    this.holdOrGoOn();
+    this.root.dataset.ready = "true";
+  }
+
+  /** @param {string[]} names */
+  makeKnobs(names) {
+    this.knobs = Object.fromEntries(names.map((name) => [name,
+      new Knob(this.page.registry.options[name] ?? this.page.registry.options[`right_${name}`],
+        KEYS[name] ?? [], (value) => this.set(name, value))]));
+    this.parts.knobs.replaceChildren(...Object.values(this.knobs).map((knob) => knob.root));
+  }
+
+  /**
+   * Ask for a new value, and keep it in the address for the other views.
+   * @param {string} name
+   * @param {number} value in SI units
+   */
+  set(name, value) {
+    if (!this.controls) return;
+    this.controls[name] = value;
+    this.link.send({ set: { [name]: value } });
+    if (name === "drive_amplitude") this.rescale();
+    const { registry, store } = this.page;
+    const options = withControls(registry, store.state.options, this.about.options.system,
+      this.controls, name);
+    const scenario = store.state.scenario ?? (options.system ? null : FIRST);
+    this.signature = JSON.stringify([scenario, options]);
+    store.set({ scenario, options });
+  }
+
+  rescale() {
+    if (!this.motion || !this.controls) return;
+    this.motion.reach = this.controls.drive_amplitude;
+    this.scene.show(/** @type {any} */ (this.motion));
+  }
+
+  /** @param {Frame} frame */
+  see(frame) {
+    const { motion, about } = this;
+    if (!motion) return;
+    motion.frame = frame;
+    this.last = {
+      time: frame.time, phase: frame.phase, drive_amplitude: frame.drive_amplitude,
+      drive_frequency: frame.drive_frequency, angles: [frame.angle_1, frame.angle_2].slice(0, about.angles),
+      velocities: [frame.velocity_1, frame.velocity_2].slice(0, about.angles),
+    };
+    const [first, second] = motion.balls;
+    this.history.add(frame.time, {
+      right: motion.angle(first) * DEGREES, left: second ? motion.angle(second) * DEGREES : 0,
+      kinetic: frame.kinetic_energy, potential: frame.potential_energy,
+      total: frame.kinetic_energy + frame.potential_energy,
+    });
+    if (frame.contacts < this.contacts) this.angleStrip.marks = [];
+    if (frame.clack > SOFTEST) {
+      this.angleStrip.marks.push(frame.time);
+      while (this.angleStrip.marks[0] < frame.time - SPAN) this.angleStrip.marks.shift();
+      if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
+    }
+    this.contacts = frame.contacts;
+    this.dirty = true;
+  }
+
+  /** Draw the newest frame, once for each picture of the screen. */
+  draw() {
+    if (!this.shown) return;
+    requestAnimationFrame(this.draw);
+    if (!this.dirty || !this.motion) return;
+    this.dirty = false;
+    const [lowest, highest] = this.history.range(["left", "right"]);
+    if (this.motion.rise(Math.max(-lowest, highest) / DEGREES)) this.scene.box = this.motion.box();
+    this.scene.time = this.motion.frame.time;
+    this.scene.draw();
+    this.angleStrip.draw();
+    this.energyStrip.draw();
+    const now = performance.now();
+    if (now - this.readAt < READ_EVERY) return;
+    this.readAt = now;
+    const { frame } = this.motion;
+    this.parts.status.textContent = t("liveReadout", {
+      time: frame.time.toFixed(1), count: frame.contacts,
+      ratio: (frame.drive_frequency / this.about.natural_frequency).toFixed(3) });
+    this.showRatio();
+    this.keeper.show(frame.recorded);
+    this.showPause(Boolean(frame.flags & FLAG_PAUSED));
+  }
+
+  showRatio() {
+    if (!this.controls) return;
+    const ratio = this.controls.drive_frequency / this.about.natural_frequency;
+    this.knobs.drive_frequency.also.textContent = t("ratioText", { ratio: ratio.toFixed(3) });
+    for (const name of /** @type {("high" | "low")[]} */ (["high", "low"]))
+      this.parts[name].setAttribute("aria-pressed", String(Math.abs(ratio - RATIOS[name]) < 2e-3));
+  }
+
+  pause() {
+    this.paused = !this.paused;
+    this.holdOrGoOn();
+  }
+
+  /** Let the toy move if it is seen and not paused. */
+  holdOrGoOn() {
+    this.link.send({ pause: this.paused || !this.shown || document.hidden });
+    this.showPause(this.paused);
+  }
+
+  /** @param {boolean} is */
+  showPause(is) {
+    const label = t(is ? "play" : "pause");
+    if (this.parts.toggle.textContent !== label) this.parts.toggle.textContent = label;
+  }
+
+  push() {
+    if (this.about) this.link.send({ push: PUSH * this.about.natural_frequency });
+  }
+
+  /** @param {number} ratio */
+  ratio(ratio) {
+    if (!this.about) return;
+    this.knobs.drive_frequency.give(ratio * this.about.natural_frequency);
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const target = /** @type {HTMLInputElement} */ (event.target);
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const slides = target.tagName === "INPUT" && target.type === "range";
+    if (["SELECT", "TEXTAREA"].includes(target.tagName) || (target.tagName === "INPUT" && !slides)) return;
+    if (slides && event.key.startsWith("Arrow")) return;
+    if (["BUTTON", "A", "SUMMARY"].includes(target.tagName) && [" ", "Enter"].includes(event.key)) return;
+    /** @type {Record<string, () => void>} */
+    const actions = {
+      ArrowUp: () => this.knobs.drive_amplitude?.turn(1),
+      ArrowDown: () => this.knobs.drive_amplitude?.turn(-1),
+      ArrowRight: () => this.knobs.drive_frequency?.turn(1),
+      ArrowLeft: () => this.knobs.drive_frequency?.turn(-1),
+      d: () => this.knobs.damping?.turn(1), D: () => this.knobs.damping?.turn(-1),
+      e: () => this.knobs.restitution?.turn(1), E: () => this.knobs.restitution?.turn(-1),
+      p: () => this.push(), r: () => this.link.send({ reset: true }), c: () => this.keeper.toggle(),
+      1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
+    };
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  /**
+   * @param {string} text
+   * @param {string | null} field
+   */
+  refuse(text, field) {
+    if (this.last && !this.link.isReady) {
+      // The server no longer takes what it was asked to go on from: begin anew.
+      this.last = this.controls = null;
+      this.link.open();
+    }
+    if (field && this.knobs[field]) this.knobs[field].error(text);
+    else this.parts.notice.textContent = text;
+  }
+
+  /** @param {boolean} is */
+  connected(is) {
+    this.root.dataset.connected = String(is);
+    if (!is) {
+      this.parts.notice.textContent = t("offline");
+      if (this.keeper.running) this.keeper.lose();
+    } else if (this.last) {
+      this.parts.notice.textContent = "";
+      tell(t("liveBack"));
+    }
+  }
+}
