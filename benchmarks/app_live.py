@@ -20,7 +20,8 @@ from typing import Any
 
 import websockets
 
-from latolato.app.live import FRAME, MOST_BEHIND, TICKS_PER_SECOND
+from latolato.app.live import MOST_BEHIND
+from latolato.app.session import FRAME, TICKS_PER_SECOND
 
 SECONDS = 12.0
 USERS = (1, 20)

@@ -17,9 +17,10 @@ import latolato as ll
 from latolato.app import live
 from latolato.app.blocks import unpack
 from latolato.app.given import Asked
-from latolato.app.live import FRAME, MOST_ERRORS, MOST_UNSEEN, Session, parsed
+from latolato.app.live import MOST_ERRORS, parsed
 from latolato.app.recording import SAME, keep
 from latolato.app.server import Settings, make_app
+from latolato.app.session import FRAME, MOST_UNSEEN, Session
 from latolato.app.toy import SHORTEST_CHANGE, Toy
 from latolato.physics.contacts import CONTACT_KINDS
 

@@ -5,64 +5,34 @@ objects with a growing number ``seq`` and one or more of ``set`` (controls), ``p
 ``drag`` (``{"ball", "angle"}``, null lets go), ``pause``, ``record`` (true or false), ``reset`` and
 ``ack`` (the number of the last frame that the page saw). The server sends a JSON text with
 ``ready`` once and ``error`` or ``recorded`` when there is something to tell, and sixty times a
-second a frame of the numbers in `FRAME`, as little-endian doubles.
+second a frame of the numbers in `latolato.app.session.FRAME`, as little-endian doubles.
 """
 
 from __future__ import annotations
 
-import asyncio
 import json
 import secrets
-import struct
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import anyio
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.given import Asked
 from latolato.app.server import field_of, in_thread
-from latolato.physics.drives import CrankSlider, MeasuredPivot
+from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
 from latolato.summary import plain
 
 if TYPE_CHECKING:
-    from latolato.app.recording import Kept, Recording
-    from latolato.app.toy import Toy
+    from latolato.app.recording import Kept
 
-# Numbers of a frame, in this order.
-FRAME = (
-    "number",  # of the frame
-    "seq",  # of the last message that the frame knows
-    "time",
-    "angle_1",
-    "angle_2",
-    "velocity_1",
-    "velocity_2",
-    "pivot_height",
-    "pivot_velocity",
-    "pivot_acceleration",
-    "drive_amplitude",  # as it is now; a change takes its time
-    "drive_frequency",
-    "phase",
-    "kinetic_energy",
-    "potential_energy",
-    "contacts",  # since the start
-    "clack",  # closing speed of the hardest contact since the last frame [rad/s]
-    "recorded",  # seconds; -1 without a recording
-    "flags",  # 1 paused, 2 a ball is held
-)
-_PACK = struct.Struct(f"<{len(FRAME)}d").pack
-PAUSED, HELD = 1, 2
 
-TICKS_PER_SECOND = 60
-# Frames that a page has not seen yet; beyond that frames are left out, not queued.
-MOST_UNSEEN = 60
 # A server that was kept from ticking for longer goes on from where the toy is.
 MOST_BEHIND = 0.25  # s
 MOST_MESSAGE = 10_000  # characters
@@ -83,176 +53,6 @@ def routes() -> list[BaseRoute]:
         WebSocketRoute("/ws/live", live),
         Route("/api/recording/{name}.{suffix}", fetch),
     ]
-
-
-class Session:
-    """What one page does with its toy."""
-
-    def __init__(self) -> None:
-        self.toy: Toy | None = None
-        self.asked: Asked | None = None
-        self.seq = 0.0
-        self.acked = 0
-        self.number = 0
-        self.paused = False
-        self.finished: list[Recording] = []
-
-    def begin(self, hello: Any) -> dict[str, Any]:
-        """Make the toy that a page asks for and return what the page must know of it.
-
-        Raises
-        ------
-        TypeError, ValueError
-            For bad input.
-        """
-        from latolato.app.toy import Toy
-
-        asked = Asked.from_json(hello)
-        scenario = asked.to_scenario()
-        if scenario.varied:
-            raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run")
-        toy = Toy(scenario, hello.get("state"))
-        controls = hello.get("controls")
-        if controls is not None:
-            toy.set(_object("controls", controls))
-            if hello.get("state") is None:
-                toy.settle()
-        toy.advance()  # whatever must be compiled or loaded is, before the clock runs
-        self.toy, self.asked = toy, asked
-        return ready(toy, scenario)
-
-    def apply(self, message: Any) -> None:
-        """Do what a message asks for.
-
-        Raises
-        ------
-        TypeError, ValueError
-            For bad input; nothing of the message is done then, but what stands before it.
-        """
-        assert self.toy is not None
-        toy = self.toy
-        given = _object("a message", message)
-        known = ("seq", "ack", "set", "push", "drag", "pause", "record", "reset")
-        for name in given:
-            if name not in known:
-                raise ValueError(f"unknown message '{name}': known are {', '.join(known)}")
-        if "ack" in given:
-            self.acked = int(_count("ack", given["ack"]))
-        if "set" in given:
-            toy.set(_object("set", given["set"]))
-        if "push" in given:
-            toy.push(given["push"])
-        if "drag" in given:
-            if given["drag"] is None:
-                toy.release()
-            else:
-                drag = _object("drag", given["drag"])
-                toy.hold(drag.get("ball"), drag.get("angle"))
-        if "pause" in given:
-            self.paused = _switch("pause", given["pause"])
-        if "record" in given:
-            if _switch("record", given["record"]):
-                toy.record()
-            else:
-                self.stop_recording()
-        if given.get("reset"):
-            self.restart()
-        if "seq" in given:
-            self.seq = _count("seq", given["seq"])
-
-    def restart(self) -> None:
-        """Begin again from the start, with the controls as they are."""
-        from latolato.app.toy import Toy
-
-        assert self.toy is not None
-        assert self.asked is not None
-        self.stop_recording()
-        fresh = Toy(self.asked.to_scenario())
-        fresh.set(self.toy.controls)
-        fresh.settle()
-        self.toy = fresh
-
-    def stop_recording(self) -> None:
-        """End a recording, if there is one, and put it aside."""
-        assert self.toy is not None
-        found = self.toy.finish()
-        if found is not None:
-            self.finished.append(found)
-
-    def advance(self, ticks: int) -> str | None:
-        """Move the toy on; return why it had to begin again, if it had."""
-        assert self.toy is not None
-        try:
-            for _ in range(ticks):
-                self.toy.advance()
-        except ArithmeticError as error:
-            self.restart()
-            return str(error)
-        if self.toy.recording is not None and self.toy.recording.is_full:
-            self.stop_recording()
-        return None
-
-    def frame(self) -> bytes | None:
-        """Return the present numbers, or None while the page is behind."""
-        toy = self.toy
-        assert toy is not None
-        if self.number - self.acked >= MOST_UNSEEN:
-            return None
-        self.number += 1
-        state = toy.state()
-        angles, velocities = (*toy.angles, 0.0)[:2], (*toy.velocities, 0.0)[:2]
-        flags = PAUSED * self.paused | HELD * toy.is_held
-        recorded = toy.recording.duration if toy.recording else (0.0 if toy.is_recording else -1.0)
-        clack, toy.clack = toy.clack, 0.0
-        return _PACK(
-            self.number, self.seq, toy.time, *angles, *velocities, *toy.pivot,
-            state["drive_amplitude"], state["drive_frequency"], state["phase"],
-            toy.kinetic, toy.potential, toy.contacts, clack, recorded, flags,
-        )  # fmt: skip
-
-
-def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
-    """Return what a page must know of a toy beside its motion."""
-    from latolato.app.given import options_of
-    from latolato.app.runs import balls_of
-
-    system = toy.system
-    return {
-        "balls": balls_of(scenario),
-        "angles": system.angles,
-        "natural_frequency": system.natural_frequency,
-        "gravity": system.gravity,
-        "controls": dict(toy.controls),
-        "limits": {name: toy.limits[name] for name in toy.controls},
-        "frame": FRAME,
-        "title": scenario.title,
-        "options": options_of(scenario),
-        "by_cosine": not isinstance(scenario.drive, (CrankSlider, MeasuredPivot)),
-    }
-
-
-def _object(name: str, value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise TypeError(f"{name} must be an object, got {_shown(value)}")
-    return value
-
-
-def _count(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise TypeError(f"{name} must be a number, got {_shown(value)}")
-    if not 0 <= value <= 2**53:
-        raise ValueError(f"{name} must lie in [0, 2^53], got {_shown(value)}")
-    return float(value)
-
-
-def _switch(name: str, value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise TypeError(f"{name} must be true or false, got {_shown(value)}")
-    return value
-
-
-def _shown(value: Any) -> str:
-    return repr(value)[:60]
 
 
 def parsed(text: str) -> Any:
@@ -288,15 +88,29 @@ async def live(socket: WebSocket) -> None:
     try:
         await socket.accept()
         session = Session()
-        if await _greeted(socket, session):
-            await _both(socket, session)
-    except WebSocketDisconnect:
-        pass
-    except RuntimeError as error:  # what starlette raises for a socket that is gone
-        if "close" not in str(error) and "disconnect" not in str(error).lower():
-            raise
+        if await _until_gone(_greeted, socket, session):
+            async with anyio.create_task_group() as tasks:
+
+                async def do(work: Callable[..., Any]) -> None:
+                    await _until_gone(work, socket, session)
+                    tasks.cancel_scope.cancel()
+
+                tasks.start_soon(do, _move)
+                tasks.start_soon(do, _listen)
     finally:
         state.live_sessions -= 1
+
+
+async def _until_gone(work: Callable[..., Any], *given: Any) -> Any:
+    """Return what `work` returns, None if the page went away meanwhile."""
+    try:
+        return await work(*given)
+    except WebSocketDisconnect:
+        return None
+    except RuntimeError as error:  # what starlette raises for a socket that is closed
+        if "close" in str(error) or "disconnect" in str(error):
+            return None
+        raise
 
 
 async def _text(socket: WebSocket) -> str:
@@ -323,7 +137,7 @@ async def _greeted(socket: WebSocket, session: Session) -> bool:
     for _ in range(MOST_ERRORS):
         try:
             given = parsed(await _text(socket))
-            hello = _object("hello", _object("a message", given).get("hello"))
+            hello = checked_object("hello", checked_object("a message", given).get("hello"))
             answer = await in_thread(socket, session.begin, hello)
         except (TypeError, ValueError, ArithmeticError, ModuleNotFoundError) as error:
             await socket.send_text(told(error))
@@ -332,19 +146,6 @@ async def _greeted(socket: WebSocket, session: Session) -> bool:
         return True
     await socket.close(1008, "too many messages that make no sense")
     return False
-
-
-async def _both(socket: WebSocket, session: Session) -> None:
-    """Listen and move until the page goes."""
-    moving = asyncio.ensure_future(_move(socket, session))
-    listening = asyncio.ensure_future(_listen(socket, session))
-    await asyncio.wait({moving, listening}, return_when=asyncio.FIRST_COMPLETED)
-    for task in (moving, listening):
-        task.cancel()
-    ends = await asyncio.gather(moving, listening, return_exceptions=True)
-    for end in ends:  # both may have met the end of the socket
-        if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
-            raise end
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:
@@ -367,7 +168,7 @@ async def _move(socket: WebSocket, session: Session) -> None:
     origin, done = time.monotonic(), 0
     while True:
         wait = origin + (done + 1) * tick - time.monotonic()
-        await asyncio.sleep(max(wait, 0.0))
+        await anyio.sleep(max(wait, 0.0))
         now = time.monotonic()
         due = int((now - origin) / tick + 1e-6) - done
         if due > MOST_BEHIND * TICKS_PER_SECOND:

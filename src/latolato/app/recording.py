@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.runs import USUAL_COLUMNS, about, arrays_of, strobes_of
+from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
 from latolato.numerics.integrate import Floats, Start, Trajectory, choose_stepper
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
 from latolato.physics.contacts import contact_laws
@@ -165,19 +165,17 @@ class Kept:
         The run.
     about : dict
         What the pages tell of it; its entry ``reproduces`` says whether the scenario makes it.
-    drive : Drive
-        How the pivot moved.
+    scenario : Scenario
+        System, drive and start.
     """
 
     run: xr.Dataset
     about: dict[str, Any]
-    drive: Drive
+    scenario: Scenario
 
     def block(self) -> bytes:
         """Return the run as a block, as those of Play are."""
-        columns = ("angle", "angular_velocity", "pivot_height", *USUAL_COLUMNS)
-        strobe = strobes_of(self.drive, float(self.run["time"][-1]))
-        return pack(self.about, arrays_of(self.run, columns) | {"strobe": strobe})
+        return pack(self.about, arrays_of(self.scenario, self.run, USUAL_COLUMNS))
 
 
 def keep(recording: Recording) -> Kept:
@@ -207,4 +205,4 @@ def keep(recording: Recording) -> Kept:
         title="live", warnings=[], wall_time=0.0, recorded=True, reproduces=reproduces,
         by_hand=recording.by_hand, gap=gap, note=run.attrs.get("note", ""),
     )  # fmt: skip
-    return Kept(run, told, scenario.drive)
+    return Kept(run, told, scenario)

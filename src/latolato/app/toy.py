@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from latolato.app.recording import Recording
+from latolato.app.session import TICKS_PER_SECOND
+from latolato.app.steering import checked_state, cosine_of, limits_of
 from latolato.numerics import records
 from latolato.numerics.integrate import (
     Floats,
@@ -24,7 +26,7 @@ from latolato.numerics.integrate import (
 )
 from latolato.numerics.observe import BALL_ROWS, KINETIC, PIVOT_ROWS, POTENTIAL, ball_records
 from latolato.physics.contacts import BOTTOM, TOP, NoContact
-from latolato.physics.drives import Drive, Stages, Static
+from latolato.physics.drives import Stages
 from latolato.physics.drives.stages import Stage, moved
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.quantities import QUANTITIES, Range
@@ -32,15 +34,12 @@ from latolato.registry import checked_number, suggest
 from latolato.scenario import Scenario
 from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 
-TICKS_PER_SECOND = 60
 # Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
 TOLERANCE = 1e-10
 # The least time of a change, and the acceleration that no change adds more of, so that moving a
 # slider is no blow: about half of gravity.
 SHORTEST_CHANGE = 0.05  # s
 GENTLE = 5.0  # m/s^2
-# What may be set: up to so many lengths and natural frequencies.
-MOST_AMPLITUDE, MOST_FREQUENCY, MOST_DAMPING_RATIO = 0.5, 20.0, 2.0
 # A hand moves no faster than this, and halves its distance from where it wants to be in a tick.
 HAND_SPEED = 8.0  # m/s
 _HAND_GAIN = 0.6
@@ -85,7 +84,7 @@ class Toy:
         velocities = run.get("initial_angular_velocity", 0.0)
         offset, time = run.get("initial_offset"), 0.0
         if was is not None:
-            known = _checked_state(was, system.angles)
+            known = checked_state(was, system.angles)
             time, phase, angles, velocities = known[:4]
             offset = None
             amplitude, frequency = known[4:]
@@ -406,54 +405,3 @@ _ANGLES = [records.ANGLE_1, records.ANGLE_2]
 _VELOCITIES = [records.VELOCITY_1, records.VELOCITY_2]
 _LEDGER = (records.WORK, records.DAMPED, records.IMPACT, records.CAPTURED, records.NOISE)
 _STRETCH = np.dtype([(name, "f8") for name in Stages.stretch_fields])
-
-
-def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:
-    """Return amplitude [m], angular frequency [rad/s] and phase [rad] that a drive begins with."""
-
-    def first(name: str, several: str, otherwise: float) -> float:
-        found: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
-        return float(found[0])
-
-    usual = 2.0 * system.natural_frequency if isinstance(drive, Static) else drive.fastest_frequency
-    heights = getattr(drive, "pivot_heights", (0.0,))
-    return (
-        first("drive_amplitude", "drive_amplitudes", 0.5 * (max(heights) - min(heights))),
-        first("drive_frequency", "drive_frequencies", usual),
-        float(getattr(drive, "drive_phase", 0.0)),
-    )
-
-
-def limits_of(system: System) -> dict[str, tuple[float, float]]:
-    """Return the least and the largest value of each control, in SI units."""
-    ball = min(system.balls, key=lambda b: b.mass * b.length)
-    longest = max(b.length for b in system.balls)
-    rate = MOST_DAMPING_RATIO * system.natural_frequency
-    return {
-        "drive_amplitude": (0.0, MOST_AMPLITUDE * longest),
-        "drive_frequency": (0.0, MOST_FREQUENCY * system.natural_frequency),
-        "damping": (0.0, rate * ball.mass * ball.length),
-        "restitution": (0.0, 1.0),
-    }
-
-
-def _checked_state(was: Mapping[str, Any], angles: int) -> tuple[Any, ...]:
-    """Return time, phase, angles, velocities, amplitude and frequency of an earlier toy."""
-    if not isinstance(was, Mapping):
-        raise TypeError(f"state must be an object, got {was!r}")
-    anything = Range(-1e9, 1e9)
-    time = checked_number("time", was.get("time"), Range(0.0, 1e7), "s")
-    phase = checked_number("phase", was.get("phase"), anything, "rad")
-    lists = []
-    for name in ("angles", "velocities"):
-        values = was.get(name)
-        if not isinstance(values, list) or len(values) < angles:
-            raise ValueError(f"{name} must be a list of {angles} numbers, got {values!r}")
-        numbers = [checked_number(name, value, anything, "") for value in values[:angles]]
-        lists.append(numbers if angles == 2 else numbers[0])
-    drive = [
-        checked_number(name, was.get(name), anything, QUANTITIES[name].unit)
-        for name in ("drive_amplitude", "drive_frequency")
-    ]
-    # A change that was interrupted may have swung a little below zero.
-    return time, phase, *lists, max(drive[0], 0.0), max(drive[1], 0.0)

@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void}} Actions
+ *   low: () => void, sound: (on: boolean) => void}} Actions
  */
 
 /**
@@ -28,6 +28,8 @@ export function makeParts(ratios, actions) {
     restart: button(t("restart"), "R", actions.restart),
     high: button(t("highFrequency", { ratio: ratios.high }), "1", actions.high),
     low: button(t("lowFrequency", { ratio: ratios.low }), "2", actions.low),
+    sound: el("input", { type: "checkbox", on: { change: (/** @type {Event} */ event) =>
+      actions.sound(/** @type {HTMLInputElement} */ (event.target).checked) } }),
     notice: el("p", { class: "notes", role: "status" }),
     status: el("p", { class: "readout" }),
     knobs: el("div", { class: "fields" }),
@@ -46,7 +48,8 @@ export function makeParts(ratios, actions) {
 export function layOut(parts, record, recorded, preset) {
   return el("div", { class: "view live" },
     el("section", { class: "stage" }, parts.canvas, parts.status,
-      el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record),
+      el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
+        el("label", { class: "check" }, parts.sound, t("sound"))),
       recorded, parts.notice),
     el("div", { class: "side" },
       el("section", { class: "card" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),

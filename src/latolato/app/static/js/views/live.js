@@ -1,9 +1,11 @@
 /** Live: the toy runs in real time while hands change everything. */
 
+import { Clack } from "../clack.js";
 import { tell } from "../dom.js";
 import { withLaws } from "../form.js";
 import { withControls } from "../live/address.js";
 import { followHand } from "../live/hand.js";
+import { followKeys } from "../live/keys.js";
 import { Keeper } from "../live/keeper.js";
 import { KEYS, Knob } from "../live/knob.js";
 import { Link } from "../live/link.js";
@@ -30,6 +32,8 @@ const RATIOS = { high: 3.136, low: 2.389 };
 const PUSH = 0.4;
 // A softer contact is no clack to be seen [rad/s].
 const SOFTEST = 0.1;
+// Balls that meet this fast are as loud as it gets, in natural angular frequencies.
+const LOUDEST = 3;
 const FLAG_PAUSED = 1;
 // How far the sliders go: lengths, natural frequencies, and a share of what the server takes.
 const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
@@ -66,7 +70,9 @@ export class LiveView {
     this.keeper = new Keeper(page, (record) => this.link.send({ record }));
     /** @type {Record<string, Knob>} */
     this.knobs = {};
+    this.clack = new Clack();
     this.parts = makeParts(RATIOS, {
+      sound: (on) => { this.clack.on = on; },
       pause: () => this.pause(),
       push: () => this.push(),
       restart: () => this.link.send({ reset: true }),
@@ -82,7 +88,7 @@ export class LiveView {
       { name: "total", paint: "ink" }] });
     this.angleStrip.history = this.energyStrip.history = this.history;
     followHand(this.parts.canvas, this.scene, () => this.motion, (drag) => this.link.send({ drag }));
-    this.root.addEventListener("keydown", (event) => this.key(event));
+    followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.holdOrGoOn());
     this.draw = this.draw.bind(this);
     /** @type {() => void} */
@@ -220,6 +226,7 @@ export class LiveView {
     if (frame.clack > SOFTEST) {
       this.angleStrip.marks.push(frame.time);
       while (this.angleStrip.marks[0] < frame.time - SPAN) this.angleStrip.marks.shift();
+      this.clack.sound(frame.clack / (LOUDEST * this.about.natural_frequency));
       if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
     }
     this.contacts = frame.contacts;
@@ -285,16 +292,9 @@ export class LiveView {
     this.knobs.drive_frequency.give(ratio * this.about.natural_frequency);
   }
 
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    const target = /** @type {HTMLInputElement} */ (event.target);
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const slides = target.tagName === "INPUT" && target.type === "range";
-    if (["SELECT", "TEXTAREA"].includes(target.tagName) || (target.tagName === "INPUT" && !slides)) return;
-    if (slides && event.key.startsWith("Arrow")) return;
-    if (["BUTTON", "A", "SUMMARY"].includes(target.tagName) && [" ", "Enter"].includes(event.key)) return;
-    /** @type {Record<string, () => void>} */
-    const actions = {
+  /** Return what each key does. @returns {Record<string, () => void>} */
+  actions() {
+    return {
       ArrowUp: () => this.knobs.drive_amplitude?.turn(1),
       ArrowDown: () => this.knobs.drive_amplitude?.turn(-1),
       ArrowRight: () => this.knobs.drive_frequency?.turn(1),
@@ -304,10 +304,6 @@ export class LiveView {
       p: () => this.push(), r: () => this.link.send({ reset: true }), c: () => this.keeper.toggle(),
       1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
     };
-    const action = actions[event.key];
-    if (!action) return;
-    event.preventDefault();
-    action();
   }
 
   /**
