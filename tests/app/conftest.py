@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import urlsplit
@@ -30,20 +30,6 @@ def server() -> Iterator[Server]:
     found = start_server()
     yield found
     stop_server(found)
-
-
-@pytest.fixture
-def start() -> Iterator[Callable[..., Server]]:
-    """Return a function that starts further servers; all are stopped after the test."""
-    started: list[Server] = []
-
-    def begin(*options: str) -> Server:
-        started.append(start_server(*options))
-        return started[-1]
-
-    yield begin
-    for each in started:
-        stop_server(each)
 
 
 @pytest.fixture(scope="session")

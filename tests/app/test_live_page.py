@@ -6,6 +6,9 @@ import math
 
 import pytest
 
+from app_server import start_server, stop_server
+from browser_checks import serious_faults
+
 # How long a page may take to show its toy [ms].
 PATIENCE = 60_000
 
@@ -182,8 +185,8 @@ def test_a_value_out_of_range_is_told_beside_its_field(page):
     assert frame(page)["drive_frequency"] < 100.0
 
 
-def test_the_page_goes_on_when_its_server_was_killed_and_started_again(browser, start):
-    server = start()
+def test_the_page_goes_on_when_its_server_was_killed_and_started_again(browser):
+    server = start_server()
     port = str(server.port)
     context = browser.new_context(base_url=server.address)
     page = context.new_page()
@@ -192,12 +195,12 @@ def test_the_page_goes_on_when_its_server_was_killed_and_started_again(browser, 
         page.keyboard.press("ArrowUp")
         page.wait_for_function("() => window.latolato.views.live.motion.frame.time > 1")
         server.process.kill()
-        page.get_by_text("The server does not answer").wait_for()
+        page.get_by_text("The server does not answer").first.wait_for()
         before = frame(page)
         amplitude = page.evaluate("() => window.latolato.views.live.controls.drive_amplitude")
         assert amplitude > 0.034
-        server.process.wait(timeout=20)
-        start("--port", port)
+        stop_server(server)
+        server = start_server("--port", port)
         page.wait_for_function(
             "t => window.latolato.views.live.motion.frame.time > t + 0.1",
             arg=before["time"],
@@ -209,3 +212,22 @@ def test_the_page_goes_on_when_its_server_was_killed_and_started_again(browser, 
         assert abs(after["drive_amplitude"] - amplitude) < 1e-3
     finally:
         context.close()
+        stop_server(server)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_live_is_accessible_and_fits_the_screen(page, scheme, width):
+    page.emulate_media(color_scheme=scheme)
+    page.set_viewport_size({"width": width, "height": 900})
+    open_live(page)
+    assert serious_faults(page) == []
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+def test_who_wants_little_motion_finds_the_toy_at_rest(page):
+    page.emulate_media(reduced_motion="reduce")
+    open_live(page)
+    page.wait_for_function("() => window.latolato.views.live.motion.frame.flags & 1")
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function("() => !(window.latolato.views.live.motion.frame.flags & 1)")

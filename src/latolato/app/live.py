@@ -38,6 +38,9 @@ MOST_BEHIND = 0.25  # s
 MOST_MESSAGE = 10_000  # characters
 MOST_ERRORS = 100  # of one page, before it is cut off
 MOST_SESSIONS = 64
+MOST_WAITED = 60.0  # s, for a greeting; it includes loading, or compiling, what computes
+# While a toy stands still, one frame in so many goes out.
+_PAUSED_TICKS = 6
 # Recordings that wait for a download; the oldest go first.
 MOST_KEPT = 8
 _SUFFIXES = {
@@ -88,7 +91,12 @@ async def live(socket: WebSocket) -> None:
     try:
         await socket.accept()
         session = Session()
-        if await _until_gone(_greeted, socket, session):
+        greeted = False
+        with anyio.move_on_after(MOST_WAITED):
+            greeted = bool(await _until_gone(_greeted, socket, session))
+        if not greeted:
+            await _until_gone(socket.close, 1008, "no greeting that makes sense")
+        else:
             async with anyio.create_task_group() as tasks:
 
                 async def do(work: Callable[..., Any]) -> None:
@@ -144,7 +152,6 @@ async def _greeted(socket: WebSocket, session: Session) -> bool:
             continue
         await socket.send_text(json.dumps({"ready": plain(answer)}))
         return True
-    await socket.close(1008, "too many messages that make no sense")
     return False
 
 
@@ -180,7 +187,7 @@ async def _move(socket: WebSocket, session: Session) -> None:
             await socket.send_text(json.dumps({"error": message, "field": None}))
         if session.finished:
             await _keep(socket, session)
-        frame = session.frame()
+        frame = None if session.paused and done % _PAUSED_TICKS else session.frame()
         if frame is not None:
             await socket.send_bytes(frame)
 

@@ -22,7 +22,7 @@ from latolato.simulate import attributes_of, dataset_of
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_SECONDS = 600.0
+MOST_SECONDS = 300.0
 # A run computed anew that stays this close to what was seen is that run.
 SAME = 1e-6  # rad
 

@@ -11,7 +11,7 @@ from latolato.quantities import QUANTITIES, Range
 from latolato.registry import checked_number
 
 # What may be set: up to so many lengths and natural frequencies.
-MOST_AMPLITUDE, MOST_FREQUENCY, MOST_DAMPING_RATIO = 0.5, 20.0, 2.0
+MOST_AMPLITUDE, MOST_FREQUENCY, MOST_DAMPING_RATIO = 0.5, 40.0, 2.0
 
 
 def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:

@@ -98,6 +98,7 @@ export const STRINGS = {
   liveControls: "Change it while it runs",
   liveKeys: "Drag a ball, or use the keys beside the names. Also P push, Space pause, R restart, C record.",
   liveReadout: "t = {time} s · drive at {ratio} ω₀ · {count} contacts",
+  liveReadoutOne: "t = {time} s · drive at {ratio} ω₀",
   ratioText: "{ratio} ω₀",
   push: "Push",
   restart: "Restart",

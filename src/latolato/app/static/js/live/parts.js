@@ -52,7 +52,7 @@ export function layOut(parts, record, recorded, preset) {
         el("label", { class: "check" }, parts.sound, t("sound"))),
       recorded, parts.notice),
     el("div", { class: "side" },
-      el("section", { class: "card" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),
+      el("section", { class: "card trick" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),
         el("ol", {}, el("li", {}, t("liveStep1"), " ", parts.high),
           el("li", {}, t("liveStep2"), " ", parts.low)),
         el("p", { class: "hint" }, t("liveMore"))),

@@ -37,6 +37,8 @@ const LOUDEST = 3;
 const FLAG_PAUSED = 1;
 // How far the sliders go: lengths, natural frequencies, and a share of what the server takes.
 const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
+const LEFT = { name: "left", paint: "left" };
+const RIGHT = { name: "right", paint: "right" };
 
 export class LiveView {
   /** @param {Page} page */
@@ -81,8 +83,8 @@ export class LiveView {
     });
     this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
     this.scene = new Scene(this.parts.canvas);
-    this.angleStrip = new Strip(this.parts.angle.canvas, { least: [-15, 15], curves: [
-      { name: "left", paint: "left" }, { name: "right", paint: "right" }] });
+    this.angleStrip = new Strip(this.parts.angle.canvas, {
+      least: [-15, 15], curves: [LEFT, RIGHT] });
     this.energyStrip = new Strip(this.parts.energy.canvas, { least: [0, 1e-6], curves: [
       { name: "kinetic", paint: "kinetic" }, { name: "potential", paint: "potential" },
       { name: "total", paint: "ink" }] });
@@ -167,7 +169,9 @@ export class LiveView {
       this.knobs[name].show(about.controls[name]);
       this.knobs[name].error(null);
     }
-    this.root.classList.toggle("single", this.motion.balls.length < 2);
+    const single = this.motion.balls.length < 2;
+    this.root.classList.toggle("single", single);
+    this.angleStrip.curves = single ? [RIGHT] : [LEFT, RIGHT];
     this.rescale();
     this.parts.notice.textContent = about.by_cosine ? "" : t("liveCosine");
     this.holdOrGoOn();
@@ -249,7 +253,7 @@ export class LiveView {
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
     const { frame } = this.motion;
-    this.parts.status.textContent = t("liveReadout", {
+    this.parts.status.textContent = t(this.motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne", {
       time: frame.time.toFixed(1), count: frame.contacts,
       ratio: (frame.drive_frequency / this.about.natural_frequency).toFixed(3) });
     this.showRatio();

@@ -1,0 +1,63 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { withControls } from "../../../src/latolato/app/static/js/live/address.js";
+import { History, LiveMotion, SPAN } from "../../../src/latolato/app/static/js/live/motion.js";
+
+const REGISTRY = {
+  drives: {
+    harmonic: { options: ["drive_amplitude", "drive_frequency", "drive_phase"] },
+    frequency_schedule: { options: ["drive_amplitude", "drive_times", "drive_frequencies", "ramp"] },
+  },
+  systems: {
+    latolato: { options: ["length", "damping", "restitution"] },
+    ballpair: { options: ["right_damping", "left_damping", "restitution"] },
+  },
+};
+const CONTROLS = { drive_amplitude: 0.03, drive_frequency: 15.1, damping: 0.005, restitution: 0.9 };
+
+test("the address of a live toy is one of a harmonic drive", () => {
+  const before = { drive: "frequency_schedule", drive_times: "0 s, 4 s", ramp: "1 s",
+    frequency_ratios: "3, 2", length: "1 m" };
+  const found = withControls(REGISTRY, before, "latolato", CONTROLS, "drive_amplitude");
+  assert.deepEqual(found, {
+    drive: "harmonic", length: "1 m", drive_amplitude: "0.03 m", drive_frequency: "15.1 rad/s",
+    damping: "0.005 kg m/s", restitution: "0.9",
+  });
+});
+
+test("two free balls keep their own damping until it is touched", () => {
+  const same = withControls(REGISTRY, {}, "ballpair", CONTROLS, "restitution");
+  assert.equal("right_damping" in same, false);
+  const found = withControls(REGISTRY, {}, "ballpair", CONTROLS, "damping");
+  assert.equal(found.right_damping, "0.005 kg m/s");
+  assert.equal(found.left_damping, "0.005 kg m/s");
+});
+
+test("the history keeps the last seconds in their order", () => {
+  const history = new History(["right"]);
+  for (let k = 0; k < 2000; k += 1) history.add(k / 60, { right: k });
+  const first = history.time[history.at(0)];
+  const last = history.time[history.at(history.count - 1)];
+  assert.equal(last, 1999 / 60);
+  assert.ok(last - first >= SPAN && last - first < SPAN + 0.1);
+  assert.deepEqual(history.range(["right"]), [2000 - history.count, 1999]);
+});
+
+test("a history begins again when time goes back", () => {
+  const history = new History(["right"]);
+  for (let k = 0; k < 50; k += 1) history.add(k, { right: 100 });
+  history.add(0, { right: 1 });
+  assert.equal(history.count, 1);
+  assert.deepEqual(history.range(["right"]), [1, 1]);
+});
+
+test("a mirrored ball is drawn on the other side", () => {
+  const ball = { row: 0, length: 2, radius: 0.1, mass: 1 };
+  const motion = new LiveMotion({ gravity: 9.8, angles: 1, controls: { drive_amplitude: 0.1 },
+    balls: [{ ...ball, name: "right", sign: 1 }, { ...ball, name: "left", sign: -1 }] });
+  motion.frame = { ...motion.frame, angle_1: Math.PI / 2, pivot_height: 0.05 };
+  const [right, left] = motion.pose().balls;
+  assert.ok(Math.abs(right.x - 2) < 1e-12 && Math.abs(left.x + 2) < 1e-12);
+  assert.ok(Math.abs(right.y - 0.05) < 1e-12);
+});
