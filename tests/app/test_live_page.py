@@ -114,12 +114,12 @@ def test_the_trick_of_fig12_can_be_done_by_hand(page):
     open_live(page)
     page.get_by_role("button", name="High", exact=False).click()
     page.wait_for_function(
-        "() => window.latolato.views.live.history.range(['right'])[1] > 15", timeout=30_000
+        "() => window.latolato.views.live.watch.history.range(['right'])[1] > 15", timeout=30_000
     )
     assert page.get_by_role("button", name="High").get_attribute("aria-pressed") == "true"
     page.keyboard.press("2")
     page.wait_for_function(
-        "() => window.latolato.views.live.history.range(['right'])[1] > 35", timeout=30_000
+        "() => window.latolato.views.live.watch.history.range(['right'])[1] > 35", timeout=30_000
     )
 
 

@@ -54,7 +54,8 @@ export class Keeper {
     this.running = false;
     this.show(-1);
     const time = about.duration.toFixed(1);
-    const note = about.reproduces ? "recordedExact" : about.by_hand ? "recordedHand" : "recordedChaos";
+    const note = about.reproduces ? "recordedExact"
+      : about.by_hand ? "recordedHand" : "recordedChaos";
     const file = (/** @type {string} */ suffix, /** @type {string} */ name) =>
       el("a", { href: `/api/recording/${about.name}.${suffix}`, download: `live.${suffix}` }, name);
     this.result.replaceChildren(

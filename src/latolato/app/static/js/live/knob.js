@@ -32,8 +32,10 @@ export class Knob {
     const id = freshId();
     this.errorId = freshId();
     this.slider = el("input", { type: "range", min: "0", max: String(STEPS), step: "1",
-      "aria-label": t("sliderOf", { name: option.label }), on: { input: () =>
-        this.give(this.span[0] + (Number(this.slider.value) / STEPS) * (this.span[1] - this.span[0])) } });
+      "aria-label": t("sliderOf", { name: option.label }), on: { input: () => {
+        const [low, high] = this.span;
+        this.give(low + (Number(this.slider.value) / STEPS) * (high - low));
+      } } });
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       spellcheck: "false", "aria-describedby": this.errorId, on: { change: () => this.read() } });
     this.also = el("output", { class: "soft" });
@@ -43,7 +45,8 @@ export class Knob {
     this.root = el("div", { class: "field knob" },
       el("label", { for: id, title: option.description }, option.label, " ", el("i", {}, ...symbol),
         ...keys.map((key) => el("kbd", { "aria-hidden": "true" }, key))),
-      el("span", { class: "entry" }, this.also, this.input, el("span", { class: "unit" }, shownUnit(this.unit.name))),
+      el("span", { class: "entry" }, this.also, this.input,
+        el("span", { class: "unit" }, shownUnit(this.unit.name))),
       this.slider, this.note);
   }
 
@@ -61,12 +64,17 @@ export class Knob {
   show(value) {
     this.value = value;
     if (value > this.span[1]) this.span[1] = Math.min(this.limits[1], 1.25 * value);
-    const share = (value - this.span[0]) / (this.span[1] - this.span[0] || 1);
-    if (document.activeElement !== this.slider) this.slider.value = String(Math.round(STEPS * share));
+    if (document.activeElement !== this.slider) this.place();
     const unit = shownUnit(this.unit.name);
     const text = short(value / this.unit.size, 4);
     this.slider.setAttribute("aria-valuetext", `${text} ${unit}`.trim());
     if (document.activeElement !== this.input) this.input.value = text;
+  }
+
+  /** Put the slider where the value is. */
+  place() {
+    const [low, high] = this.span;
+    this.slider.value = String(Math.round((STEPS * (this.value - low)) / (high - low || 1)));
   }
 
   /** @param {number} value */
@@ -105,7 +113,7 @@ export class Knob {
    */
   turn(direction) {
     this.give(this.value + direction * KEY_STEP * (this.span[1] - this.span[0]));
-    this.slider.value = String(Math.round((STEPS * (this.value - this.span[0])) / (this.span[1] - this.span[0])));
+    this.place();
   }
 
   /** @param {string | null} text */

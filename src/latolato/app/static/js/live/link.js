@@ -7,7 +7,7 @@ import { socketAddress } from "../api.js";
  * @typedef {Record<string, number>} Frame
  */
 
-// A page acknowledges this often, in frames; the server waits for a page that falls a second behind.
+// A page acknowledges this often, in frames; to one that is a second behind none are sent.
 const ACK_EVERY = 6;
 const FIRST_WAIT = 250; // ms
 const LONGEST_WAIT = 4000; // ms
@@ -96,4 +96,18 @@ export class Link {
     this.socket?.close();
     this.socket = null;
   }
+}
+
+/**
+ * Return what a frame holds that a toy can go on from.
+ * @param {Frame} frame
+ * @param {number} angles how many the system has
+ */
+export function stateOf(frame, angles) {
+  const { time, phase, drive_amplitude, drive_frequency } = frame;
+  return {
+    time, phase, drive_amplitude, drive_frequency,
+    angles: [frame.angle_1, frame.angle_2].slice(0, angles),
+    velocities: [frame.velocity_1, frame.velocity_2].slice(0, angles),
+  };
 }

@@ -127,7 +127,8 @@ export class LiveMotion {
    */
   rise(largest) {
     const side = this.longest + Math.max(...this.balls.map((b) => this.radius(b)));
-    const wanted = side * Math.sin(Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2)) + this.reach;
+    const above = Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2);
+    const wanted = side * Math.sin(above) + this.reach;
     const before = this.top;
     this.top += (wanted > before ? GROW : SHRINK) * (wanted - before);
     return Math.abs(this.top - before) > 1e-5 * side;

@@ -23,7 +23,8 @@ export function makeParts(ratios, actions) {
   return {
     canvas: el("canvas", { class: "scene grabbable", tabindex: "0", role: "application",
       "aria-label": t("liveStage"), "aria-describedby": "live-keys" }),
-    toggle: el("button", { type: "button", class: "play", on: { click: actions.pause } }, t("pause")),
+    toggle: el("button", { type: "button", class: "play", on: { click: actions.pause } },
+      t("pause")),
     push: button(t("push"), "P", actions.push),
     restart: button(t("restart"), "R", actions.restart),
     high: button(t("highFrequency", { ratio: ratios.high }), "1", actions.high),

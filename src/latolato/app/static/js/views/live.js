@@ -8,10 +8,10 @@ import { followHand } from "../live/hand.js";
 import { followKeys } from "../live/keys.js";
 import { Keeper } from "../live/keeper.js";
 import { KEYS, Knob } from "../live/knob.js";
-import { Link } from "../live/link.js";
-import { History, LiveMotion, SPAN } from "../live/motion.js";
+import { Link, stateOf } from "../live/link.js";
+import { LiveMotion } from "../live/motion.js";
 import { layOut, makeParts } from "../live/parts.js";
-import { Strip } from "../live/strip.js";
+import { Watch } from "../live/watch.js";
 import { presetField } from "../presets.js";
 import { Scene } from "../scene.js";
 import { t } from "../strings.js";
@@ -21,10 +21,9 @@ import { t } from "../strings.js";
 
 // What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
-// the change); from 32 mm on they always do (60 of 60, within 5 s).
+// the change); from 32 mm on they always do (60 of 60, within 15 s).
 const FIRST = "fig12";
 const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
-const DEGREES = 180 / Math.PI;
 const READ_EVERY = 100; // ms
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
 const RATIOS = { high: 3.136, low: 2.389 };
@@ -37,8 +36,6 @@ const LOUDEST = 3;
 const FLAG_PAUSED = 1;
 // How far the sliders go: lengths, natural frequencies, and a share of what the server takes.
 const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
-const LEFT = { name: "left", paint: "left" };
-const RIGHT = { name: "right", paint: "right" };
 
 export class LiveView {
   /** @param {Page} page */
@@ -51,13 +48,11 @@ export class LiveView {
     this.about = null;
     /** @type {LiveMotion | null} */
     this.motion = null;
-    this.history = new History(["right", "left", "kinetic", "potential", "total"]);
     /** What the server is asked to go on from after a break. @type {any} */
     this.last = null;
     /** @type {Record<string, number> | null} */
     this.controls = null;
     this.signature = "";
-    this.contacts = 0;
     this.dirty = false;
     this.readAt = 0;
     this.preset = presetField(page);
@@ -83,13 +78,9 @@ export class LiveView {
     });
     this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
     this.scene = new Scene(this.parts.canvas);
-    this.angleStrip = new Strip(this.parts.angle.canvas, {
-      least: [-15, 15], curves: [LEFT, RIGHT] });
-    this.energyStrip = new Strip(this.parts.energy.canvas, { least: [0, 1e-6], curves: [
-      { name: "kinetic", paint: "kinetic" }, { name: "potential", paint: "potential" },
-      { name: "total", paint: "ink" }] });
-    this.angleStrip.history = this.energyStrip.history = this.history;
-    followHand(this.parts.canvas, this.scene, () => this.motion, (drag) => this.link.send({ drag }));
+    this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
+    followHand(this.parts.canvas, this.scene, () => this.motion,
+      (drag) => this.link.send({ drag }));
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.holdOrGoOn());
     this.draw = this.draw.bind(this);
@@ -140,20 +131,13 @@ export class LiveView {
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
     this.preset.show(scenario);
-    return { scenario, options, controls: this.controls ?? undefined, state: this.last ?? undefined };
+    return { scenario, options, controls: this.controls, state: this.last };
   }
 
   /** @param {any} about */
   ready(about) {
     this.about = about;
-    const fresh = !this.last;
     this.motion = new LiveMotion(about);
-    if (fresh) {
-      this.history.count = 0;
-      this.contacts = 0;
-      this.angleStrip.limits = [...this.angleStrip.least];
-    }
-    this.angleStrip.marks = [];
     this.controls = about.controls;
     const names = Object.keys(about.controls);
     if (names.join() !== Object.keys(this.knobs).join()) this.makeKnobs(names);
@@ -171,7 +155,7 @@ export class LiveView {
     }
     const single = this.motion.balls.length < 2;
     this.root.classList.toggle("single", single);
-    this.angleStrip.curves = single ? [RIGHT] : [LEFT, RIGHT];
+    this.watch.begin(!this.last, single);
     this.rescale();
     this.parts.notice.textContent = about.by_cosine ? "" : t("liveCosine");
     this.holdOrGoOn();
@@ -215,25 +199,13 @@ export class LiveView {
     const { motion, about } = this;
     if (!motion) return;
     motion.frame = frame;
-    this.last = {
-      time: frame.time, phase: frame.phase, drive_amplitude: frame.drive_amplitude,
-      drive_frequency: frame.drive_frequency, angles: [frame.angle_1, frame.angle_2].slice(0, about.angles),
-      velocities: [frame.velocity_1, frame.velocity_2].slice(0, about.angles),
-    };
-    const [first, second] = motion.balls;
-    this.history.add(frame.time, {
-      right: motion.angle(first) * DEGREES, left: second ? motion.angle(second) * DEGREES : 0,
-      kinetic: frame.kinetic_energy, potential: frame.potential_energy,
-      total: frame.kinetic_energy + frame.potential_energy,
-    });
-    if (frame.contacts < this.contacts) this.angleStrip.marks = [];
-    if (frame.clack > SOFTEST) {
-      this.angleStrip.marks.push(frame.time);
-      while (this.angleStrip.marks[0] < frame.time - SPAN) this.angleStrip.marks.shift();
-      this.clack.sound(frame.clack / (LOUDEST * this.about.natural_frequency));
+    this.last = stateOf(frame, about.angles);
+    const clacks = frame.clack > SOFTEST;
+    this.watch.add(frame, motion, clacks);
+    if (clacks) {
+      this.clack.sound(frame.clack / (LOUDEST * about.natural_frequency));
       if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
     }
-    this.contacts = frame.contacts;
     this.dirty = true;
   }
 
@@ -243,17 +215,16 @@ export class LiveView {
     requestAnimationFrame(this.draw);
     if (!this.dirty || !this.motion) return;
     this.dirty = false;
-    const [lowest, highest] = this.history.range(["left", "right"]);
-    if (this.motion.rise(Math.max(-lowest, highest) / DEGREES)) this.scene.box = this.motion.box();
+    if (this.motion.rise(this.watch.largest())) this.scene.box = this.motion.box();
     this.scene.time = this.motion.frame.time;
     this.scene.draw();
-    this.angleStrip.draw();
-    this.energyStrip.draw();
+    this.watch.draw();
     const now = performance.now();
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
     const { frame } = this.motion;
-    this.parts.status.textContent = t(this.motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne", {
+    const text = this.motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
+    this.parts.status.textContent = t(text, {
       time: frame.time.toFixed(1), count: frame.contacts,
       ratio: (frame.drive_frequency / this.about.natural_frequency).toFixed(3) });
     this.showRatio();
