@@ -348,6 +348,8 @@ class Toy:
         body, now = self.system.balls[ball], self.stages[0].at(self.time)
         lift = Stages.acceleration(self.time, now)
         fall = -(self.system.gravity + lift) / body.length * self.system.restoring(angle)
+        if self.system.angles == 1 and target in self.walls and fall * (target - math.pi / 2) > 0.0:
+            fall = 0.0  # it presses the ball where it is wanted
         fastest = HAND_SPEED / body.length
         wanted = min(max(_HAND_GAIN * away * TICKS_PER_SECOND, -fastest), fastest)
         kick[ball] += wanted - 0.5 * fall / TICKS_PER_SECOND - velocity
