@@ -54,6 +54,8 @@ USUAL: dict[str, Any] = {
     "drive_frequency": 15.1,
     "drive_frequency_final": 20.0,
     "drive_frequencies": [19.8, 15.1],
+    "drive_amplitudes": [0.034, 0.034],
+    "ramps": [0.1, 0.5],
     "times": [0.0, 4.0],
     "sweep_time": 30.0,
     "connecting_rod_length": 0.1,
