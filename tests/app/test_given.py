@@ -96,3 +96,11 @@ def test_the_registry_names_units_and_ranges_of_every_number():
             option = found["options"][name]
             has_start = option["default"] is not None or option["usual"] is not None
             assert has_start, f"a form cannot begin with {name}"
+
+
+def test_whole_numbers_may_come_as_texts_of_an_address():
+    scenario = Asked("zeno", {"samples": "11", "contact_limit": " 500 "}).to_scenario()
+    assert len(scenario.run["times"]) == 11
+    assert scenario.run["contact_limit"] == 500
+    with pytest.raises(ValueError, match="samples must be a whole number"):
+        Asked("zeno", {"samples": "1.5"}).to_scenario()

@@ -7,6 +7,7 @@ A page, its URL, the command line and the Python lines on show all use the names
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -67,6 +68,7 @@ class Asked:
         for name, value in (self.options or {}).items():
             if name not in known:
                 raise ValueError(f"unknown option '{name}': {suggest(name, list(known))}")
+            value = _typed(value, known[name].kind)
             given[name] = _value(name, value, several=known[name].several)
         path = None
         if self.scenario is not None:
@@ -76,6 +78,15 @@ class Asked:
             path = shipped()[self.scenario]
         tables, folder = changed_tables(path, changes(given))
         return Scenario.from_dict(tables, folder=folder)
+
+
+def _typed(value: Any, kind: Any) -> Any:
+    """Return what the text of an address stands for, where a whole number or a switch is asked."""
+    if kind is int and isinstance(value, str) and re.fullmatch(r"\s*[-+]?\d{1,18}\s*", value):
+        return int(value)
+    if kind is bool and isinstance(value, str):
+        return {"true": True, "false": False}.get(value.strip().lower(), value)
+    return value
 
 
 def _value(name: str, value: Any, *, several: bool) -> Any:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
@@ -14,7 +15,7 @@ import anyio
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
@@ -66,17 +67,29 @@ def make_app(settings: Settings) -> Starlette:
         ],
         middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
         exception_handlers={HTTPException: _refused},
+        lifespan=_lifespan,
     )
     app.state.workers = None
+    app.state.jobs = None
     return app
+
+
+@asynccontextmanager
+async def _lifespan(app: Starlette) -> AsyncIterator[None]:
+    """End the processes of jobs with the server."""
+    yield
+    if app.state.jobs is not None:
+        app.state.jobs.close()
 
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    return []
+    from latolato.app import downloads
+
+    return [*downloads.routes()]
 
 
-async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:
+async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
     """Return what `work` answers in a thread; refusals become one line for the page.
 
     Bad input is 422, what is too large 413; ``field`` names the option that a message is about.
@@ -90,7 +103,7 @@ async def answered(request: Request, work: Callable[..., Response], *given: Any)
         return refusal(422, str(error))
 
 
-async def in_thread(request: Request, work: Callable[..., Any], *given: Any) -> Any:
+async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
     """Return what `work` returns, in one of the few threads that compute."""
     state = request.app.state
     if state.workers is None:

@@ -85,6 +85,30 @@ export const STRINGS = {
   top: "top",
   rest: "rest",
   release: "release",
+  // long work
+  cancel: "Cancel",
+  job_bar: "How far the work is",
+  job_waiting: "Waiting for other work to end …",
+  job_starting: "Starting a process for it … {seconds} s",
+  job_working: "Working … {seconds} s",
+  job_compiling: "Compiling, once for this kind of question (some 10 s) … {seconds} s",
+  job_progress: "{percent} % done, {seconds} s",
+  stored: "Stored {name}.",
+  // downloads
+  file_csv: "CSV",
+  "file_contacts.csv": "CSV of contacts",
+  file_nc: "NetCDF",
+  file_png: "PNG",
+  file_svg: "SVG",
+  file_toml: "TOML",
+  file_mp4: "Make an MP4",
+  fileHint_csv: "a table for a spreadsheet",
+  "fileHint_contacts.csv": "a row for each touch",
+  fileHint_nc: "everything, for Python and others",
+  fileHint_png: "picture of the run",
+  fileHint_svg: "the same, for print",
+  fileHint_toml: "the scenario, to run it again",
+  fileHint_mp4: "The animation beside its curves, 30 pictures a second.",
 };
 
 /**
