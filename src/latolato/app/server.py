@@ -40,11 +40,14 @@ class Settings:
         The address.
     token : str, optional
         The secret that every request must carry; needed for any address but this machine's own.
+    report : Path, optional
+        Folder of a reproduction report whose figures are shown.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
+    report: Path | None = None
 
     @property
     def names(self) -> frozenset[str]:
@@ -71,6 +74,7 @@ def make_app(settings: Settings) -> Starlette:
     )
     app.state.workers = None
     app.state.jobs = None
+    app.state.report = settings.report
     return app
 
 
@@ -84,9 +88,9 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads
+    from latolato.app import downloads, paper
 
-    return [*downloads.routes()]
+    return [*downloads.routes(), *paper.routes()]
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:

@@ -28,6 +28,7 @@ from latolato.summary import plain
 # Where the functions ``(given, folder, progress) -> dict`` are.
 JOBS = {
     "animate": ("latolato.app.downloads", "film"),
+    "figure": ("latolato.app.paper", "compute"),
 }
 # Imported before a job is there, so that it begins at once.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")

@@ -12,6 +12,7 @@ import { t } from "./strings.js";
  *   hide(): void}>>} */
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
+  paper: async () => (await import("./views/paper.js")).PaperView,
 };
 const THEMES = ["auto", "light", "dark"];
 

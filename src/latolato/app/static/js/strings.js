@@ -109,6 +109,32 @@ export const STRINGS = {
   fileHint_svg: "the same, for print",
   fileHint_toml: "the scenario, to run it again",
   fileHint_mp4: "The animation beside its curves, 30 pictures a second.",
+  // paper
+  paperTitle: "The paper’s claims, recalculated",
+  paperLead: "What the paper on the Lato Lato 2.0 says, in its own words, beside what an accurate " +
+    "calculation gives. Figures are computed as you reach them, with fewer points than the full report " +
+    "of “latolato reproduce”. Every verdict follows from the numbers and limits below it.",
+  paperList: "Figures",
+  paperAll: "Judge everything now (about half a minute)",
+  paperOpen: "{count} of {total} not judged yet",
+  paperUnjudged: "Not judged yet.",
+  paperFilm: "Make this figure from a film",
+  paperFilmHint: "A synthetic video is made, tracked and measured: some tens of seconds.",
+  paperQuick: "Quick numbers: scans have fewer points than in the full report.",
+  paperReport: "From the stored report.",
+  paperAssumed: "Assumed:",
+  paperCases: "Runs behind it ({count}):",
+  openInPlay: "Open in Play: {title}",
+  openInMap: "Open in Map: {title}",
+  openCase: "Open in Play",
+  REPRODUCED: "reproduced",
+  ASSUMED: "reproduced with an assumption",
+  NOT_AS_PRINTED: "not as printed",
+  shape_REPRODUCED: "●",
+  shape_ASSUMED: "△",
+  shape_NOT_AS_PRINTED: "✕",
+  held: "held",
+  failed: "did not hold",
 };
 
 /**
