@@ -88,9 +88,9 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads, paper
+    from latolato.app import analyses, downloads, paper
 
-    return [*downloads.routes(), *paper.routes()]
+    return [*downloads.routes(), *paper.routes(), *analyses.routes()]
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:

@@ -27,6 +27,7 @@ from latolato.summary import plain
 
 # Where the functions ``(given, folder, progress) -> dict`` are.
 JOBS = {
+    "analyse": ("latolato.app.analyses", "compute"),
     "animate": ("latolato.app.downloads", "film"),
     "figure": ("latolato.app.paper", "compute"),
 }

@@ -43,3 +43,19 @@ export function textsOf(registry, values) {
   return Object.fromEntries(Object.entries(values).map(([name, value]) =>
     [name, textOf(registry.options[name], value)]));
 }
+
+// An option that says the same as another one takes its place.
+const ALTERNATIVES = [["frequency_ratio", "drive_frequency"], ["initial_angle", "initial_offset"]];
+
+/**
+ * Return options with some of them set, and what these replace left out.
+ * @param {Record<string, string>} options
+ * @param {Record<string, string>} changed
+ * @returns {Record<string, string>}
+ */
+export function withOptions(options, changed) {
+  const gone = ALTERNATIVES.flatMap((names) =>
+    names.some((name) => name in changed) ? names : []);
+  const kept = Object.entries(options).filter(([name]) => !gone.includes(name));
+  return { ...Object.fromEntries(kept), ...changed };
+}

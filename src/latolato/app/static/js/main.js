@@ -13,6 +13,7 @@ import { t } from "./strings.js";
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
   paper: async () => (await import("./views/paper.js")).PaperView,
+  analyse: async () => (await import("./views/analyse.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];
 
