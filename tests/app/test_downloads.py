@@ -153,7 +153,7 @@ def test_the_animation_is_a_film_of_the_run_at_the_speed_asked_for(client, tmp_p
         ({"scenario": "fig05"}, "is a map"),
         ([1], "must be an object"),
         ({"scenario": "fig02", "options": {"duration": "1000 s"}}, str(MOST_FRAMES)),
-        ({"scenario": "fig02", "speed": 1e-9}, str(MOST_FRAMES)),
+        ({"scenario": "zeno", "speed": 1e-3}, str(MOST_FRAMES)),
     ],
 )
 def test_an_animation_that_cannot_be_made_is_refused_before_any_work(client, given, words):

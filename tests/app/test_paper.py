@@ -102,6 +102,7 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(made, name):
         found = Asked(None, case["options"]).to_scenario().to_dict()
         assert found["system"] == wanted["system"]
         assert found["drive"] == wanted["drive"]
+        assert "gravity" not in case["options"]  # what is usual would only lengthen addresses
         check_size(Asked(None, case["options"]).to_scenario())
     _, run = simulate_asked(Asked(None, {**cases[-1]["options"], "duration": 0.5}), 5)
     assert run.attrs["status"] == "complete"

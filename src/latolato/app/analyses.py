@@ -44,7 +44,6 @@ QUICK = {
     "points": "41",
     "angle_points": "40",
     "velocity_points": "40",
-    "transient_periods": "100",
     "trajectories": "100",
     "scan_points": "30",
     "noise_strength": "0.5 rad/s^(3/2)",
@@ -66,7 +65,8 @@ _STEPS_PER_PERIOD = 40.0
 _WATCHED = 48.0
 _CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
-_PICTURE_DPI = 200
+_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
+_PICTURE_DPI = 150
 
 
 def routes() -> list[BaseRoute]:
@@ -107,8 +107,8 @@ def forms() -> dict[str, Any]:
         notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
         found[name] = {
             "title": name.replace("_", " ").capitalize(),
-            "summary": summary_of(function),
-            "notes": " ".join(map(plain_text, notes)),
+            "summary": shown(summary_of(function)),
+            "notes": shown(" ".join(map(plain_text, notes))),
             "options": {
                 option.name: _option(option, choices.get(option.name, ()))
                 for option in options_of(function).values()
@@ -129,7 +129,7 @@ def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
         default = ", ".join(f"{value:g}" for value in default)
     return {
         "label": option.name.replace("_", " "),
-        "description": option.description,
+        "description": shown(option.description),
         "unit": "" if option.unit in ("", "1") else option.unit and pretty_unit(option.unit),
         "kind": option.kind.__name__,
         "several": option.is_sequence,
@@ -137,6 +137,19 @@ def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
         "default": f"{default:g}" if isinstance(default, float) else str(default),
         "choices": list(choices),
     }
+
+
+def shown(text: str) -> str:
+    """Return a text of a docstring with frequencies and amplitudes as a page writes them.
+
+    Examples
+    --------
+    >>> shown("w/w0 of A0, by default 3 w0")
+    'ω/ω₀ of A₀, by default 3 ω₀'
+    """
+    for plain, pretty in _LETTERS.items():
+        text = re.sub(rf"(?<![\w/]){plain}(?!\w)", pretty, text)
+    return text
 
 
 def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:

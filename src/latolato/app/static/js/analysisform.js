@@ -5,8 +5,8 @@ import { t } from "./strings.js";
 
 /** @typedef {{label: string, description: string, unit: string | null, kind: string,
  *   several: boolean, required: boolean, default: string, choices: string[]}} Field */
-/** @typedef {{quick: Record<string, string>, parameters: Record<string, {label: string, unit: string,
- *   low: string, high: string}>}} About what the server says of the system and drive */
+/** @typedef {{quick: Record<string, string>, parameters: Record<string, {label: string,
+ *   unit: string, low: string, high: string}>}} About what the server says of system and drive */
 
 // The option that says what a diagram varies, and the two that say between which limits.
 const VARIED = "parameter";
@@ -50,10 +50,11 @@ export class AnalysisForm {
   build(fields, about, given) {
     this.inputs = {};
     this.errors = {};
-    const varied = VARIED in fields ? given[VARIED] ?? (fields[VARIED].default || about.quick[VARIED])
-      : undefined;
+    const varied = VARIED in fields
+      ? given[VARIED] ?? (fields[VARIED].default || about.quick[VARIED]) : undefined;
     this.root.replaceChildren(...Object.entries(fields).map(([name, field]) => {
-      const value = given[name] ?? (name === VARIED ? varied : beginning(name, field, about, varied));
+      const value = given[name] ??
+        (name === VARIED ? varied : beginning(name, field, about, varied));
       return this.field(name, field, about, value ?? "", varied);
     }));
   }

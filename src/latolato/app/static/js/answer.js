@@ -9,10 +9,16 @@ import { short } from "./units.js";
 /** @typedef {{name: string, unit: string, label: string, ends: [number, number]}} Side */
 /** @typedef {{box: [number, number, number, number], x: Side | null, y: Side | null}} Panel */
 
-const TYPES = { nc: "application/x-netcdf", csv: "text/csv", png: "image/png", svg: "image/svg+xml" };
+/** @type {Record<string, string>} */
+const TYPES = {
+  nc: "application/x-netcdf", csv: "text/csv", png: "image/png", svg: "image/svg+xml",
+};
 // An arrow key moves the mark by this share of a panel.
 const STEP = 0.01;
-const ARROWS = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, STEP], ArrowDown: [0, -STEP] };
+/** @type {Record<string, number[]>} */
+const ARROWS = {
+  ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, STEP], ArrowDown: [0, -STEP],
+};
 
 /**
  * Return the values that a point of a panel stands for, as texts of options.
@@ -24,7 +30,9 @@ const ARROWS = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, STEP
 export function valuesAt(panel, x, y) {
   /** @type {Record<string, string>} */
   const found = {};
-  for (const [side, share] of /** @type {[Side | null, number][]} */ ([[panel.x, x], [panel.y, y]])) {
+  /** @type {[Side | null, number][]} */
+  const sides = [[panel.x, x], [panel.y, y]];
+  for (const [side, share] of sides) {
     if (!side) continue;
     const value = short(side.ends[0] + share * (side.ends[1] - side.ends[0]), 5);
     found[side.name] = side.unit ? `${value} ${side.unit}` : value;
@@ -58,15 +66,19 @@ export class Answer {
     this.mark = el("span", { class: "mark", hidden: true });
     this.said = el("p", { class: "chosen", role: "status" });
     const files = Object.keys(TYPES).filter((kind) => kind in block.arrays);
-    const save = (/** @type {string} */ kind) => () => saveFile(
-      fileOf(block, kind, /** @type {Record<string, string>} */ (TYPES)[kind]), `${about.analysis}.${kind}`);
+    const save = (/** @type {string} */ kind) => () =>
+      saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
+    const notes = about.warnings.map((/** @type {string} */ text) =>
+      el("p", { class: "notes" }, t("warning", { text })));
     this.root = el("div", { class: "main" },
-      ...about.warnings.map((/** @type {string} */ text) => el("p", { class: "notes" }, t("warning", { text }))),
-      el("section", { class: "card" }, el("h2", {}, title), block.arrays.svg ? this.picture(block) : null, this.said,
+      ...notes,
+      el("section", { class: "card" }, el("h2", {}, title),
+        block.arrays.svg ? this.picture(block) : null, this.said,
         el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
-        el("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": t("numbers") },
+        el("div", { class: "table-scroll", tabindex: "0", role: "region",
+          "aria-label": t("numbers") },
           el("table", { class: "numbers" }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
               el("th", { scope: "row" }, name.replace(/_/g, " ")), el("td", {}, text))))))),
@@ -107,13 +119,14 @@ export class Answer {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const step = /** @type {Record<string, number[]>} */ (ARROWS)[event.key];
+    const step = ARROWS[event.key];
     if (step) {
       const clip = (/** @type {number} */ share) => Math.min(1, Math.max(0, share));
       this.at.x = clip(this.at.x + step[0]);
       this.at.y = clip(this.at.y + step[1]);
       this.move();
-      this.said.textContent = Object.entries(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y))
+      const { panel, x, y } = this.at;
+      this.said.textContent = Object.entries(valuesAt(this.panels[panel], x, y))
         .map(([name, text]) => `${name.replace(/_/g, " ")} ${text}`).join(", ");
     } else if (event.key === "Enter") this.choose();
     else return;

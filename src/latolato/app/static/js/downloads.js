@@ -11,12 +11,14 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 export class Downloads {
   constructor() {
     this.asked = { scenario: /** @type {string | null} */ (null), options: {} };
-    this.links = KINDS.map((kind) => ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
+    this.links = KINDS.map((kind) =>
+      ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
     const id = freshId();
     this.speed = el("select", { id }, ...SPEEDS.map((s) =>
       el("option", { value: String(s), selected: s === 1 }, t("speedText", { speed: s }))));
     this.job = new JobLine();
-    this.make = el("button", { type: "button", on: { click: () => void this.film() } }, t("file_mp4"));
+    this.make = el("button", { type: "button", on: { click: () => void this.film() } },
+      t("file_mp4"));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
         if (event.key === "Escape") this.root.open = false;

@@ -111,9 +111,10 @@ export const STRINGS = {
   fileHint_mp4: "The animation beside its curves, 30 pictures a second.",
   // paper
   paperTitle: "The paper’s claims, recalculated",
-  paperLead: "What the paper on the Lato Lato 2.0 says, in its own words, beside what an accurate " +
-    "calculation gives. Figures are computed as you reach them, with fewer points than the full report " +
-    "of “latolato reproduce”. Every verdict follows from the numbers and limits below it.",
+  paperLead: "What the paper on the Lato Lato 2.0 says, in its own words, beside what an " +
+    "accurate calculation gives. Figures are computed as you reach them, with fewer points than " +
+    "the full report of “latolato reproduce”. Every verdict follows from the numbers and limits " +
+    "below it.",
   paperList: "Figures",
   paperAll: "Judge everything now (about half a minute)",
   paperOpen: "{count} of {total} not judged yet",
@@ -136,17 +137,19 @@ export const STRINGS = {
   // analyse
   question: "Question",
   ask: "Compute",
-  askHint: "Choose a question and compute its answer: a picture, its numbers, and the lines that ask the same.",
+  askHint: "Choose a question and compute its answer: a picture, its numbers, and the lines that " +
+    "ask the same.",
   lawsOfQuestion: "System, drive and start",
   questionOf: "Of {title}: {system} with drive {drive}.",
   fromScenario: "as shown",
   automatic: "automatic",
   numbers: "Numbers",
   codeAsks: "These lines ask the same.",
-  answerOf: "{name} of {title}",
+  answerOf: "{name}: {title}",
   pictureOf: "Picture of {name}",
   pointsOf: "Picture of {name}: arrow keys move the mark, Enter takes its point",
-  pointsHint: "Click a point, or move with the arrow keys and press Enter, to load what it stands for.",
+  pointsHint: "Click a point, or move with the arrow keys and press Enter, to load what it " +
+    "stands for.",
   pointTaken: "Loaded {values}.",
   held: "held",
   failed: "did not hold",

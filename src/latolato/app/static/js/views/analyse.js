@@ -30,13 +30,15 @@ export class AnalyseView {
     this.own = new AnalysisForm((values) => this.keep(values));
     this.job = new JobLine();
     this.go = el("button", { type: "submit", class: "play", disabled: true }, t("ask"));
-    const question = el("form", { class: "card form", on: { submit: (/** @type {Event} */ event) => {
+    const submit = (/** @type {Event} */ event) => {
       event.preventDefault();
       void this.ask();
-    } } },
+    };
+    const question = el("form", { class: "card form", on: { submit } },
       el("div", { class: "field preset" }, el("label", { for: id }, t("question")), this.select),
       this.summary, this.own.root, el("div", { class: "row" }, this.go), this.job.root);
-    const laws = el("form", { class: "form", on: { submit: (/** @type {Event} */ e) => e.preventDefault() } });
+    const laws = el("form", { class: "form", on: {
+      submit: (/** @type {Event} */ event) => event.preventDefault() } });
     this.laws = new Form(laws, page.registry, page.store);
     this.of = el("p", { class: "notes" });
     this.answer = el("div", {}, el("section", { class: "card" }, el("p", {}, t("askHint"))));
@@ -87,7 +89,8 @@ export class AnalyseView {
       const { registry } = this.page;
       this.title = title || registry.systems[options.system].title;
       this.of.textContent = t("questionOf", { title: title || t("presetNone"),
-        system: registry.systems[options.system].title, drive: registry.drives[options.drive].title });
+        system: registry.systems[options.system].title,
+        drive: registry.drives[options.drive].title });
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
@@ -140,7 +143,8 @@ export class AnalyseView {
     this.own.error(null);
     const asked = this.asked;
     const title = t("answerOf", { name: this.forms[this.what].title, title: this.title });
-    const block = await this.job.run("/ws/analyse", { ...asked, analysis: this.what, given: values });
+    const block = await this.job.run("/ws/analyse",
+      { ...asked, analysis: this.what, given: values });
     if (!block) {
       const { error } = this.job;
       if (!error.hidden && this.own.error(error.textContent)) {
@@ -151,6 +155,8 @@ export class AnalyseView {
     }
     const answer = new Answer(block, title, (point) => this.take(asked.scenario, point));
     this.answer.replaceChildren(answer.root);
+    // On a narrow page the answer stands below the question.
+    if (answer.root.getBoundingClientRect().top > window.innerHeight) answer.root.scrollIntoView();
     this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
   }
 
@@ -163,7 +169,8 @@ export class AnalyseView {
     const { store } = this.page;
     const options = withOptions(store.state.options, point);
     store.set({ scenario, options });
-    const values = Object.entries(point).map(([name, text]) => `${name.replace(/_/g, " ")} ${text}`);
+    const values = Object.entries(point).map(([name, text]) =>
+      `${name.replace(/_/g, " ")} ${text}`);
     return el("span", {}, `${t("pointTaken", { values: values.join(", ") })} `,
       openLink(this.page, { view: "play", scenario, options }, t("openCase")));
   }

@@ -167,7 +167,8 @@ class Plate {
     const { missing } = this.entry;
     const button = el("button", { type: "button", disabled: missing !== "", on: { click: () =>
       this.view.want([this]) } }, t("paperFilm"));
-    return el("div", { class: "film" }, button, el("p", { class: "hint" }, missing || t("paperFilmHint")));
+    return el("div", { class: "film" }, button,
+      el("p", { class: "hint" }, missing || t("paperFilmHint")));
   }
 
   /** Return a link for each shipped scenario of the figure. */
@@ -177,7 +178,8 @@ class Plate {
       const scenario = registry.scenarios[name];
       const view = scenario.sweep ? "map" : "play";
       return openLink(this.view.page, { view, scenario: name, options: {} },
-        t(scenario.sweep ? "openInMap" : "openInPlay", { title: scenario.title }), scenario.description);
+        t(scenario.sweep ? "openInMap" : "openInPlay", { title: scenario.title }),
+        scenario.description);
     });
   }
 
@@ -191,8 +193,9 @@ class Plate {
     this.claims = block.about.claims;
     this.film?.remove();
     if (block.arrays.svg) this.showPicture(fileOf(block, "svg", "image/svg+xml"));
+    const source = block.about.source === "report" ? "paperReport" : "paperQuick";
     this.list.replaceChildren(...this.claims.map(judgedClaim),
-      el("p", { class: "hint" }, t(block.about.source === "report" ? "paperReport" : "paperQuick")));
+      el("p", { class: "hint" }, t(source)));
     this.marks.textContent = this.claims.map((claim) => claim.shape).join("");
     this.marks.title = this.claims.map((claim) => claim.says).join(", ");
     this.showCases(block.about.cases);
@@ -201,9 +204,10 @@ class Plate {
   /** @param {Blob} file */
   showPicture(file) {
     const { label, title, name } = this.entry;
-    this.picture.replaceChildren(el("img", { src: URL.createObjectURL(file), alt: `${label}: ${title}` }));
-    this.links.append(el("button", { type: "button", on: { click: () => saveFile(file, `${name}.svg`) } },
-      t("file_svg")));
+    const address = URL.createObjectURL(file);
+    this.picture.replaceChildren(el("img", { src: address, alt: `${label}: ${title}` }));
+    const save = () => saveFile(file, `${name}.svg`);
+    this.links.append(el("button", { type: "button", on: { click: save } }, t("file_svg")));
   }
 
   /** @param {{label: string, options: Record<string, any>}[]} cases */
@@ -244,7 +248,8 @@ function judgedClaim(claim) {
     el("blockquote", {}, el("q", {}, claim.words)),
     el("p", {}, claim.finding),
     el("ul", { class: "criteria" }, ...claim.criteria.map(([text, held]) => el("li", {},
-      el("span", { class: held ? "held" : "failed", role: "img", "aria-label": t(held ? "held" : "failed") },
+      el("span", { class: held ? "held" : "failed", role: "img",
+        "aria-label": t(held ? "held" : "failed") },
         held ? "✓" : "✗"), ` ${text}`))),
     claim.assumption && el("p", {}, el("b", {}, t("paperAssumed")), ` ${claim.assumption}`),
     el("p", { class: "soft" }, claim.why));
