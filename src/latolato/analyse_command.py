@@ -72,10 +72,8 @@ class AnalysisGroup(TyperGroup):
 def make_command(name: str, function: Callable[..., Any]) -> Any:
     """Return the command of one analysis."""
     from latolato.analyse_options import options_of, plain_text, summary_of
-    from latolato.options import law_options
 
     own = options_of(function)
-    has_drive = "drive" in inspect.signature(function).parameters
 
     def command(
         scenario: ScenarioArgument = None,
@@ -97,21 +95,28 @@ def make_command(name: str, function: Callable[..., Any]) -> Any:
             rest,
         ]
     )
-    unfit = [
-        option.name
-        for option in law_options().values()
-        if option.name in own
-        or option.path[0] in ("run", "noise")
-        or (option.path[0] == "drive" and not has_drive)
-    ]
     source = (inspect.getdoc(function) or "").split("\n\n")[1:2]
     app = typer.Typer(add_completion=False)
     app.command(
         name,
         cls=EachOptionOnce,
         help="\n\n".join([summary_of(function), *map(plain_text, source)]),
-    )(with_law_options(command, without=unfit))
+    )(with_law_options(command, without=unfit_options(function, own)))
     return typer.main.get_command(app)
+
+
+def unfit_options(function: Callable[..., Any], own: Mapping[str, Any]) -> list[str]:
+    """Return the options of laws and runs that the command of an analysis does not take."""
+    from latolato.options import law_options
+
+    has_drive = "drive" in inspect.signature(function).parameters
+    return [
+        option.name
+        for option in law_options().values()
+        if option.name in own
+        or option.path[0] in ("run", "noise")
+        or (option.path[0] == "drive" and not has_drive)
+    ]
 
 
 @dataclass(frozen=True)
@@ -158,11 +163,13 @@ class Question:
     function: Callable[..., Any]
     own: Mapping[str, AnalysisOption]
 
-    def arguments(self, source: str | None, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the arguments that a scenario and options give."""
+    def arguments(
+        self, source: str | None, given: Mapping[str, Any], tables: Tables | None = None
+    ) -> dict[str, Any]:
+        """Return the arguments that a scenario, by its name or its tables, and options give."""
         from latolato.registry import describe
 
-        scenario, sweep = self._scenario(source, given)
+        scenario, sweep = self._scenario(source, given, tables)
         drive = _moving(scenario)
         found: dict[str, Any] = {"system": scenario.system}
         if "drive" in inspect.signature(self.function).parameters:
@@ -188,7 +195,7 @@ class Question:
         return found
 
     def _scenario(
-        self, source: str | None, given: Mapping[str, Any]
+        self, source: str | None, given: Mapping[str, Any], tables: Tables | None
     ) -> tuple[Scenario, Mapping[str, Any]]:
         """Return the scenario with the options put in, and what ``[sweep]`` says of its run."""
         from latolato.options import changes
@@ -199,12 +206,12 @@ class Question:
         kept = {k: v for k, v in given.items() if k not in self.own or self.own[k].is_of_run}
         changed = changes(kept)
         path = find(source) if source is not None else None
-        if path is None and "kind" not in changed.get("system", {}):
+        if path is None and tables is None and "kind" not in changed.get("system", {}):
             raise ValueError(
                 "name what to analyse: a scenario (`latolato scenarios` lists them), a TOML file, "
                 f"the file of a run, or --system with one of {', '.join(systems)}"
             )
-        tables, folder = changed_tables(path, changed)
+        tables, folder = changed_tables(path, changed, tables)
         sweep = dict(tables.pop("sweep", {}))
         run = {k: v for k, v in tables.get("run", {}).items() if k not in ("samples", "frame")}
         tables["run"] = {k: sweep[k] for k in ("duration", "tolerance") if k in sweep} | run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -23,6 +24,13 @@ def app(
         bool,
         typer.Option("--allow-others", help="Let in other machines that know the access token."),
     ] = False,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of `latolato reproduce`: show its figures, not quick ones.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
     try:
@@ -31,4 +39,4 @@ def app(
         raise ModuleNotFoundError(
             f'the application needs {error.name}: pip install "latolato[app]"'
         ) from None
-    serve(host, port, browser=browser, allow_others=allow_others)
+    serve(host, port, browser=browser, allow_others=allow_others, report=report)

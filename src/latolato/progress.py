@@ -87,7 +87,7 @@ def working(text: str) -> Iterator[None]:
     if timer is not None:
         timer.start()
     try:
-        with _compiling(tell, done):
+        with compiling(tell, done):
             yield
     finally:
         if timer is not None:
@@ -97,7 +97,7 @@ def working(text: str) -> Iterator[None]:
 
 
 @contextmanager
-def _compiling(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
+def compiling(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[None]:
     """Call one function when numba begins to compile a kernel, and one when it is compiled.
 
     Kernels that lie ready on disk count for nothing. The compiler is not imported for this.

@@ -126,3 +126,11 @@ def test_a_strobe_stands_wherever_the_drive_begins_a_period():
 
 def test_a_drive_without_periods_has_no_strobes():
     assert strobes_of(Static(), 10.0).size == 0
+
+
+def test_whole_numbers_may_come_as_texts_of_an_address():
+    scenario = Asked("zeno", {"samples": "11", "contact_limit": " 500 "}).to_scenario()
+    assert len(scenario.run["times"]) == 11
+    assert scenario.run["contact_limit"] == 500
+    with pytest.raises(ValueError, match="samples must be a whole number"):
+        Asked("zeno", {"samples": "1.5"}).to_scenario()

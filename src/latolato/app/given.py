@@ -7,6 +7,7 @@ A page, its URL, the command line and the Python lines on show all use the names
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +26,7 @@ MOST_STEPS = 5_000_000
 MOST_SECONDS = 1e5
 MOST_SAMPLES = 200_000
 _SWITCH = {"true": True, "false": False}
-_LONGEST = 20  # digits of a whole number
+_WHOLE = re.compile(r"\s*[-+]?\d{1,18}\s*")
 
 
 class TooLargeError(ValueError):
@@ -84,10 +85,10 @@ class Asked:
 def option_value(option: LawOption, value: Any) -> Any:
     """Return the value of an option; a list stays one, so that a text never names a file."""
     name = option.name
-    if isinstance(value, str) and option.kind is bool and value in _SWITCH:
-        return _SWITCH[value]
-    if isinstance(value, str) and option.kind is int and value.strip().lstrip("-").isdecimal():
-        return int(value[:_LONGEST])
+    if isinstance(value, str) and option.kind is bool:
+        return _SWITCH.get(value.strip().lower(), value)
+    if isinstance(value, str) and option.kind is int and _WHOLE.fullmatch(value):
+        return int(value)
     if option.several and isinstance(value, str):
         value = [part.strip() for part in value.split(",") if part.strip()]
     if isinstance(value, Sequence) and not isinstance(value, str):

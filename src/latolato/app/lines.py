@@ -69,7 +69,7 @@ def command_line(scenario: Scenario, command: str = "simulate") -> str:
     'latolato simulate --system latolato --dr'
     """
     words = ["latolato", command]
-    defaults = _defaults(scenario)
+    defaults = defaults_of(scenario)
     for name, value in options_of(scenario).items():
         if defaults.get(name, MISSING) == value:
             continue
@@ -86,7 +86,7 @@ def _text(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _defaults(scenario: Scenario) -> dict[str, Any]:
+def defaults_of(scenario: Scenario) -> dict[str, Any]:
     """Return the options of a scenario's laws that have a default, and that default."""
     return {
         f.name: f.default

@@ -7,6 +7,7 @@ import secrets
 import socket
 import threading
 import webbrowser
+from pathlib import Path
 
 import uvicorn
 
@@ -22,6 +23,7 @@ def serve(
     *,
     browser: bool = True,
     allow_others: bool = False,
+    report: Path | None = None,
 ) -> None:
     """Serve the application until it is stopped.
 
@@ -35,11 +37,14 @@ def serve(
         Whether to open the page.
     allow_others : bool
         Whether other machines may use the server; they need the token that is printed.
+    report : Path, optional
+        Folder that `latolato reproduce` wrote; its figures are shown in place of quick ones.
 
     Raises
     ------
     ValueError
-        If `host` is an address that other machines reach and `allow_others` is false.
+        If `host` is an address that other machines reach and `allow_others` is false, or if
+        `report` holds no report.
     OSError
         If the port is taken.
     """
@@ -49,9 +54,12 @@ def serve(
             f"host {host} can be reached from other machines; add --allow-others to let in those "
             "that know the access token"
         )
+    if report is not None and not (report / "index.html").is_file():
+        raise ValueError(f"'{report}' holds no report; make one: latolato reproduce {report}")
     listener = _listener(host, port)
     port = listener.getsockname()[1]
-    settings = Settings(host=host, port=port, token=secrets.token_urlsafe() if others else None)
+    token = secrets.token_urlsafe() if others else None
+    settings = Settings(host=host, port=port, token=token, report=report)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{port}/" + (f"?{TOKEN}={settings.token}" if others else "")
     print(f"latolato runs at {address}\nStop it with Ctrl-C.", flush=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -37,11 +38,14 @@ class Settings:
         The address.
     token : str, optional
         The secret that every request must carry; needed for any address but this machine's own.
+    report : Path, optional
+        Folder of a reproduction report whose figures are shown.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
+    report: Path | None = None
 
     @property
     def names(self) -> frozenset[str]:
@@ -64,19 +68,30 @@ def make_app(settings: Settings) -> Starlette:
         ],
         middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
         exception_handlers={HTTPException: _refused},
+        lifespan=_lifespan,
     )
     app.state.workers = None
+    app.state.jobs = None
+    app.state.report = settings.report
     return app
+
+
+@asynccontextmanager
+async def _lifespan(app: Starlette) -> AsyncIterator[None]:
+    """End the processes of jobs with the server."""
+    yield
+    if app.state.jobs is not None:
+        app.state.jobs.close()
 
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import live
+    from latolato.app import analyses, downloads, live, paper
 
-    return [*live.routes()]
+    return [*live.routes(), *downloads.routes(), *paper.routes(), *analyses.routes()]
 
 
-async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:
+async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
     """Return what `work` answers in a thread; refusals become one line for the page.
 
     Bad input is 422, what is too large 413; ``field`` names the option that a message is about.

@@ -13,6 +13,8 @@ import { t } from "./strings.js";
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
   live: async () => (await import("./views/live.js")).LiveView,
+  paper: async () => (await import("./views/paper.js")).PaperView,
+  analyse: async () => (await import("./views/analyse.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];
 

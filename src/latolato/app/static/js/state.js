@@ -109,6 +109,8 @@ export class Store {
 
   /** @param {string} changed */
   tell(changed) {
-    for (const listener of [...this.listeners]) listener(this.state, changed);
+    // One listener may end another: a view that is left hears of nothing more.
+    for (const listener of [...this.listeners])
+      if (this.listeners.includes(listener)) listener(this.state, changed);
   }
 }

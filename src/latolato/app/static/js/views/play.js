@@ -2,6 +2,7 @@
 
 import { askBlock, newest, Offline } from "../api.js";
 import { el, tell } from "../dom.js";
+import { Downloads } from "../downloads.js";
 import { Form, withLaws } from "../form.js";
 import { Motion } from "../motion.js";
 import { Player } from "../player.js";
@@ -28,8 +29,10 @@ export class PlayView {
     const stage = el("div", { class: "player" });
     this.notes = el("p", { class: "notes", role: "status" });
     this.code = el("div", {});
+    this.downloads = new Downloads();
     this.root = el("div", { class: "view split" },
-      el("aside", { class: "side" }, this.presets.field, this.makeActions(), form),
+      el("aside", { class: "side" }, this.presets.field, this.makeActions(),
+        this.downloads.root, form),
       el("div", { class: "main" }, this.notes, stage, el("details", { class: "card" },
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
@@ -64,6 +67,7 @@ export class PlayView {
 
   hide() {
     this.unsubscribe();
+    this.downloads.stop();
     this.player.clock.pause();
   }
 
@@ -100,6 +104,7 @@ export class PlayView {
       this.notes.textContent = [...warnings, ...(note ? [note] : [])].map((text) =>
         t("warning", { text })).join(" ");
       this.showCode(block.about);
+      this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
       if (!(error instanceof Error)) throw error;

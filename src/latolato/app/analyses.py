@@ -1,0 +1,547 @@
+"""Analyses for the pages: forms made from their options, computed in a process of their own."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from latolato.app.blocks import pack
+from latolato.app.given import MOST_LISTED, Asked, TooLargeError, options_of
+from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.lines import constructor, literal
+from latolato.app.server import answered, json_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from latolato.analyse_options import AnalysisOption
+    from latolato.scenario import Scenario
+
+# What a list of analyses begins with; the others follow by name.
+FIRST = (
+    "response_period",
+    "lyapunov_spectrum",
+    "poincare_section",
+    "bifurcation_diagram",
+    "basins",
+    "first_push",
+)
+# What forms begin with: sizes that take seconds, where defaults are for a machine left alone.
+QUICK = {
+    "points": "41",
+    "angle_points": "40",
+    "velocity_points": "40",
+    "trajectories": "100",
+    "scan_points": "30",
+    "noise_strength": "0.5 rad/s^(3/2)",
+    "drive_amplitude": "{low:.3g} : {high:.3g} : 16 m",
+    "frequency_ratio": "1.4 : 3.2 : 16",
+    "parameter": "frequency_ratio",
+}
+# Shares of the length between which amplitudes are scanned.
+_AMPLITUDES = (0.02, 0.4)
+# A parameter is scanned between these shares of its value; a frequency where resonances are.
+_AROUND = (0.5, 1.5)
+_RATIOS = ("1.5", "3")
+# Options that multiply the work.
+_COUNTS = ("points", "angle_points", "velocity_points", "trajectories", "scan_points", "phases")
+# Most steps of all motions together: minutes of work on two cores.
+MOST_STEPS = 1e10
+_STEPS_PER_PERIOD = 40.0
+# Periods that are looked at after the transient, where no option says how many.
+_WATCHED = 48.0
+_CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
+_RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
+_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
+_PICTURE_DPI = 150
+
+
+def routes() -> list[BaseRoute]:
+    """Return the routes of the view Analyse."""
+    return [
+        Route("/api/analyses", _forms),
+        Route("/api/asked", _asked, methods=["POST"]),
+        WebSocketRoute("/ws/analyse", _analyse),
+    ]
+
+
+async def _forms(request: Request) -> Response:
+    workers_of(request.app.state).warm()
+    return await answered(request, lambda: JSONResponse(forms()))
+
+
+async def _asked(request: Request) -> Response:
+    given = await json_of(request)
+    return await answered(request, lambda: JSONResponse(about_asked(Asked.from_json(given))))
+
+
+async def _analyse(websocket: WebSocket) -> None:
+    await serve_job(websocket, prepare)
+
+
+@lru_cache(maxsize=1)
+def forms() -> dict[str, Any]:
+    """Return what the form of each analysis is made from, by name."""
+    from latolato.analyse_options import options_of, plain_text, summary_of
+    from latolato.analysis import analyses
+    from latolato.summary import plain
+
+    rest = sorted(name for name in analyses if name not in FIRST)
+    found = {}
+    for name in [*FIRST, *rest]:
+        function = analyses[name]
+        choices = choices_of(function)
+        notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
+        found[name] = {
+            "title": name.replace("_", " ").capitalize(),
+            "summary": shown(summary_of(function)),
+            "notes": shown(" ".join(map(plain_text, notes))),
+            "options": {
+                option.name: _option(option, choices.get(option.name, ()))
+                for option in options_of(function).values()
+                if not option.is_of_run
+            },
+            "run": [o.name for o in options_of(function).values() if o.is_of_run],
+        }
+    result: dict[str, Any] = plain(found)
+    return result
+
+
+def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
+    """Return how an option of an analysis is shown."""
+    from latolato.figures.style import pretty_unit
+
+    default = "" if option.is_required or option.default is None else option.default
+    if isinstance(default, (tuple, list)):
+        default = ", ".join(f"{value:g}" for value in default)
+    return {
+        "label": option.name.replace("_", " "),
+        "description": shown(option.description),
+        "unit": "" if option.unit in ("", "1") else option.unit and pretty_unit(option.unit),
+        "kind": option.kind.__name__,
+        "several": option.is_sequence,
+        "required": option.is_required,
+        "default": f"{default:g}" if isinstance(default, float) else str(default),
+        "choices": list(choices),
+    }
+
+
+def shown(text: str) -> str:
+    """Return a text of a docstring with frequencies and amplitudes as a page writes them.
+
+    Examples
+    --------
+    >>> shown("w/w0 of A0, by default 3 w0")
+    'ω/ω₀ of A₀, by default 3 ω₀'
+    """
+    for plain, pretty in _LETTERS.items():
+        text = re.sub(rf"(?<![\w/]){plain}(?!\w)", pretty, text)
+    return text
+
+
+def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
+    r"""Return the texts that parameters may be, by the type in their docstring.
+
+    Examples
+    --------
+    >>> from latolato.analysis import growth_rate
+    >>> choices_of(growth_rate)["position"]
+    ['hanging', 'inverted']
+    """
+    found: dict[str, list[str]] = {}
+    for match in _CHOICES.finditer(inspect.getdoc(function) or ""):
+        choices = [part.strip().strip("\"'") for part in match["choices"].split(",")]
+        found |= dict.fromkeys([name.strip() for name in match["names"].split(",")], choices)
+    return found
+
+
+def about_asked(asked: Asked) -> dict[str, Any]:
+    """Return the options of what a page asks for, and what analyses may vary of it."""
+    from latolato.summary import plain
+
+    scenario = asked.to_scenario()
+    l = scenario.system.balls[0].length
+    low, high = (share * l for share in _AMPLITUDES)
+    quick = {name: text.format(low=low, high=high) for name, text in QUICK.items()}
+    found: dict[str, Any] = plain(
+        {
+            "options": options_of(scenario),
+            "title": scenario.title,
+            "quick": quick,
+            "parameters": parameters_of(scenario),
+        }
+    )
+    return found
+
+
+def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
+    """Return the numbers that a diagram can vary: what they are, their unit, and usual limits."""
+    from latolato.analysis.flow import value_of
+    from latolato.figures.style import pretty_unit
+    from latolato.physics.drives import Static
+    from latolato.sweep import axes
+
+    if isinstance(scenario.drive, Static):
+        return {}
+    found = {}
+    for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():
+        if parameter.owner not in ("system", "drive"):
+            continue
+        try:
+            value = float(value_of(scenario.system, scenario.drive, name))
+        except (TypeError, ValueError, AttributeError):
+            continue
+        unit = parameter.quantity.unit
+        allowed = parameter.allowed
+        ends = (min(max(share * value, allowed.low), allowed.high) for share in _AROUND)
+        low, high = (f"{end:.4g}" for end in ends)
+        if name == "frequency_ratio":
+            low, high = _RATIOS
+        tail = "" if unit in ("", "1") else f" {unit}"
+        found[name] = {
+            "label": parameter.quantity.long_name,
+            "unit": "" if unit == "1" else pretty_unit(unit),
+            "low": "0" if value == 0.0 else f"{low}{tail}",
+            "high": f"0.1{tail}" if value == 0.0 else f"{high}{tail}",
+        }
+    return found
+
+
+@dataclass(frozen=True)
+class Question:
+    """An analysis, what it is of, and the options that were typed for it."""
+
+    name: str
+    asked: Asked
+    given: Mapping[str, str]
+
+    @classmethod
+    def from_json(cls, value: Any) -> Question:
+        """Return what a page asks: ``{"analysis", "scenario", "options", "given": {name: text}}``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another form, and for unknown analyses and options.
+        """
+        from latolato.analyse_options import options_of
+        from latolato.analysis import analyses
+        from latolato.registry import suggest
+
+        asked = Asked.from_json(value)
+        name, given = value.get("analysis"), value.get("given") or {}
+        if not isinstance(name, str):
+            raise TypeError(f"analysis must be a name, got {name!r:.80}")
+        function = analyses[name]
+        if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
+            raise TypeError("given must be an object of texts")
+        own = {n for n, o in options_of(function).items() if not o.is_of_run}
+        for option in given:
+            if option not in own:
+                raise ValueError(f"{name} has no option '{option}': {suggest(option, list(own))}")
+        return cls(name, asked, {n: v.strip() for n, v in given.items() if v.strip()})
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """The analysis."""
+        from latolato.analysis import analyses
+
+        return analyses[self.name]
+
+    def arguments(self) -> dict[str, Any]:
+        """Return what the analysis is called with, as `latolato analyse` would.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For wrong values and units, and for what the analysis needs and nobody gave.
+        """
+        from latolato import analyse_command
+        from latolato.analyse_options import options_of
+
+        own = options_of(self.function)
+        typed = {name: _typed(own[name], text) for name, text in self.given.items()}
+        scenario = self.asked.to_scenario()
+        question = analyse_command.Question(self.name, self.function, own)
+        try:
+            return question.arguments(None, typed, scenario.to_dict())
+        except (TypeError, ValueError) as error:
+            if not scenario.varied:
+                raise
+            raise ValueError(
+                f"{error} ({scenario.name or 'this scenario'} is a map: take a point of it)"
+            ) from None
+
+    def python(self, arguments: Mapping[str, Any]) -> str:
+        """Return a Python program that asks the same."""
+        parameters = inspect.signature(self.function).parameters
+        lines = [
+            "import latolato as ll",
+            f"from latolato.analysis import {self.name}",
+            "",
+            f"system = {constructor(arguments['system'])}",
+        ]
+        shown = ["system"]
+        if arguments.get("drive") is not None:
+            lines.append(f"drive = {constructor(arguments['drive'])}")
+            shown.append("drive")
+        for name, value in arguments.items():
+            if name in ("system", "drive") or value == parameters[name].default:
+                continue
+            is_law = hasattr(value, "__dataclass_fields__")
+            shown.append(f"{name}={constructor(value) if is_law else literal(value)}")
+        call = f"found = {self.name}({', '.join(shown)})"
+        return "\n".join([*lines, call, f'll.plot(found).savefig("{self.name}.png")'])
+
+    def command(self) -> str:
+        """Return the command that asks the same, quoted for a shell."""
+        from latolato.analyse_command import unfit_options
+        from latolato.analyse_options import options_of
+        from latolato.options import law_options
+
+        own = options_of(self.function)
+        unfit = set(unfit_options(self.function, own))
+        words = ["latolato", "analyse", self.name]
+        if self.asked.scenario:
+            words.append(self.asked.scenario)
+        laws = law_options()
+        asked = {n: v for n, v in (self.asked.options or {}).items() if v is not None}
+        run = {n: v for n, v in asked.items() if n in own and own[n].is_of_run}
+        law = {n: v for n, v in asked.items() if n not in unfit and n not in run}
+        for name, value in {**law, **run, **self.given}.items():
+            is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
+            flag = "--" + name.replace("_", "-")
+            if is_switch:
+                is_on = str(value).lower() == "true"
+                if is_on or name in own:
+                    words.append(flag if is_on else f"--no-{flag[2:]}")
+                continue
+            listed = isinstance(value, (list, tuple))
+            text = ", ".join(map(str, value)) if listed else str(value)
+            words += [f"{flag}={text}"] if text.startswith("-") else [flag, text]
+        return shlex.join(words)
+
+
+def _typed(option: AnalysisOption, text: str) -> Any:
+    """Return what the text of an option stands for; it never names a file.
+
+    Raises
+    ------
+    ValueError
+        If it is of another kind.
+    """
+    if option.is_sequence:
+        if ":" in text:
+            found = _RANGE.fullmatch(text)
+            if found is None or Path(text).is_file():
+                raise ValueError(f"{option.name} must be low : high : count, got {text!r:.80}")
+            if int(found["count"]) > MOST_LISTED:
+                raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
+            return text
+        parts = [part.strip() for part in text.split(",") if part.strip()]
+        if len(parts) > MOST_LISTED:
+            raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
+        return parts[0] if option.is_single and len(parts) == 1 else parts
+    if option.kind is bool:
+        if text.lower() not in ("true", "false"):
+            raise ValueError(f"{option.name} must be true or false, got {text!r:.80}")
+        return text.lower() == "true"
+    if option.kind is int:
+        if not re.fullmatch(r"[-+]?\d{1,18}", text):
+            raise ValueError(f"{option.name} must be a whole number, got {text!r:.80}")
+        return int(text)
+    return text
+
+
+def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> None:
+    """Refuse, before any work, a question that would take very long.
+
+    Raises
+    ------
+    TooLargeError
+        With the number of steps and the limit.
+    """
+    steps = steps_of(function, arguments)
+    if steps > MOST_STEPS:
+        raise TooLargeError(
+            f"this would take some {steps:.1g} steps, the limit is {MOST_STEPS:.0e}: ask for fewer "
+            "points, values or periods"
+        )
+
+
+def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
+    """Return roughly how many steps of motion an analysis takes, 0 if it does not say."""
+    from latolato.analyse_options import options_of
+
+    own = options_of(function)
+    known = {n: p.default for n, p in inspect.signature(function).parameters.items()}
+    known |= arguments
+    drive, system = known.get("drive"), known["system"]
+    natural = float(system.natural_frequency)
+    fastest = max(natural, float(drive.fastest_frequency) if drive is not None else 0.0)
+    period = 2.0 * math.pi / float(getattr(drive, "drive_frequency", natural) or natural)
+
+    def number(name: str, otherwise: float) -> float:
+        value = known.get(name)
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return abs(float(value)) if is_number else otherwise  # type: ignore[arg-type]
+
+    if "transient_periods" in known:
+        watched = number("periods", 3.0 * number("longest", _WATCHED / 3.0))
+        span = (number("transient_periods", 0.0) + watched) * period
+    elif "duration" in known:
+        span = number("duration", 0.0)
+    elif "settling" in known:
+        span = number("settling", 0.0)
+    else:
+        return 0.0
+    many = math.prod(max(number(name, 1.0), 1.0) for name in _COUNTS)
+    for name, option in own.items():
+        value = known.get(name)
+        if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):
+            many *= max(len(value), 1)
+    return many * span * fastest / (2.0 * math.pi) * _STEPS_PER_PERIOD
+
+
+def prepare(given: Any) -> Job:
+    """Return the job that answers a page's question.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input, and for a question that would take very long.
+    """
+    question = Question.from_json(given)
+    arguments = question.arguments()
+    check_work(question.function, arguments)
+
+    def finish(about: dict[str, Any], folder: Path) -> bytes:
+        import numpy as np
+
+        files = {path.suffix[1:]: np.fromfile(path, np.uint8) for path in folder.iterdir()}
+        lines = {"python": question.python(arguments), "command": question.command()}
+        return pack({**about, **lines}, files)
+
+    asked = question.asked
+    sent = {"scenario": asked.scenario, "options": dict(asked.options or {})}
+    return Job("analyse", {**sent, "analysis": question.name, "given": question.given}, finish)
+
+
+def compute(
+    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+) -> dict[str, Any]:
+    """Answer a question and write what is found: what the job `analyse` does in its process."""
+    import warnings
+
+    from latolato.analyse_command import as_lines
+    from latolato.figures.plot import plot
+    from latolato.figures.style import save_figure
+    from latolato.files import save
+
+    question = Question.from_json(given)
+    found = question.function(**question.arguments())
+    save(found, folder / "found.nc")
+    (folder / "found.csv").write_text(to_csv(found), encoding="utf-8")
+    panels: list[dict[str, Any]] = []
+    try:
+        figure = plot(found)
+    except ValueError as error:  # without a picture
+        warnings.warn(str(error), RuntimeWarning, stacklevel=1)
+    else:
+        save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
+        save_figure(figure, folder / "found.svg")
+        panels = panels_of(figure, found)
+    return {"analysis": question.name, "lines": list(as_lines(found).items()), "panels": panels}
+
+
+def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the panels on which a point stands for parameters or for a start.
+
+    Returns
+    -------
+    list of dict
+        ``box``: left, top, right and bottom as shares of the picture; ``x`` and ``y``: the option,
+        its unit and its values at both ends, None where an axis is of something else.
+    """
+    panels = []
+    for axes in figure.axes:
+        x = _axis_of(found, axes, "x")
+        y = _axis_of(found, axes, "y")
+        if x is None and y is None:
+            continue
+        place = axes.get_position()
+        box = [place.x0, 1.0 - place.y1, place.x1, 1.0 - place.y0]
+        panels.append({"box": [float(side) for side in box], "x": x, "y": y})
+    return panels
+
+
+def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
+    """Return the option along a straight axis of a picture, by the label of a coordinate."""
+    from latolato.figures.style import label
+    from latolato.options import law_options
+
+    if getattr(axes, f"get_{side}scale")() != "linear":
+        return None
+    shared = getattr(axes, f"get_shared_{side}_axes")().get_siblings(axes)
+    texts = {getattr(each, f"get_{side}label")() for each in [axes, *shared]} - {""}
+    for name, variable in found.coords.items():
+        if name not in law_options() or (str(name).startswith("initial") and "ball" in found.dims):
+            continue
+        if texts & {label(variable), label(variable, short=True)}:
+            low, high = getattr(axes, f"get_{side}lim")()
+            unit = str(variable.attrs.get("units", "1"))
+            return {
+                "name": str(name),
+                "unit": "" if unit == "1" else unit,
+                "label": str(variable.attrs.get("long_name", name)),
+                "ends": [float(low), float(high)],
+            }
+    return None
+
+
+def to_csv(found: xr.Dataset) -> str:
+    """Return an analysis as text: its labels, its single numbers, a table for each shape."""
+    import csv
+    import io
+
+    import numpy as np
+
+    from latolato.files import without_complex
+
+    plain = without_complex(found)
+    text = io.StringIO()
+    write = csv.writer(text, lineterminator="\n").writerow
+    for key, value in plain.attrs.items():
+        print(f"# {key}: {' '.join(str(value).split())}", file=text)
+    tables: dict[tuple[str, ...], list[str]] = {}
+    for name, variable in plain.data_vars.items():
+        tables.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
+    for dims, names in sorted(tables.items(), key=lambda item: len(item[0])):
+        print(f"\n# over {', '.join(dims) or 'nothing'}", file=text)
+        shape = tuple(plain.sizes[dim] for dim in dims)
+        grids = np.meshgrid(*(plain[dim].values for dim in dims), indexing="ij")
+        columns = [grid.ravel() for grid in grids]
+        columns += [np.broadcast_to(plain[name].values, shape).ravel() for name in names]
+        write([*dims, *(_headed(plain, name) for name in names)])
+        for row in zip(*(column.tolist() for column in columns), strict=True):
+            write(row)
+    return text.getvalue()
+
+
+def _headed(found: xr.Dataset, name: str) -> str:
+    """Return the head of a column, with its unit."""
+    unit = str(found[name].attrs.get("units", "1"))
+    return name if unit in ("", "1") else f"{name} [{unit}]"

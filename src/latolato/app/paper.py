@@ -1,0 +1,358 @@
+"""The reproduction report for the pages: claims judged and figures drawn on demand.
+
+What has been computed once is kept on disk, under the hash of everything that it was made with.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from latolato.app.blocks import pack
+from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.server import answered
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.figures.catalogue import Evidence
+    from latolato.figures.claim import Claim
+    from latolato.scenario import Scenario
+
+_MADE_WITH = ("numpy", "scipy", "numba", "matplotlib", "xarray", "av", "opencv-python-headless")
+_NUMBER = re.compile(r"(?P<number>\d+)(?P<panel>[a-z]*)")
+_INDEX = re.compile(r"(?<![A-Za-z_])([Ayωθ])([0-9])(?![0-9A-Za-z_.])")
+_LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+# A hyphen before a number or between spaces.
+_MINUS = re.compile(r"(?<![\w.-])-(?=\d)|(?<= )-(?= )")
+# Runs of one figure that a page offers to open, and what it says of each.
+_MOST_CASES = 120
+_MOST_TOLD = 3
+# Blocks by key, name and source; one figure is some 200 kB.
+_known: dict[tuple[str, str], bytes] = {}
+
+
+def routes() -> list[BaseRoute]:
+    """Return the routes of the view Paper."""
+    return [Route("/api/paper", _contents), WebSocketRoute("/ws/paper", _figure)]
+
+
+async def _contents(request: Request) -> Response:
+    workers_of(request.app.state).warm()
+    report = request.app.state.report
+    return await answered(request, lambda: JSONResponse(contents(report)))
+
+
+async def _figure(websocket: WebSocket) -> None:
+    report = websocket.app.state.report
+    await serve_job(websocket, lambda given: prepare(given, report))
+
+
+def contents(report: Path | None = None) -> list[dict[str, Any]]:
+    """Return what the paper claims, figure by figure, before anything is computed.
+
+    Parameters
+    ----------
+    report : Path, optional
+        Folder of a report that `latolato reproduce` wrote, whose figures are used where it has
+        them.
+    """
+    from latolato.figures import catalogue, chain
+
+    found = []
+    for name, module in catalogue.evidence().items():
+        is_film = catalogue.needs_video(module)
+        if report is not None and (report / f"{name}.nc").is_file():
+            is_film = False
+        found.append(
+            {
+                "name": name,
+                "label": catalogue.title_of(name) if name.startswith("fig") else "Text",
+                "title": module.TITLE,
+                "caption": shown(getattr(module, "CAPTION", "")),
+                "statements": [
+                    {"name": s.name, "where": s.where, "words": shown(s.words)}
+                    for s in module.STATEMENTS
+                ],
+                "film": is_film,
+                "missing": chain.MISSING if is_film and chain.is_missing() else "",
+                "scenarios": scenarios_of(name),
+            }
+        )
+    return found
+
+
+@lru_cache(maxsize=1)
+def _scenarios_by_figure() -> dict[str, list[str]]:
+    """Return the names of shipped scenarios by the figure that they belong to."""
+    from latolato.figures import catalogue
+    from latolato.scenario import scenarios
+
+    known = catalogue.figures()
+    found: dict[str, list[str]] = {}
+    for name, scenario in scenarios().items():
+        for part in filter(None, map(_NUMBER.fullmatch, scenario.figure.split(", "))):
+            base = f"fig{int(part['number']):02d}"
+            own = f"{base}{part['panel']}"
+            places = found.setdefault(own if own in known else base, [])
+            if name not in places:
+                places.append(name)
+    return found
+
+
+def scenarios_of(figure: str) -> list[str]:
+    """Return the names of the shipped scenarios that belong to a figure.
+
+    Examples
+    --------
+    >>> scenarios_of("fig03"), scenarios_of("fig03cd"), scenarios_of("fig08_chain")
+    (['fig03a', 'fig03b'], ['fig03cd'], ['fig08'])
+    """
+    return _scenarios_by_figure().get(figure.removesuffix("_chain"), [])
+
+
+def prepare(given: Any, report: Path | None = None) -> Job:
+    """Return the job that makes a figure and judges its claims: ``{"figure": name}``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For an unknown name.
+    ModuleNotFoundError
+        If the figure goes through a video and the extra `video` is missing.
+    """
+    from latolato.figures import catalogue, chain
+    from latolato.registry import suggest
+
+    name = given.get("figure") if isinstance(given, Mapping) else None
+    if not isinstance(name, str):
+        raise TypeError(f"a request must name a figure, got {given!r:.80}")
+    modules = catalogue.evidence()
+    if name not in modules:
+        raise ValueError(f"there is no figure '{name:.40}': {suggest(name, list(modules))}")
+
+    def finish(about: dict[str, Any], folder: Path) -> bytes:
+        block = block_of(about, folder / f"{name}.svg")
+        _keep(name, block)
+        return block
+
+    job = Job("figure", {"figure": name}, finish)
+    ready = stored(name, report) if report is not None else None
+    ready = ready or _kept(name)
+    if ready is None and catalogue.needs_video(modules[name]) and chain.is_missing():
+        raise ModuleNotFoundError(chain.MISSING)
+    return Job(job.name, job.given, finish, ready)
+
+
+def compute(
+    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+) -> dict[str, Any]:
+    """Draw a figure quickly and judge its claims: what the job `figure` does in its process."""
+    from latolato.figures import catalogue, style
+
+    name = given["figure"]
+    module = catalogue.evidence()[name]
+    dataset = module.data(quick=True)
+    pictures = catalogue.figures()
+    if name in pictures:
+        style.save_figure(pictures[name].draw(dataset), folder / f"{name}.svg")
+    return {"name": name, "source": "quick", **told(module, dataset)}
+
+
+def stored(name: str, report: Path) -> bytes | None:
+    """Return the block of a figure of a stored report, None if the report lacks it.
+
+    Raises
+    ------
+    ValueError
+        If the report's file is none of ours.
+    """
+    from latolato.figures import catalogue
+    from latolato.files import load
+
+    path = report / f"{name}.nc"
+    if not path.is_file():
+        return None
+    key = (f"{path.resolve()} {path.stat().st_mtime_ns}", name)
+    if key not in _known:
+        try:
+            about = told(catalogue.evidence()[name], load(path))
+        except (AttributeError, KeyError) as error:
+            raise ValueError(
+                f"'{path}' is not of this version: make the report anew ({error})"
+            ) from None
+        _known[key] = block_of({"name": name, "source": "report", **about}, report / f"{name}.svg")
+    return _known[key]
+
+
+def told(module: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the claims that a dataset decides and the runs behind it."""
+    from latolato.figures.catalogue import judge
+
+    claims = [claim_of(claim) for claim in judge(module, dataset)]
+    return {"claims": claims, "cases": cases_of(dataset)}
+
+
+def claim_of(claim: Claim) -> dict[str, Any]:
+    """Return a judged claim as JSON knows it; powers of ten are written as people do."""
+    from latolato.report import SHAPES
+
+    return {
+        "name": claim.name,
+        "where": claim.where,
+        "words": shown(claim.words),
+        "finding": shown(claim.finding),
+        "criteria": [[shown(text), held] for text, held in claim.criteria],
+        "assumption": shown(claim.assumption),
+        "verdict": claim.verdict.name,
+        "says": claim.verdict.value,
+        "shape": SHAPES[claim.verdict],
+        "why": shown(claim.why),
+    }
+
+
+def shown(text: str) -> str:
+    """Return a text of the report as a page shows it: powers, indices and minus signs.
+
+    Examples
+    --------
+    >>> shown("A0 is at least 1e-09 m, 2-3 times l0")
+    'A₀ is at least 10⁻⁹ m, 2-3 times l0'
+    """
+    from latolato.report import plain
+
+    text = _INDEX.sub(lambda found: found[1] + found[2].translate(_LOWERED), plain(text))
+    return _MINUS.sub("\N{MINUS SIGN}", text)
+
+
+def cases_of(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the runs behind a figure: what tells each from the others, and all its options."""
+    from latolato.app.given import options_of
+    from latolato.scenario import Scenario
+
+    if "scenario" not in dataset or "case" not in dataset.coords:
+        return []
+    runs, short = [], []
+    for text in dataset["scenario"].values.ravel()[:_MOST_CASES]:
+        scenario = Scenario.from_dict(json.loads(str(text)))
+        runs.append(options_of(scenario))
+        short.append(_short_options(scenario) | _end_of(scenario, dataset))
+    names = dict.fromkeys(name for run in runs for name in run)
+    differing = [n for n in names if len({json.dumps(run.get(n)) for run in runs}) > 1]
+    labels = dataset["case"].values.tolist() if "case" in dataset.coords else []
+    return [
+        {
+            "label": _case_label(labels[i] if i < len(labels) else "", run, differing),
+            "options": short[i],
+        }
+        for i, run in enumerate(runs)
+    ]
+
+
+def _short_options(scenario: Scenario) -> dict[str, Any]:
+    """Return the options of a scenario without those that say what holds anyway."""
+    from inspect import signature
+
+    from latolato.app.given import options_of
+    from latolato.app.lines import defaults_of
+    from latolato.simulate import simulate
+
+    usual = {name: p.default for name, p in signature(simulate).parameters.items()}
+    usual |= defaults_of(scenario)
+    if not scenario.system.has_contacts:
+        usual["contact"] = "none"
+    given = options_of(scenario)
+    return {n: v for n, v in given.items() if n in ("system", "drive") or usual.get(n, ...) != v}
+
+
+def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
+    """Return the duration of a run that was asked for by its instants."""
+    if "duration" in scenario.run or "time" not in dataset:
+        return {}
+    return {"duration": float(dataset["time"].values[-1])}
+
+
+def _case_label(label: Any, run: Mapping[str, Any], differing: list[str]) -> str:
+    """Return what a run is called, with the first values that tell it from the others."""
+    from latolato.figures.style import pretty_unit
+    from latolato.options import law_options
+
+    told = []
+    for name in differing:
+        value = run.get(name)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            unit = law_options()[name].unit
+            unit = "" if unit in ("", "1") else f" {pretty_unit(unit)}"
+            told.append(f"{name.replace('_', ' ')} {value:.6g}{unit}")
+        elif isinstance(value, str):
+            told.append(f"{name} {value}".replace("_", " "))
+    words = str(label).replace("_", " ")
+    return f"{words}: {', '.join(told[:_MOST_TOLD])}" if told else words
+
+
+def block_of(about: Mapping[str, Any], picture: Path) -> bytes:
+    """Return what is told of a figure, and its picture if it has one, as a block."""
+    import numpy as np
+
+    arrays = {"svg": np.fromfile(picture, dtype=np.uint8)} if picture.is_file() else {}
+    return pack(about, arrays)
+
+
+@lru_cache(maxsize=1)
+def made_with() -> str:
+    """Return a digest of all sources and libraries that figures are made with."""
+    digest = hashlib.sha256(sys.version.encode())
+    root = Path(__file__).resolve().parents[1]
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode())
+        digest.update(path.read_bytes())
+    for name in _MADE_WITH:
+        with suppress(PackageNotFoundError):
+            digest.update(f"{name} {version(name)}".encode())
+    return digest.hexdigest()[:24]
+
+
+def _place(name: str) -> Path:
+    """Return where the block of a figure is kept."""
+    from latolato.numerics.compiled import cache_directory
+
+    return cache_directory() / "paper" / made_with() / f"{name}.block"
+
+
+def _kept(name: str) -> bytes | None:
+    """Return the block of a figure that was made before, None if there is none."""
+    from latolato.app.blocks import unpack
+
+    if ("", name) in _known:
+        return _known["", name]
+    with suppress(OSError, ValueError):
+        block = _place(name).read_bytes()
+        unpack(block)
+        _known["", name] = block
+        return block
+    return None
+
+
+def _keep(name: str, block: bytes) -> None:
+    """Keep the block of a figure; a disk that cannot be written costs time only."""
+    from latolato.files import atomic_path
+
+    _known["", name] = block
+    path = _place(name)
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_path(path) as unfinished:
+            unfinished.write_bytes(block)

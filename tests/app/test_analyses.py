@@ -1,0 +1,355 @@
+"""Analyses in the browser: each has a form, answers or refuses, and says how to ask it again."""
+
+import inspect
+import json
+import shlex
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+from starlette.testclient import TestClient
+from typer.testing import CliRunner
+
+from latolato.analyse_options import options_of
+from latolato.analysis import analyses
+from latolato.app import analyses as app
+from latolato.app.blocks import unpack
+from latolato.app.given import Asked, TooLargeError
+from latolato.app.runs import simulate_asked
+from latolato.app.server import Settings, make_app
+from latolato.cli import app as command_line
+from latolato.files import load
+
+HOME = "http://127.0.0.1:8000"
+SOCKET = "ws://127.0.0.1:8000/ws/analyse"
+# Enough for an answer of any kind.
+SMALL = {
+    "points": "5",
+    "angle_points": "6",
+    "velocity_points": "6",
+    "transient_periods": "10",
+    "trajectories": "8",
+    "scan_points": "4",
+    "longest": "4",
+    "periods": "16",
+    "phases": "1",
+    "settling": "5",
+    "refinements": "0",
+    "low": "1.9",
+    "high": "2.1",
+    "dwell_time": "1, 2",
+    "first_frequency_ratio": "2.5, 3",
+    "push": "0.1, 0.5",
+    "noise_strength": "0.5",
+    "parameter": "frequency_ratio",
+    "drive_amplitude": "0.02 : 0.4 : 2 m",
+    "frequency_ratio": "1.9 : 2.1 : 2",
+}
+# What has no answer without contacts.
+OF_TWO = ("impact_map", "self_start", "pair_symmetry")
+# Closed forms: they need no compiled kernel.
+CLOSED = {"scenario": "fig02", "analysis": "tongue_edges", "given": {"order": "1"}}
+
+
+def small(name):
+    """Return small sizes for an analysis."""
+    fields = app.forms()[name]["options"]
+    return {
+        n: v
+        for n, v in SMALL.items()
+        if n in fields
+        and not (":" in v and not fields[n]["several"])
+        and not (n == "push" and not fields[n]["several"])
+    }
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(make_app(Settings()), base_url=HOME, headers={"origin": HOME}) as found:
+        yield found
+
+
+def ask(client, given):
+    """Return all frames of the socket."""
+    with client.websocket_connect(SOCKET) as socket:
+        socket.send_text(given if isinstance(given, str) else json.dumps(given))
+        found = [socket.receive()]
+        while found[-1]["type"] != "websocket.close":
+            found.append(socket.receive())
+    return found
+
+
+def test_every_analysis_has_a_form_with_all_its_options():
+    found = app.forms()
+    assert set(found) == set(analyses)
+    for name, form in found.items():
+        own = options_of(analyses[name])
+        assert set(form["options"]) | set(form["run"]) == set(own)
+        assert form["title"]
+        assert form["summary"]
+        for option in form["options"].values():
+            assert option["description"]
+            assert option["default"] in option["choices"] or not option["choices"]
+
+
+@pytest.mark.parametrize("name", analyses)
+def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
+    about = app.about_asked(Asked("fig04a_push", {}))
+    form = app.forms()[name]["options"]
+    quick = {
+        n: about["quick"][n]
+        for n, field in form.items()
+        if n in about["quick"]
+        and (":" not in about["quick"][n] or (field["several"] and field["required"]))
+    }
+    if "low" in form:
+        limits = about["parameters"]["frequency_ratio"]
+        quick |= {"low": limits["low"], "high": limits["high"]}
+    job = app.prepare({"analysis": name, "scenario": "fig04a_push", "given": quick})
+    assert job.name == "analyse"
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # few points and short runs
+@pytest.mark.parametrize("name", [name for name in analyses if name not in OF_TWO])
+def test_every_analysis_answers(name, tmp_path):
+    given = {"analysis": name, "options": {"duration": "6 s"}, "given": small(name)}
+    told = app.compute({**given, "scenario": "fig02"}, tmp_path, print)
+    assert load(tmp_path / "found.nc").attrs["analysis"] == name
+    assert dict(told["lines"])["analysis"].startswith(name)
+    assert (tmp_path / "found.svg").stat().st_size > 1000
+    assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")
+    assert f"# analysis: {name}" in (tmp_path / "found.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", OF_TWO)
+def test_a_question_about_contacts_is_refused_for_a_pendulum_in_one_line(client, name):
+    given = {"analysis": name, "scenario": "fig02", "given": small(name)}
+    text = json.loads(ask(client, given)[-2]["text"])["error"]
+    assert "\n" not in text
+    assert "Pendulum" in text or "pendulum" in text
+
+
+def test_a_question_about_contacts_is_answered_for_a_pair(tmp_path):
+    told = app.compute(
+        {"analysis": "self_start", "scenario": "fig04a", "given": {}}, tmp_path, print
+    )
+    assert dict(told["lines"])["status"] == "found"
+
+
+def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_path):
+    given = {**CLOSED, "options": {"length": "50 cm"}}
+    *told, block, _ = ask(client, given)
+    assert json.loads(told[0]["text"])["state"] == "waiting"
+    about, arrays = unpack(block["bytes"])
+    assert {"nc", "csv", "png", "svg"} <= set(arrays)
+    path = tmp_path / "found.nc"
+    path.write_bytes(arrays["nc"].tobytes())
+    found = load(path)
+
+    names: dict = {}
+    lines = about["python"].splitlines()
+    exec("\n".join(lines[:-1]), names)
+    xr.testing.assert_equal(found, names["found"])
+
+    output = tmp_path / "again.nc"
+    words = [*shlex.split(about["command"])[1:], "--output", str(output)]
+    told = CliRunner().invoke(command_line, words)
+    assert told.exit_code == 0, told.output
+    xr.testing.assert_equal(found, load(output))
+
+
+@pytest.mark.parametrize("name", ["basins", "bifurcation_diagram", "first_push", "growth_rate"])
+def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
+    options = {"length": "50 cm", "tolerance": "1e-7", "initial_angle": "-0.1 rad"}
+    given = {"analysis": name, "scenario": "fig02", "options": options, "given": small(name)}
+    question = app.Question.from_json(given)
+    seen = {}
+
+    def catch(*_, **arguments):
+        seen.update(arguments)
+        raise ValueError("caught")
+
+    from latolato import analyse_command
+
+    run = analyse_command.run
+    monkeypatch.setattr(
+        analyse_command,
+        "run",
+        lambda q, *a, **k: run(analyse_command.Question(q.name, catch, q.own), *a, **k),
+    )
+    monkeypatch.setattr(
+        analyse_command.inspect,
+        "signature",
+        lambda f, **k: inspect.Signature.from_callable(analyses[name] if f is catch else f, **k),
+    )
+    CliRunner().invoke(command_line, shlex.split(question.command())[1:])
+    wanted = question.arguments()
+    assert seen == wanted
+
+
+def test_tables_of_an_answer_hold_its_numbers():
+    found = xr.Dataset(
+        {
+            "share": ("kind", [0.25, 0.75], {"units": "1"}),
+            "angle": (("kind", "sample"), [[1.0, 2.0], [3.0, np.nan]], {"units": "rad"}),
+            "status": ((), "found"),
+        },
+        coords={"kind": ["a", "b"]},
+        attrs={"analysis": "none"},
+    )
+    blocks = app.to_csv(found).split("\n\n")
+    assert blocks[0] == "# analysis: none"
+    assert blocks[1] == "# over nothing\nstatus\nfound"
+    assert blocks[2] == "# over kind\nkind,share\na,0.25\nb,0.75"
+    assert blocks[3].splitlines()[1:3] == ["kind,sample,angle [rad]", "a,0,1.0"]
+
+
+@pytest.mark.parametrize(
+    "given, words",
+    [
+        ([], "must be an object"),
+        ({}, "analysis must be a name"),
+        ({"analysis": "tongues", "scenario": "fig02"}, "unknown analysis"),
+        ({**CLOSED, "given": {"order": 1}}, "object of texts"),
+        ({**CLOSED, "given": {"ordre": "1"}}, "has no option 'ordre'"),
+        ({**CLOSED, "given": {"order": "one"}}, "order must be a whole number"),
+        ({**CLOSED, "given": {"drive_amplitude": "3 kg"}}, "drive_amplitude"),
+        ({**CLOSED, "scenario": "nothing"}, "there is no scenario"),
+        ({**CLOSED, "options": {"length": "-1 m"}}, "length"),
+        ({"analysis": "self_start", "scenario": "fig04a", "given": {"check": "yes"}}, "true or"),
+        ({"analysis": "first_push", "scenario": "fig04a"}, "needs frequency_ratio"),
+        (
+            {"analysis": "basins", "scenario": "fig04a", "given": {"angle_points": "900000"}},
+            "the limit is",
+        ),
+        (
+            {
+                "analysis": "first_push",
+                "scenario": "fig04a",
+                "given": {"frequency_ratio": "1 : 2 : 1000000"},
+            },
+            "values at most",
+        ),
+    ],
+)
+def test_a_bad_question_is_refused_before_any_work(client, given, words):
+    refused, closed = ask(client, given)
+    text = json.loads(refused["text"])["error"]
+    assert words in text
+    assert "\n" not in text
+    assert closed["type"] == "websocket.close"
+
+
+def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ratios.csv").write_text("1.5\n2\n")
+    (tmp_path / "1:2:3").write_text("1.5\n2\n")
+    for text in ("ratios.csv", str(tmp_path / "ratios.csv"), "ratios.csv:ratio", "1:2:3"):
+        given = {"analysis": "first_push", "scenario": "fig04a", "given": {"frequency_ratio": text}}
+        with pytest.raises(ValueError, match="frequency_ratio"):
+            app.prepare(given)
+
+
+def test_work_is_estimated_from_all_that_multiplies_it():
+    def steps(**given):
+        question = app.Question.from_json(
+            {"analysis": "basins", "scenario": "fig04a", "given": given}
+        )
+        return app.steps_of(question.function, question.arguments())
+
+    few = steps(angle_points="10", velocity_points="10")
+    assert steps(angle_points="20", velocity_points="30") == pytest.approx(6.0 * few)
+    given = {"transient_periods": "1e9"}
+    question = app.Question.from_json({"analysis": "basins", "scenario": "fig04a", "given": given})
+    with pytest.raises(TooLargeError, match="the limit is"):
+        app.check_work(question.function, question.arguments())
+
+
+def test_a_page_that_goes_ends_the_computation(client):
+    given = {"analysis": "basins", "scenario": "fig02", "given": {"transient_periods": "20000"}}
+    with client.websocket_connect(SOCKET) as socket:
+        socket.send_json(given)
+        while json.loads(socket.receive()["text"])["state"] in ("waiting", "starting"):
+            pass
+        (worker,) = client.app.state.jobs.busy
+    begun = time.monotonic()
+    assert worker.process.wait(timeout=30) != 0
+    assert time.monotonic() - begun < 30
+    assert ask(client, CLOSED)[-2]["bytes"]
+
+
+def test_a_worker_ends_with_its_input():
+    from latolato.app.jobs import Worker
+
+    worker = Worker()
+    worker.process.stdin.close()
+    assert worker.process.wait(timeout=30) == 0
+    worker.kill()
+
+
+def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
+    given = {"analysis": "bifurcation_diagram", "scenario": "fig02", "given": small("basins") | {
+        "parameter": "frequency_ratio", "low": "1.8", "high": "2.2", "points": "5",
+        "transient_periods": "10", "longest": "4"}}  # fmt: skip
+    given["given"] = {n: v for n, v in given["given"].items()
+                      if n in app.forms()["bifurcation_diagram"]["options"]}  # fmt: skip
+    panels = app.compute(given, tmp_path, print)["panels"]
+    assert len(panels) == 2  # stroboscopic angles and largest angles, over one axis
+    for panel in panels:
+        assert panel["x"]["name"] == "frequency_ratio"
+        assert panel["x"]["ends"] == pytest.approx([1.8, 2.2])
+        assert panel["y"] is None
+        left, top, right, bottom = panel["box"]
+        assert 0 <= left < right <= 1
+        assert 0 <= top < bottom <= 1
+
+
+def test_a_question_is_asked_and_its_answer_is_shown(page, tmp_path):
+    page.goto("/?view=analyse&scenario=fig02")
+    page.get_by_label("Question").select_option("tongue_edges")
+    page.get_by_role("button", name="Compute").click()
+    picture = page.get_by_role("img", name="Picture of tongue edges")
+    picture.wait_for(timeout=60_000)
+    assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
+    given = {**CLOSED, "options": {}}
+    question = app.Question.from_json(given)
+    wanted = question.function(**question.arguments())
+    assert page.get_by_role("row", name="low").inner_text().split()[-1] == f"{wanted.low:.6g}"
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="NetCDF").click()
+    path = tmp_path / "found.nc"
+    caught.value.save_as(path)
+    xr.testing.assert_equal(load(path), wanted)
+    page.get_by_label("order", exact=True).fill("none")
+    page.get_by_role("button", name="Compute").click()
+    page.get_by_role("alert").filter(has_text="order must be a whole number").wait_for()
+    assert "analyse.what=tongue_edges" in page.url
+
+
+def test_a_point_of_the_picture_opens_in_play(page):
+    page.goto(
+        "/?view=analyse&scenario=fig02&duration=5 s&analyse.what=bifurcation_diagram"
+        "&analyse.points=5&analyse.transient_periods=10&analyse.longest=4&analyse.low=1.8&analyse.high=2.2"
+    )
+    page.get_by_role("button", name="Compute").click()
+    picture = page.get_by_role("application", name="Picture of bifurcation diagram")
+    picture.wait_for(timeout=120_000)
+    picture.press("ArrowRight")
+    picture.press("Enter")
+    page.get_by_text("Loaded frequency ratio 2.004").wait_for()
+    page.get_by_role("link", name="Open in Play").click()
+    page.wait_for_selector("[data-runs]", timeout=60_000)
+    found = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
+    _, run = simulate_asked(Asked("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}), 5)
+    assert found["drive_frequency"] == run.attrs["drive_frequency"]
+
+
+def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
+    page.goto("/?view=analyse&scenario=fig02&drive_frequency=6 rad/s")
+    found = page.evaluate(
+        """async () => { const { withOptions } = await import("/static/js/links.js");
+          return withOptions({ drive_frequency: "6 rad/s", length: "1 m" },
+            { frequency_ratio: "2" }); }"""
+    )
+    assert found == {"length": "1 m", "frequency_ratio": "2"}
