@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -64,6 +65,7 @@ def make_app(settings: Settings) -> Starlette:
         ],
         middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
         exception_handlers={HTTPException: _refused},
+        lifespan=_lifespan,
     )
     app.state.workers = None
     return app
@@ -71,7 +73,18 @@ def make_app(settings: Settings) -> Starlette:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    return []
+    from latolato.app import films
+
+    return [*films.routes()]
+
+
+@asynccontextmanager
+async def _lifespan(app: Starlette) -> AsyncIterator[None]:
+    """Leave nothing behind when the server stops."""
+    from latolato.app import films
+
+    yield
+    films.close(app)
 
 
 async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:

@@ -12,6 +12,7 @@ import { t } from "./strings.js";
  *   hide(): void}>>} */
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
+  experiment: async () => (await import("./views/experiment.js")).ExperimentView,
 };
 const THEMES = ["auto", "light", "dark"];
 
