@@ -17,9 +17,10 @@ from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
 import latolato as ll
+from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
 from latolato.app.film_options import Told
-from latolato.app.film_store import Allowance, Store, remove_orphans, shown_name
+from latolato.app.film_store import Allowance, remove_orphans, shown_name
 from latolato.app.server import Settings, make_app
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
@@ -82,8 +83,7 @@ class Page:
 @contextlib.contextmanager
 def opened(allowance=None):
     """A page of a server, and the server's films."""
-    app = make_app(Settings())
-    app.state.films = Store(allowance)
+    app = make_app(Settings(films=allowance or Allowance()))
     with TestClient(app, base_url=HOME) as client:
         with client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
             yield Page(client, socket), app.state.films
@@ -104,14 +104,15 @@ def lasting_page():
         yield found
 
 
-def workers():
-    """Processes that read films for this one."""
+def workers(parent=None):
+    """Processes that read films for a process, by default for this one."""
+    parent = parent or os.getpid()
     found = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             fields = status.read_text().rpartition(")")[2].split()
             command = (status.parent / "cmdline").read_bytes()
-            if int(fields[1]) == os.getpid() and b"film_worker" in command and fields[0] != "Z":
+            if int(fields[1]) == parent and b"film_worker" in command and fields[0] != "Z":
                 found.append(int(status.parent.name))
     return found
 
@@ -120,8 +121,8 @@ def one_line(message):
     """The refusal in a message, which must be one line without a path of the server."""
     assert "error" in message, message
     text = message["error"]
-    assert text and "\n" not in text and len(text) < 400
-    assert "/tmp" not in text and "latolato-films" not in text and "Traceback" not in text
+    assert 0 < len(text) < 400
+    assert not [part for part in ("\n", "/tmp", "latolato-films", "Traceback") if part in text]
     return text
 
 
@@ -145,7 +146,8 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         damping = done["fits"]["decay"]["values"]["damping"]
         assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
         assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
-        assert done["trials"] == [] and "pivot is at rest" in done["no_trial"]
+        assert done["trials"] == []
+        assert "pivot is at rest" in done["no_trial"]
         assert done["fits"]["decay"]["play"]["system"] == "pendulum"
 
         about, points = unpack(page.file(film, "points.bin").content)
@@ -165,7 +167,7 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         assert answer.status_code == 200
         assert answer.headers["content-disposition"] == "attachment"
         part = page.client.get(f"/api/films/{film}/shown.mp4", headers={"range": "bytes=0-9"})
-        assert part.status_code == 206 and len(part.content) == 10
+        assert (part.status_code, len(part.content)) == (206, 10)
         folder = store.folder
         assert [each.name for each in folder.iterdir()] == [film]
         page.socket.close()
@@ -316,7 +318,8 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
     most = Allowance(upload=len(content), stored=2 * len(content) + 10, desk_films=3, desks=1)
     with opened(most) as (page, store):
         answer = page.upload(content + b"x")
-        assert answer.status_code == 413 and "limit for an upload" in answer.json()["error"]
+        assert answer.status_code == 413
+        assert "limit for an upload" in answer.json()["error"]
         parts = (content[i : i + 1000] for i in range(0, len(content) + 1000, 1000))
         # In pieces of unknown number it is refused when it has become too large.
         answer = page.client.post(
@@ -327,7 +330,8 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         page.film(content)
         page.film(content)
         answer = page.upload(content)
-        assert answer.status_code == 413 and "too many videos" in answer.json()["error"]
+        assert answer.status_code == 413
+        assert "too many videos" in answer.json()["error"]
         page.film(b"small")
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)
@@ -336,13 +340,14 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         first = next(iter(store.desks.values())).films
         key = next(iter(first))
         assert "done" in page.do(do="remove", film=key)
-        assert key not in first and page.upload(b"small").status_code == 200
+        assert key not in first
+        assert page.upload(b"small").status_code == 200
 
 
 def upload_with(receive, allowance=None):
     """Return the status of an upload whose body comes from a function, and what is left."""
-    app = make_app(Settings())
-    store = app.state.films = Store(allowance)
+    app = make_app(Settings(films=allowance or Allowance()))
+    store = app.state.films
     desk = store.open_desk()
     sent = []
 
@@ -386,7 +391,8 @@ def test_an_upload_that_breaks_off_or_stands_still_leaves_nothing():
 def test_the_name_of_an_upload_is_never_a_path(page, name):
     answer = page.upload(b"x", name.encode("utf-8"))
     told = answer.json()["name"]
-    assert told and not set("/\\\0\n") & set(told) and len(told) <= 80
+    assert 0 < len(told) <= 80
+    assert not set("/\\\0\n") & set(told)
     assert told == shown_name(name) or "é" in name
     page.do(do="remove", film=answer.json()["film"])
 
@@ -404,7 +410,8 @@ def test_only_the_results_of_a_film_are_sent(page, path):
 
 def test_another_page_needs_its_own_place(page):
     answer = page.upload(b"x", desk="guess")
-    assert answer.status_code == 422 and "not connected" in answer.json()["error"]
+    assert answer.status_code == 422
+    assert "not connected" in answer.json()["error"]
     assert page.client.get("/api/trials?desk=guess").status_code == 404
     with page.client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
         other = Page(page.client, socket)
@@ -467,4 +474,25 @@ def test_films_of_a_server_that_was_killed_are_removed(tmp_path, monkeypatch):
     for folder in (kept, orphan, other):
         folder.mkdir()
     remove_orphans()
-    assert kept.is_dir() and other.is_dir() and not orphan.exists()
+    assert sorted(tmp_path.iterdir()) == sorted([kept, other])
+
+
+def test_a_server_that_is_stopped_removes_its_films_and_ends_their_work(tmp_path, monkeypatch):
+    from websockets.sync.client import connect
+
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    server = start_server()
+    address = server.address.replace("http", "ws") + "api/films/desk"
+    with connect(address, origin=server.address.rstrip("/")) as socket:
+        assert json.loads(socket.recv())["desk"]
+        socket.send(json.dumps({"job": 1, "do": "example", "kind": "toy"}))
+        while not (found := workers(server.process.pid)):
+            time.sleep(0.02)
+        assert list(tmp_path.glob("latolato-films-*/*"))
+        stop_server(server)
+    assert not list(tmp_path.glob("latolato-films-*"))
+    # Also without a word from the server the worker would end: its input is closed.
+    deadline = time.monotonic() + 10.0
+    while Path(f"/proc/{found[0]}").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not Path(f"/proc/{found[0]}").exists()

@@ -41,17 +41,8 @@ def routes() -> list[BaseRoute]:
 
 def store_of(app: Any) -> Store:
     """Return the films of a server."""
-    if getattr(app.state, "films", None) is None:
-        app.state.films = Store()
-        app.state.film_turns = None
     found: Store = app.state.films
     return found
-
-
-def close(app: Any) -> None:
-    """Remove all films of a server that stops."""
-    if getattr(app.state, "films", None) is not None:
-        app.state.films.close()
 
 
 async def _upload(request: Request) -> Response:
@@ -332,7 +323,7 @@ class _Clerk:
     def _turns(self) -> asyncio.Semaphore:
         """Return what lets a few jobs of the whole server run at a time."""
         state = self._socket.app.state
-        if getattr(state, "film_turns", None) is None:
+        if state.film_turns is None:
             state.film_turns = asyncio.Semaphore(self._store.allowance.jobs)
         found: asyncio.Semaphore = state.film_turns
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -19,6 +19,7 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from latolato.app.files import STATIC
+from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
 
@@ -38,11 +39,14 @@ class Settings:
         The address.
     token : str, optional
         The secret that every request must carry; needed for any address but this machine's own.
+    films : Allowance
+        What uploaded videos may take.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
+    films: Allowance = field(default_factory=Allowance)
 
     @property
     def names(self) -> frozenset[str]:
@@ -68,6 +72,8 @@ def make_app(settings: Settings) -> Starlette:
         lifespan=_lifespan,
     )
     app.state.workers = None
+    app.state.films = Store(settings.films)
+    app.state.film_turns = None
     return app
 
 
@@ -81,10 +87,8 @@ def _views() -> list[BaseRoute]:
 @asynccontextmanager
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
     """Leave nothing behind when the server stops."""
-    from latolato.app import films
-
     yield
-    films.close(app)
+    app.state.films.close()
 
 
 async def answered(request: Request, work: Callable[..., Response], *given: Any) -> Response:

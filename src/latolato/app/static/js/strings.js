@@ -137,6 +137,8 @@ export const STRINGS = {
   stage_drawing: "drawing",
   progressOf: "{stage}, {percent} %",
   frame: "Frame",
+  cannotPlay: "This browser does not play H.264, so there is no picture; tracking works all the "
+    + "same.",
   frameBack: "One frame back",
   frameOn: "One frame on",
   frameText: "frame {frame} of {count}, t = {time} s",

@@ -2,7 +2,7 @@
 
 import { el } from "../dom.js";
 import { t } from "../strings.js";
-import { plainSymbol, short, shownUnit, withSigma } from "../units.js";
+import { short, shownUnit, symbolParts, withSigma } from "../units.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} Value */
@@ -70,10 +70,12 @@ function fitTable(kind, names, values, truth, registry) {
       const shown = shownUnit(unit.name);
       const off = name in truth ? value / truth[name] - 1 : NaN;
       return el("tr", { "data-name": name, "data-value": String(value) },
-        el("td", {}, label, symbol ? el("i", {}, ` ${plainSymbol(symbol)}`) : ""),
+        el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
+          (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
           ` ${shown}`),
-        el("td", { class: "soft number" }, `${short(inUnit(low), 5)} … ${short(inUnit(high), 5)}`),
+        el("td", { class: "soft number" },
+          `${short(inUnit(low), 5)} … ${short(inUnit(high), 5)}`),
         compared && el("td", { class: "number" }, name in truth
           ? `${short(inUnit(truth[name]), 5)} (${percent(off)})` : ""));
     }))));

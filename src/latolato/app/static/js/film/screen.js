@@ -41,8 +41,9 @@ export class Screen {
       ghosts: /** @type {{x: number, y: number}[]} */ ([]) };
     this.readAt = 0;
     this.transport = this.makeTransport();
-    this.root = el("div", { class: "stage" }, this.box, this.transport, this.flags = el("p", {
-      class: "flags" }));
+    this.flags = el("p", { class: "flags" });
+    this.failed = el("p", { class: "error", role: "alert", hidden: true }, t("cannotPlay"));
+    this.root = el("div", { class: "stage" }, this.box, this.failed, this.transport, this.flags);
     this.readColours();
     this.release = fitCanvas(this.canvas, () => {
       this.readColours();
@@ -50,6 +51,7 @@ export class Screen {
     });
     this.clock.subscribe(() => this.move());
     this.video.addEventListener("loadeddata", () => this.draw());
+    this.video.addEventListener("error", () => { this.failed.hidden = !this.video.currentSrc; });
     this.root.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -111,6 +113,7 @@ export class Screen {
     if (this.video.src !== film.url) {
       this.clock.pause();
       this.clock.index = 0;
+      this.failed.hidden = true;
       this.video.src = film.url;
       this.drawn.frame = -1;
     }

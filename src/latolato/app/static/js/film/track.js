@@ -46,6 +46,12 @@ export class Track {
     this.isDriven = false;
   }
 
+  /** Return the balls; their names tell charts which curves there are. */
+  get balls() {
+    return Array.from({ length: this.count }, (_, b) => ({
+      name: [SIDES[b], this.hasAngles, this.model?.about.balls, this.isDriven].join() }));
+  }
+
   /**
    * Return one quantity over the frames.
    * @param {string} name

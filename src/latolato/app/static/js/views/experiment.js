@@ -153,7 +153,7 @@ export class ExperimentView {
     this.curves.root.hidden = !track;
     if (track) {
       this.curves.panels = panelsOf(track);
-      this.curves.show(/** @type {any} */ (track));
+      for (const task of this.curves.show(/** @type {any} */ (track))) task();
     }
     this.updateCards(track ? film : null);
   }
