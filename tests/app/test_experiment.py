@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from browser_checks import serious_faults
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
 from latolato.experiment.table import read_table
@@ -80,6 +81,8 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     path, truth = clip
     uploaded(page, path)
 
+    assert serious_faults(page) == []
+
     # Handles: found by themselves, moved by keys, and put back.
     handle = page.get_by_role("button", name=re.compile("^pivot: column"))
     column = round(truth.attrs["pivot_pixel_u"])
@@ -104,6 +107,8 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert float(row.get_attribute("data-value")) == pytest.approx(BALL.damping, rel=0.015)
     assert "±" in row.inner_text()
     assert "the pivot is at rest" in page.locator(".cards").inner_text()
+
+    assert serious_faults(page) == []
 
     # Where the balls are drawn is where they are, in the frame that is on show.
     scale = 1.0 / truth.attrs["metres_per_pixel"]

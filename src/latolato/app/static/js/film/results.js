@@ -59,7 +59,7 @@ export function refusedCard(fits) {
  */
 function fitTable(kind, names, values, truth, registry) {
   const compared = names.some((name) => name in truth);
-  const heads = ["quantity", "fitted", "interval", ...(compared ? ["truth"] : [])];
+  const heads = ["quantity", "fitted", ...(compared ? ["truth"] : [])];
   return el("div", { class: "table-scroll", tabindex: "0", role: "region",
     "aria-label": t(`fit_${kind}`) },
   el("table", {}, head(heads),
@@ -73,11 +73,9 @@ function fitTable(kind, names, values, truth, registry) {
         el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
           (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
-          ` ${shown}`),
-        el("td", { class: "soft number" },
-          `${short(inUnit(low), 5)} … ${short(inUnit(high), 5)}`),
-        compared && el("td", { class: "number" }, name in truth
-          ? `${short(inUnit(truth[name]), 5)} (${percent(off)})` : ""));
+          ` ${shown}`, el("small", {}, `${short(inUnit(low), 5)} … ${short(inUnit(high), 5)}`)),
+        compared && el("td", { class: "number" }, ...(name in truth
+          ? [short(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
     }))));
 }
 

@@ -26,7 +26,19 @@ export class Session {
     /** @type {any[]} */
     this.trials = [];
     this.count = 0;
-    this.desk = new Desk(changed);
+    this.desk = new Desk((open) => {
+      // A server that was started again knows nothing of what was done before.
+      if (open) this.trials = [];
+      changed();
+    });
+  }
+
+  /**
+   * Return whether the server has a film and what was made of it.
+   * @param {Film | null} film
+   */
+  isKept(film) {
+    return Boolean(film?.key && this.desk.hello && film.epoch === this.desk.epoch);
   }
 
   /**
@@ -136,7 +148,7 @@ export class Session {
    * @param {Film} film
    */
   async ensure(film) {
-    if (film.key && film.epoch === this.desk.epoch && this.desk.hello) return true;
+    if (this.isKept(film)) return true;
     if (!film.file || !this.desk.hello) {
       film.error = t("filmsLost");
       this.changed();
@@ -176,7 +188,7 @@ export class Session {
    * @param {Record<string, any>} told
    */
   async fit(film, kind, told) {
-    if (film.epoch !== this.desk.epoch || !this.desk.hello) {
+    if (!this.isKept(film)) {
       film.error = t("filmsLost");
       this.changed();
       return;
@@ -222,7 +234,7 @@ export class Session {
     if (this.film === film) this.film = this.films[this.films.length - 1] ?? null;
     if (film.url) URL.revokeObjectURL(film.url);
     this.changed();
-    if (!film.key || film.epoch !== this.desk.epoch) return;
+    if (!this.isKept(film)) return;
     const found = await this.desk.job({ do: "remove", film: film.key }).promise.catch(() => null);
     if (found) this.trials = found.trials;
     this.changed();

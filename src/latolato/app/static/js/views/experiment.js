@@ -90,8 +90,10 @@ export class ExperimentView {
       [filmList(this.session, (each) => this.open(each))]);
     this.told.hidden = !film;
     if (film) this.setup?.update(film);
-    refresh(this.exports, [film?.id, film?.tracked, film?.stage !== null, [...film?.files ?? []]],
-      () => (film?.track ? [exportsCard(this.session, film)] : []));
+    const isKept = this.session.isKept(film);
+    refresh(this.exports,
+      [film?.id, film?.tracked, film?.stage !== null, [...film?.files ?? []], isKept],
+      () => (film?.track && isKept ? [exportsCard(this.session, film)] : []));
     this.welcome.hidden = film !== null;
     this.player.hidden = !film?.about || !film.url;
     this.player.classList.toggle("alone", film?.mode === "setup");
