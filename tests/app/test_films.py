@@ -1,12 +1,12 @@
 """Videos that pages upload: tracked in a process of their own, refused in one line, removed."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import random
 import re
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import anyio
@@ -21,6 +21,7 @@ from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
 from latolato.app.film_options import Told
 from latolato.app.film_store import Allowance, remove_orphans, shown_name
+from latolato.app.film_work import WORK
 from latolato.app.server import Settings, make_app
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
@@ -179,26 +180,33 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
     assert about["balls"] == 1
 
 
-def test_without_a_length_angles_are_known_and_a_model_fitted(page, clip):
+def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
     path, truth = clip
-    film = page.film(path.read_bytes())
-    page.do(do="look", film=film)
     places = [
         [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
     ]
     told = {"pivot": places[0], "balls": places[1:]}
-    done = page.do(do="track", film=film, told=told)["done"]
-    about, points = unpack(page.file(film, "points.bin").content)
+    limits = Allowance().limits
+    job = {
+        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "told": told,
+        "limits": dataclasses.asdict(limits), "width": 200, "height": 160,
+    }  # fmt: skip
+    stages = []
+    done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
+    assert [stage for stage, _ in stages][-1] == "fitting"
+    assert max(share for stage, share in stages if stage == "tracking") == 1.0
+    about, points = unpack((tmp_path / "points.bin").read_bytes())
     assert about["attributes"]["geometry"] == "angles"
     assert "length is unknown" in " ".join(done["warnings"])
     # By the dynamics: g/l from the period.
     assert done["fits"]["decay"]["values"]["length"]["value"] == pytest.approx(0.363, rel=2e-3)
-    _, ghost = unpack(page.file(film, "model.bin").content)
+    _, ghost = unpack((tmp_path / "model.bin").read_bytes())
     assert np.nanmax(np.hypot(*(ghost["centre"] - points["centre"]))) < 0.5  # pixels
-    message = page.do(do="fit", kind="model", film=film, told=told)
-    assert message["field"] == "length"
-    assert page.do(do="export", film=film, file="track.nc")["done"] == {"file": "track.nc"}
-    assert page.file(film, "track.nc").status_code == 200
+    with pytest.raises(ValueError, match="length must be known"):
+        WORK["fit"]({**job, "kind": "model"}, lambda *_: None)
+    for name in ("report.html", "track.nc"):
+        assert WORK["export"]({**job, "file": name}, lambda *_: None) == {"file": name}
+        assert (tmp_path / name).stat().st_size > 0
 
 
 def sound(path):
@@ -286,7 +294,7 @@ def test_flipped_bits_break_nothing(page, clip):
     ],
 )
 def test_work_that_takes_too_much_is_ended_with_a_reason(allowance, said):
-    with opened(replace(Allowance(), **allowance)) as (page, store):
+    with opened(dataclasses.replace(Allowance(), **allowance)) as (page, store):
         message = page.do(do="example", kind="decay")
         assert re.search(said, one_line(message)), message
         assert not workers()

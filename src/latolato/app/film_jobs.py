@@ -103,6 +103,8 @@ def _reason(code: int, film: Film) -> str:
         return f"work on {film.name} took too much processor time: cut the video or scale it down"
     if code == -getattr(signal, "SIGKILL", 9):
         return f"work on {film.name} took too much memory or time: cut the video or scale it down"
+    if code == -getattr(signal, "SIGXFSZ", 25):
+        return f"what was made of {film.name} is too large: cut the video or scale it down"
     if code < 0:
         return f"reading {film.name} broke the decoder: is the file whole? Convert it to MP4"
     return f"work on {film.name} ended without an answer: is the file whole?"

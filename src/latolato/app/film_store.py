@@ -7,6 +7,7 @@ import secrets
 import shutil
 import tempfile
 import unicodedata
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,7 @@ class Film:
     name : str
         What the user calls it, for people only.
     size : int
-        Bytes received.
+        Bytes received, and later of all that was made of them.
     is_whole : bool
         Whether the upload has ended.
     about : dict
@@ -121,6 +122,11 @@ class Film:
     def upload(self) -> Path:
         """Where the upload lies."""
         return self.folder / UPLOAD
+
+    def weigh(self) -> None:
+        """Count what lies in the folder."""
+        with suppress(OSError):
+            self.size = sum(path.stat().st_size for path in self.folder.iterdir())
 
     def file(self, name: str) -> Path | None:
         """Return where one of `FILES` lies, None if it is none of them or is not there."""

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any, TextIO
 
 # Size of the largest file that a job writes [bytes].
-_LARGEST_FILE = 2_000_000_000
+_LARGEST_FILE = 1_000_000_000
 _FILES = 256
 # Between the signal that ends a process for its processor time and the one that kills it [s].
 _SPARED = 10

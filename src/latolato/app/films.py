@@ -309,6 +309,8 @@ class _Clerk:
                 if is_new:
                     self._desk.remove(film.key)
                 raise
+            finally:
+                film.weigh()
             if job["do"] in ("look", "example"):
                 film.about = {"width": found["width"], "height": found["height"]}
                 film.truth = found.pop("truth", {})

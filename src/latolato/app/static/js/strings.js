@@ -112,6 +112,8 @@ export const STRINGS = {
     + "should be the ball’s edge.",
   setupFound: "Found by itself: is it right?",
   setupNotFound: "Nothing was found by itself. Put the handles on pivot and ball.",
+  setupNoPivot: "The pivot was not found: put its handle there, or tick under More that it is not "
+    + "in the picture.",
   setupAgain: "Correct the set-up",
   setupBack: "Back to the result",
   findAgain: "As found",

@@ -9,7 +9,8 @@ import { Track } from "./track.js";
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number} | null,
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
- *   isFound: boolean, isProposed: boolean, truth: Record<string, number>, track: Track | null,
+ *   isFound: boolean, isPartly: boolean, isProposed: boolean, truth: Record<string, number>,
+ *   track: Track | null,
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
  *   field: string | null, stage: string | null, share: number, mode: "setup" | "result",
  *   cancel: () => void, files: Set<string>, tracked: number}} Film
@@ -51,7 +52,8 @@ export class Session {
     this.count += 1;
     /** @type {Film} */
     const film = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
-      proposed: {}, radius: 0, isFound: false, isProposed: true, truth: {}, track: null, fits: {},
+      proposed: {}, radius: 0, isFound: false, isPartly: false, isProposed: true, truth: {},
+      track: null, fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0, mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
     this.films.push(film);
@@ -136,7 +138,8 @@ export class Session {
     const isNew = film.about === null;
     film.about = found;
     if (!film.url) film.url = await filmCopy(film.key, "shown.mp4");
-    film.isFound = found.proposal !== null;
+    film.isFound = Boolean(found.proposal?.pivot);
+    film.isPartly = Boolean(found.proposal) && !film.isFound;
     film.proposed = placesOf(found);
     film.radius = found.proposal?.radius ?? 0.03 * Math.min(found.width, found.height);
     if (isNew) film.places = { ...film.proposed };

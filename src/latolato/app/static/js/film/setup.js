@@ -83,7 +83,8 @@ export class Setup {
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !film.track;
     this.reset.hidden = !isSetup || film.isProposed || !film.isFound;
-    this.found.textContent = t(film.isFound ? "setupFound" : "setupNotFound");
+    this.found.textContent = t(film.isFound ? "setupFound"
+      : film.isPartly ? "setupNoPivot" : "setupNotFound");
     this.found.hidden = !isSetup || !film.isProposed;
     const isOwn = film.field !== null && film.field in this.fields && film.about !== null;
     this.error(isOwn ? film.error : null, film.field);
