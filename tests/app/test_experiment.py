@@ -91,6 +91,15 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     handle.focus()
     page.keyboard.press("Shift+ArrowRight")
     assert f"column {found + 10}," in handle.get_attribute("aria-label")
+    box = handle.bounding_box()
+    at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*at)
+    page.mouse.down()
+    page.mouse.move(at[0] + 50, at[1], steps=4)
+    page.mouse.up()
+    wide = page.locator(".film-box").bounding_box()["width"]
+    dragged = int(re.search(r"column (\d+)", handle.get_attribute("aria-label"))[1])
+    assert abs(dragged - (found + 10 + 50 * 480 / wide)) <= 1.5
     page.get_by_role("button", name="As found").click()
     assert f"column {found}," in handle.get_attribute("aria-label")
 
