@@ -7,6 +7,7 @@ import os
 import random
 import re
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import anyio
@@ -371,7 +372,9 @@ def upload_with(receive, allowance=None):
 
         await app(scope, receive, send)
 
-    anyio.run(run)
+    # A browser of other tests may have its own loop in this thread.
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(anyio.run, run).result()
     left = list(store.folder.iterdir())
     store.close()
     return sent[0]["status"], left
