@@ -35,6 +35,13 @@ def test_what_is_no_video_is_refused(tmp_path, capsys):
     assert "cannot be read as a video" in refused(capsys, tmp_path, file, *CLICKS)
 
 
+def test_a_playlist_of_other_files_is_refused(tmp_path, capsys):
+    clip = encoded(tmp_path / "grey.mp4", GREY)
+    file = tmp_path / "list.m3u8"
+    file.write_text(f"#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\n{clip}\n#EXT-X-ENDLIST\n")
+    assert "cannot be read as a video" in refused(capsys, tmp_path, file, *CLICKS)
+
+
 def test_a_missing_and_an_empty_file_are_refused(tmp_path, capsys):
     assert "there is no video" in refused(capsys, tmp_path, tmp_path / "none.mp4", *CLICKS)
     empty = tmp_path / "empty.mp4"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import anyio
@@ -19,6 +20,7 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from latolato.app.files import STATIC
+from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
 
@@ -40,12 +42,15 @@ class Settings:
         The secret that every request must carry; needed for any address but this machine's own.
     report : Path, optional
         Folder of a reproduction report whose figures are shown.
+    films : Allowance
+        What uploaded videos may take.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
     report: Path | None = None
+    films: Allowance = field(default_factory=Allowance)
 
     @property
     def names(self) -> frozenset[str]:
@@ -73,22 +78,31 @@ def make_app(settings: Settings) -> Starlette:
     app.state.workers = None
     app.state.jobs = None
     app.state.report = settings.report
+    app.state.films = Store(settings.films)
+    app.state.film_turns = None
     return app
 
 
 @asynccontextmanager
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
-    """End the processes of jobs with the server."""
+    """Leave neither processes nor files behind when the server stops."""
     yield
+    app.state.films.close()
     if app.state.jobs is not None:
         app.state.jobs.close()
 
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import analyses, downloads, live, paper
+    from latolato.app import analyses, downloads, films, live, paper
 
-    return [*live.routes(), *downloads.routes(), *paper.routes(), *analyses.routes()]
+    return [
+        *live.routes(),
+        *downloads.routes(),
+        *paper.routes(),
+        *analyses.routes(),
+        *films.routes(),
+    ]
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:

@@ -32,6 +32,7 @@ def write_video(
     fps: float,
     crf: int,
     rotation: int,
+    key_every: int | None = None,
 ) -> None:
     """Write (time stamp [tick], YUV 4:2:0 planes) as an MP4 of H.264.
 
@@ -47,6 +48,8 @@ def write_video(
         Quality of H.264, 0 to 51.
     rotation : int
         How far a player turns the pictures clockwise [deg]: 0, 90, 180 or 270.
+    key_every : int, optional
+        Frames from one that stands for itself to the next: few of them make seeking fast.
 
     Raises
     ------
@@ -66,6 +69,8 @@ def write_video(
                 # One thread and two encode alike only with a fixed number of them.
                 stream.options = {"preset": "veryfast", "crf": str(crf), "threads": "2"}
                 context = stream.codec_context
+                if key_every is not None:
+                    context.gop_size = key_every
                 context.time_base = Fraction(1, TICKS)
                 context.color_primaries = context.color_trc = context.colorspace = _BT709
                 context.color_range = _LIMITED

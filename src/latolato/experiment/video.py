@@ -16,6 +16,13 @@ import numpy as np
 _PER_PIXEL = 600
 # Suffixes of pictures, which sometimes come by the folder.
 _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
+# Kinds of files that hold a video themselves: a playlist names others, here or in a network.
+_CONTAINERS = (
+    "mov", "matroska", "avi", "mpeg", "mpegts", "asf", "flv", "ogg", "mxf", "nut", "ivf", "dv",
+    "h264", "hevc", "m4v", "mpegvideo", "obu", "yuv4mpegpipe", "mjpeg", "gif", "apng", "wtv", "rm",
+    "swf", "image2", "png_pipe", "jpeg_pipe", "mp3", "wav", "flac", "aac", "caf",
+)  # fmt: skip
+_OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "file"}
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
 
@@ -263,7 +270,7 @@ def _opened(path: Path) -> Iterator[Any]:
     av.logging.restore_default_callback()
     av.logging.set_libav_level(av.logging.PANIC)
     try:
-        container = av.open(str(path))
+        container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
         raise ValueError(f"{path} cannot be read as a video: {error.strerror}") from None
     with container:

@@ -3,6 +3,7 @@
 import UPlot from "../vendor/uPlot.esm.js";
 import { envelope, isDense } from "./band.js";
 import { colour, el } from "./dom.js";
+import { drawShades } from "./shades.js";
 import { t } from "./strings.js";
 import { short } from "./units.js";
 
@@ -10,8 +11,8 @@ import { short } from "./units.js";
 /** @typedef {import("./clock.js").Clock} Clock */
 /**
  * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>}} Curve
- * @typedef {{label: string, height?: number,
- *   curves: (motion: Motion) => Curve[]}} Panel
+ * @typedef {{label: string, height?: number, curves: (motion: Motion) => Curve[],
+ *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
 const SYNC = "latolato";
@@ -185,6 +186,9 @@ export class Curves {
           /** @type {number} */ i1) => this.path(u, k, i0, i1),
       }))],
       hooks: {
+        drawAxes: [(/** @type {any} */ u) => {
+          if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), this.root);
+        }],
         setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
           if (key === "x" && !this.setting) this.zoom(u.scales.x.min, u.scales.x.max);
         }],

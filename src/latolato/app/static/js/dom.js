@@ -83,3 +83,16 @@ export function fitCanvas(canvas, draw) {
     window.removeEventListener("themechange", draw);
   };
 }
+
+/**
+ * Make the children of an element anew if what they show has changed: others keep the focus.
+ * @param {HTMLElement} place
+ * @param {any} shown
+ * @param {() => (Node | string)[]} make
+ */
+export function refresh(place, shown, make) {
+  const text = JSON.stringify(shown);
+  if (place.dataset.shown === text) return;
+  place.dataset.shown = text;
+  place.replaceChildren(...make());
+}

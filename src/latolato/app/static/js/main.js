@@ -14,6 +14,7 @@ const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
   live: async () => (await import("./views/live.js")).LiveView,
   paper: async () => (await import("./views/paper.js")).PaperView,
+  experiment: async () => (await import("./views/experiment.js")).ExperimentView,
   analyse: async () => (await import("./views/analyse.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];

@@ -2,7 +2,7 @@
 
 /** @typedef {{name: string, size: number}} Unit */
 
-const SHOWN = { deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
+const SHOWN = { us: "µs", deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
   "kg*m": "kg·m", "rad^2*s": "rad²s", "rad^2/s": "rad²/s" };
 
 /**
@@ -25,6 +25,30 @@ export function short(value, digits = 6) {
   const text = value.toPrecision(digits);
   if (text.includes("e")) return String(Number(text));
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+/**
+ * Return a number to the place of the second digit of its standard deviation, with that.
+ * @param {number} value
+ * @param {number} sigma
+ * @returns {string}
+ */
+export function withSigma(value, sigma) {
+  const minus = (/** @type {string} */ text) => text.replace("-", "−");
+  if (!Number.isFinite(value)) return "–";
+  if (!(sigma > 0) || !Number.isFinite(sigma)) return minus(short(value));
+  const largest = Math.floor(Math.log10(Math.max(Math.abs(value), sigma)));
+  // Small and large numbers as powers of ten, to be read at a glance.
+  const power = largest < -3 || largest > 5 ? largest : 0;
+  const [a, b] = [value / 10 ** power, sigma / 10 ** power];
+  const digits = Math.min(Math.max(1 - Math.floor(Math.log10(b)), 0), 12);
+  const both = `${minus(a.toFixed(digits))} ± ${b.toFixed(digits)}`;
+  return power ? `(${both}) × 10${superscript(power)}` : both;
+}
+
+/** @param {number} power */
+function superscript(power) {
+  return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
 }
 
 /**

@@ -178,7 +178,7 @@ class Plate {
       const scenario = registry.scenarios[name];
       const view = scenario.sweep ? "map" : "play";
       return openLink(this.view.page, { view, scenario: name, options: {} },
-        t(scenario.sweep ? "openInMap" : "openInPlay", { title: scenario.title }),
+        t(scenario.sweep ? "openTitleInMap" : "openTitleInPlay", { title: scenario.title }),
         scenario.description);
     });
   }

@@ -1,0 +1,120 @@
+"""What a page says of a video: places in pixels and quantities with units, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from latolato.app.forms import registry
+from latolato.registry import suggest
+from latolato.units import to_si
+
+# Names that the fields share with the options of a run.
+SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
+# What else is said of the camera: unit, default, meaning.
+CAMERA: dict[str, tuple[str, float, str]] = {
+    "slow_motion": ("1", 1.0, "slow motion: how many times slower than life it plays"),
+    "row_time": ("s", 0.0, "time from row to row of a rolling shutter"),
+    "lens_k1": ("1", 0.0, "radial lens coefficient k1"),
+    "lens_k2": ("1", 0.0, "radial lens coefficient k2"),
+}
+FITS = ("decay", "drive", "restitution", "model")
+# Files that are made when they are asked for.
+EXPORTS = ("track.nc", "overlay.mp4", "report.html")
+EXAMPLES = ("decay", "driven", "toy")
+_ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What was said, in SI units and pixels; None is unknown."""
+
+    pivot: tuple[float, float] | None = None
+    balls: tuple[tuple[float, float], ...] = ()
+    is_proposed: bool = False
+    length: float | None = None
+    radius: float | None = None
+    mass: float | None = None
+    damping: float | None = None
+    restitution: float | None = None
+    gravity: float | None = None
+    slow_motion: float = 1.0
+    row_time: float = 0.0
+    lens_k1: float = 0.0
+    lens_k2: float = 0.0
+
+    @classmethod
+    def from_json(cls, given: Any) -> Told:
+        """Return what a page says.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For unknown names, wrong types, units and values.
+        """
+        if not isinstance(given, Mapping):
+            raise TypeError(f"what is told of a video must be an object, got {given!r}")
+        known = ("pivot", "balls", "is_proposed", *SHARED, *CAMERA)
+        for name in given:
+            if name not in known:
+                raise ValueError(f"unknown name '{name}': {suggest(str(name), list(known))}")
+        balls = given.get("balls") or ()
+        if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
+            raise TypeError("balls must be one place or two")
+        found: dict[str, Any] = {
+            name: number(name, given.get(name)) for name in (*SHARED, *CAMERA) if given.get(name)
+        }
+        for name in ("length", "radius", "mass", "gravity", "slow_motion"):
+            if name in found and not found[name] > 0.0:
+                raise ValueError(f"{name} must be positive, got {found[name]:g}")
+        return cls(
+            pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
+            balls=tuple(place("balls", ball) for ball in balls),
+            is_proposed=bool(given.get("is_proposed")),
+            **found,
+        )
+
+
+def number(name: str, value: Any) -> float:
+    """Return a quantity in SI units.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no finite number with a unit that fits.
+    """
+    unit = CAMERA[name][0] if name in CAMERA else registry()["options"][name]["unit"]
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise TypeError(f"{name} must be a text or a number, got {value!r}")
+    found = to_si(name, value, unit)
+    if not isinstance(found, float) or not math.isfinite(found):
+        raise ValueError(f"{name} must be a finite number, got {value!r}")
+    return found
+
+
+def place(name: str, value: Any) -> tuple[float, float]:
+    """Return column and row of a place [pixels]."""
+    if (
+        not isinstance(value, Sequence)
+        or isinstance(value, str)
+        or len(value) != 2
+        or not all(isinstance(v, (int, float)) and math.isfinite(v) for v in value)
+    ):
+        raise TypeError(f"{name} must be a column and a row in pixels, got {value!r}")
+    return float(value[0]), float(value[1])
+
+
+def fields() -> dict[str, Any]:
+    """Return how each quantity that a page asks for is shown, as in the registry of options."""
+    options = registry()["options"]
+    found = {name: {**options[name], "suggested": None} for name in SHARED}
+    for name, (unit, default, meaning) in CAMERA.items():
+        units = _ROW_UNITS if name == "row_time" else [{"name": unit, "size": 1.0}]
+        found[name] = {
+            "label": meaning, "symbol": "", "description": meaning, "unit": unit, "units": units,
+            "several": False, "choices": [], "switch": False, "whole": False, "default": default,
+            "usual": None, "low": None, "high": None, "suggested": None,
+        }  # fmt: skip
+    return found

@@ -1,0 +1,298 @@
+"""Uploaded videos on the server: few, of limited size, in a folder that goes with their page."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+import tempfile
+import unicodedata
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+from latolato.app.given import TooLargeError
+from latolato.experiment.video import Limits
+
+_PREFIX = "latolato-films-"
+_LONGEST_NAME = 80
+# What lies in the folder of a film. The name of the upload is told, and never a path.
+UPLOAD = "film"
+FILES = {
+    "shown.mp4": "video/mp4",
+    "points.bin": "application/octet-stream",
+    "model.bin": "application/octet-stream",
+    "track.csv": "text/csv; charset=utf-8",
+    "track.nc": "application/x-netcdf",
+    "setup.toml": "application/toml",
+    "overlay.mp4": "video/mp4",
+    "report.html": "text/html; charset=utf-8",
+}
+# Those that the page shows itself; others are downloads.
+SHOWN = ("shown.mp4", "points.bin", "model.bin")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Allowance:
+    """What uploads and the work on them may take.
+
+    Attributes
+    ----------
+    upload, stored : int
+        Size of one file, and of all on the server together [bytes].
+    films, desk_films, desks : int
+        Number of films on the server, of one page, and of pages with films.
+    duration : float
+        Longest film [s].
+    pixels, frames : int
+        Largest frame, and most frames.
+    memory : float
+        Address space of the process that reads a film [bytes].
+    cpu_time, wall_time : float
+        Longest work on a film [s].
+    stall, upload_time : float
+        Longest pause of an upload, and longest upload [s].
+    jobs, waiting : int
+        Films that are worked on at the same time, and jobs of one page that may wait.
+    """
+
+    upload: int = 500_000_000
+    stored: int = 3_000_000_000
+    films: int = 40
+    desk_films: int = 16
+    desks: int = 50
+    duration: float = 600.0
+    pixels: int = 2560 * 1440
+    frames: int = 40_000
+    memory: float = 6e9
+    cpu_time: float = 1800.0
+    wall_time: float = 1800.0
+    stall: float = 30.0
+    upload_time: float = 900.0
+    jobs: int = 2
+    waiting: int = 32
+
+    @property
+    def limits(self) -> Limits:
+        """What the reader refuses by itself; half of the memory is for what is learned."""
+        return Limits(
+            duration=self.duration,
+            pixels=self.pixels,
+            frames=self.frames,
+            memory=0.5 * self.memory,
+        )
+
+
+@dataclass
+class Film:
+    """One upload.
+
+    Attributes
+    ----------
+    key : str
+        Its name in addresses.
+    folder : Path
+        Where all of it lies.
+    name : str
+        What the user calls it, for people only.
+    size : int
+        Bytes received, and later of all that was made of them.
+    is_whole : bool
+        Whether the upload has ended.
+    about : dict
+        What the work on it found.
+    truth : dict
+        Numbers that are true of a synthetic film.
+    trial : dict, optional
+        Its row of the trial table.
+    """
+
+    key: str
+    folder: Path
+    name: str
+    size: int = 0
+    is_whole: bool = False
+    about: dict[str, Any] = field(default_factory=dict)
+    truth: dict[str, float] = field(default_factory=dict)
+    trial: dict[str, Any] | None = None
+
+    @property
+    def upload(self) -> Path:
+        """Where the upload lies."""
+        return self.folder / UPLOAD
+
+    def weigh(self) -> None:
+        """Count what lies in the folder."""
+        with suppress(OSError):
+            self.size = sum(path.stat().st_size for path in self.folder.iterdir())
+
+    def file(self, name: str) -> Path | None:
+        """Return where one of `FILES` lies, None if it is none of them or is not there."""
+        if name not in FILES:
+            return None
+        path = self.folder / name
+        return path if path.is_file() else None
+
+
+class Desk:
+    """The films of one open page; they go when it closes."""
+
+    def __init__(self, store: Store, key: str) -> None:
+        self.key = key
+        self.films: dict[str, Film] = {}
+        self._store = store
+
+    def close(self) -> None:
+        """Remove everything of this page."""
+        for key in list(self.films):
+            self.remove(key)
+        self._store.desks.pop(self.key, None)
+
+    def remove(self, key: str) -> None:
+        """Remove one film."""
+        film = self.films.pop(key, None)
+        if film is not None:
+            shutil.rmtree(film.folder, ignore_errors=True)
+
+    def film(self, key: Any) -> Film:
+        """Return a film of this page.
+
+        Raises
+        ------
+        ValueError
+            If there is none of that key.
+        """
+        if not isinstance(key, str) or key not in self.films:
+            raise ValueError("this video is no longer on the server: upload it again")
+        return self.films[key]
+
+
+class Store:
+    """All films of a server, below one temporary folder."""
+
+    def __init__(self, allowance: Allowance | None = None) -> None:
+        self.allowance = allowance or Allowance()
+        self.desks: dict[str, Desk] = {}
+        self._folder: Path | None = None
+
+    @property
+    def folder(self) -> Path:
+        """The folder of this server, made when it is first needed."""
+        if self._folder is None:
+            remove_orphans()
+            self._folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+        return self._folder
+
+    def close(self) -> None:
+        """Remove everything."""
+        for desk in list(self.desks.values()):
+            desk.close()
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+    def open_desk(self) -> Desk:
+        """Return a place for the films of a page.
+
+        Raises
+        ------
+        TooLargeError
+            If as many pages as may be are open.
+        """
+        if len(self.desks) >= self.allowance.desks:
+            raise TooLargeError(
+                f"{self.allowance.desks} pages with videos are open: close one of them"
+            )
+        desk = Desk(self, secrets.token_urlsafe(12))
+        self.desks[desk.key] = desk
+        return desk
+
+    def desk(self, key: str | None) -> Desk:
+        """Return the place of a page.
+
+        Raises
+        ------
+        ValueError
+            If there is none: its page has closed.
+        """
+        if key not in self.desks:
+            raise ValueError("this page is not connected: load it again")
+        return self.desks[key]
+
+    def film(self, key: str) -> Film | None:
+        """Return a film of any page, by its key that only its page knows."""
+        return next((d.films[key] for d in self.desks.values() if key in d.films), None)
+
+    def admit(self, desk: Desk, name: str, size: int = 0) -> Film:
+        """Return a new film without content.
+
+        Raises
+        ------
+        TooLargeError
+            If there are too many, or `size` bytes [as announced] are too much.
+        """
+        most = self.allowance
+        if len(desk.films) >= most.desk_films:
+            raise TooLargeError(f"{most.desk_films} videos are open: remove one of them first")
+        if sum(len(d.films) for d in self.desks.values()) >= most.films:
+            raise TooLargeError(f"the server holds {most.films} videos: try again later")
+        key = secrets.token_urlsafe(12)
+        film = Film(key, self.folder / key, shown_name(name))
+        self.check_size(film, size)
+        film.folder.mkdir()
+        desk.films[key] = film
+        return film
+
+    def check_size(self, film: Film, size: int) -> None:
+        """Refuse a film of `size` bytes if that is too much.
+
+        Raises
+        ------
+        TooLargeError
+            With the limit.
+        """
+        most = self.allowance
+        if size > most.upload:
+            raise TooLargeError(
+                f"{film.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
+                "cut it, or track it with latolato track"
+            )
+        others = sum(f.size for d in self.desks.values() for f in d.films.values() if f is not film)
+        if others + size > most.stored:
+            raise TooLargeError("the server holds too many videos: remove some, or try again later")
+
+
+def shown_name(text: str) -> str:
+    """Return the name of an upload as it is told: one line without folders or control characters.
+
+    Examples
+    --------
+    >>> shown_name("..%2F..%2Fetc%2Fswing%0A.mp4")
+    'swing.mp4'
+    """
+    plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")
+    name = "".join(c for c in plain.rpartition("/")[2] if c.isprintable()).strip(" .")
+    return name[-_LONGEST_NAME:] or "video"
+
+
+def remove_orphans() -> None:
+    """Remove the folders of servers that were killed before they could tidy up."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*-*"):
+        process = folder.name.removeprefix(_PREFIX).partition("-")[0]
+        if process.isdigit() and not folder.is_symlink() and not _runs(int(process)):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _runs(process: int) -> bool:
+    """Return whether a process is there; unknown counts as yes."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True

@@ -1,0 +1,273 @@
+"""What is done with an uploaded video, in a process of its own (see `film_worker`)."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.app.blocks import pack
+from latolato.app.film_fits import fit_of, fits_of, trial_row
+from latolato.app.film_options import EXPORTS, Told
+from latolato.experiment.calibrate import Optics
+from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
+from latolato.experiment.sidecar import write_sidecar
+from latolato.experiment.table import FLAGS, balls_of, read_table, write_table
+from latolato.experiment.track import prepare, run
+from latolato.experiment.video import Frame, Limits, Video, open_video
+from latolato.summary import plain
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Tell = Callable[[str, float], None]
+# Longer side of the copy that the page plays [pixels], its quality, and frames between key frames.
+_LONGER, _CRF, _KEY_EVERY = 1280, 20, 12
+# The table that later jobs read.
+TABLE = "track.csv"
+# Fewest frames that show a motion.
+_FEWEST = 8
+# Frames of an example, small enough to be painted in seconds.
+_EXAMPLE_SIZE = {"width": 480, "height": 360}
+_SEED = 1
+
+
+def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Return size and length of a video and where pivot and balls seem to be.
+
+    A copy that browsers play, with the same frames at the same times, is written beside it.
+    """
+    video = open_video(job["path"], limits=Limits(**job["limits"]))
+    size, times = write_shown(
+        video, Path(job["folder"]) / "shown.mp4", lambda share: tell("reading", share)
+    )
+    if len(times) < _FEWEST:
+        raise ValueError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
+    found: dict[str, Any] = {
+        "width": video.width, "height": video.height, "shown": size, "frames": len(times),
+        "duration": times[-1] - times[0], "proposal": None, "told": None,
+    }  # fmt: skip
+    try:
+        task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
+                       lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
+    except ValueError as error:
+        found["told"] = str(error)
+        return found
+    found["proposal"] = {
+        "pivot": task.setup.pivot, "balls": task.setup.balls, "radius": task.radius,
+    }  # fmt: skip
+    return found
+
+
+def write_shown(
+    video: Video, path: Path, progress: Callable[[float], None]
+) -> tuple[tuple[int, int], list[float]]:
+    """Write a video that browsers play; return its size and the times of its frames [s].
+
+    H.264 in MP4 as displayed, at most 1280 pixels on the longer side, each frame at its time after
+    the first.
+    """
+    import cv2
+
+    scale = min(1.0, _LONGER / max(video.width, video.height))
+    width, height = (max(2, round(side * scale / 2.0) * 2) for side in (video.width, video.height))
+    times: list[float] = []
+    expected = video.frame_count or 1
+
+    def planes(frame: Frame) -> Any:
+        sizes = ((width, height), (width // 2, height // 2), (width // 2, height // 2))
+        parts = [
+            cv2.resize(np.ascontiguousarray(plane), size, interpolation=cv2.INTER_AREA)
+            for plane, size in zip(frame[2:], sizes, strict=True)
+        ]
+        if video.is_full_range:
+            parts[0] = np.uint8(np.rint(16.0 + parts[0] * (219.0 / 255.0)))
+            for k in (1, 2):
+                parts[k] = np.uint8(np.rint(128.0 + (parts[k] - 128.0) * (224.0 / 255.0)))
+        return np.concatenate([part.ravel() for part in parts]).reshape(height * 3 // 2, width)
+
+    def frames() -> Iterator[tuple[int, Any]]:
+        stamp = -1
+        for frame in video.frames():
+            times.append(frame.time)
+            stamp = max(round((frame.time - times[0]) * TICKS), stamp + 1)
+            yield stamp, planes(frame)
+            if frame.number % 32 == 0:
+                progress(min(frame.number / expected, 1.0))
+
+    rate = video.frame_rate if 1.0 <= video.frame_rate <= 1000.0 else 30.0
+    write_video(path, frames(), fps=rate, crf=_CRF, rotation=0, key_every=_KEY_EVERY)
+    return (width, height), times
+
+
+def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Track a video, write its table, and return what the table and the usual fits say."""
+    told = Told.from_json(job["told"])
+    if not told.balls:
+        raise ValueError("balls must be pointed at: one place or two")
+    task = prepare(
+        Path(job["path"]),
+        told.pivot,
+        told.balls,
+        {
+            "length": told.length, "radius": told.radius, "gravity": told.gravity,
+            "optics": Optics(
+                row_time=told.row_time, lens_k1=told.lens_k1, lens_k2=told.lens_k2
+            ),
+            "slow_motion": told.slow_motion, "limits": Limits(**job["limits"]),
+        },
+    )  # fmt: skip
+    task.warnings.clear()
+    task.setup = replace(task.setup, is_proposed=told.is_proposed)
+    table = run(task, lambda share: tell("tracking", share))
+    table.attrs["source"] = job["name"]
+    folder = Path(job["folder"])
+    for old in EXPORTS:
+        (folder / old).unlink(missing_ok=True)
+    write_table(table, folder / TABLE)
+    setup = write_sidecar(task.setup, job["path"], folder / "setup.toml")
+    named = f"video = {json.dumps(job['name'], ensure_ascii=False)}"
+    text = re.sub(r"^video = .*$", lambda _: named, setup.read_text("utf-8"), count=1, flags=re.M)
+    setup.write_text(text, encoding="utf-8")
+    (folder / "points.bin").write_bytes(points_block(table, task.video))
+    tell("fitting", 0.0)
+    trial, why = trial_row(table, told)
+    found = {
+        "warnings": task.warnings,
+        "fits": fits_of(table, told, folder, (task.video.width, task.video.height)),
+        "trial": trial,
+        "no_trial": why,
+    }
+    return plain(found)  # type: ignore[no-any-return]
+
+
+def points_block(table: xr.Dataset, video: Video) -> bytes:
+    """Return a track table as the page draws it: angles, and places in pixels of the picture."""
+    from latolato.experiment.overlay import places_of
+
+    balls = range(1, balls_of(table) + 1)
+    pivots, centres = places_of(table, (video.width, video.height))
+    time = table["time"].values
+    flags = np.array(
+        [[FLAGS.index(str(f)) for f in table[f"flag_{b}"].values] for b in balls], np.uint8
+    )
+
+    def rows(name: str) -> Any:
+        return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
+
+    shown = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
+             "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
+             "length")  # fmt: skip
+    return pack(
+        {
+            "flags": FLAGS,
+            "width": video.width,
+            "height": video.height,
+            "balls": len(balls),
+            "attributes": {name: table.attrs[name] for name in shown if name in table.attrs},
+            "shares": flag_shares(table),
+            "typical_sigma": typical_sigma(table),
+        },
+        {
+            "time": time.astype(np.float64),
+            "media_time": ((time - time[0]) * video.slow_motion).astype(np.float64),
+            "angle": rows("angle"),
+            "angle_sigma": rows("angle_sigma"),
+            "flag": flags,
+            "pivot": pivots.T.astype(np.float32),
+            "centre": centres.transpose(1, 2, 0).reshape(2 * len(balls), -1).astype(np.float32),
+            "pivot_height": table["pivot_y"].values[None].astype(np.float32),
+            "distance": np.stack([circle_distances(table, b) for b in balls]).astype(np.float32),
+        },
+    )
+
+
+def fit(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Return one fit of a table that was tracked before."""
+    tell("fitting", 0.0)
+    folder = Path(job["folder"])
+    table = read_table(folder / TABLE)
+    size = (int(job["width"]), int(job["height"]))
+    return plain(fit_of(job["kind"], table, Told.from_json(job["told"]), folder, size))  # type: ignore[no-any-return]
+
+
+def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Write the table as NetCDF, the video with the overlay, or the page on its quality."""
+    folder = Path(job["folder"])
+    table = read_table(folder / TABLE)
+    if job["file"] == "track.nc":
+        write_table(table, folder / job["file"])
+        return {"file": job["file"]}
+    slower = float(table.attrs.get("slow_motion", 1.0))
+    video = open_video(job["path"], slow_motion=slower, limits=Limits(**job["limits"]))
+    if job["file"] == "overlay.mp4":
+        from latolato.experiment.overlay import write_overlay
+
+        write_overlay(table, video, folder / job["file"], progress=lambda s: tell("drawing", s))
+    else:
+        from latolato.report.track_page import write_track_report
+
+        tell("drawing", 0.3)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            write_track_report(table, video, folder / job["file"])
+    return {"file": job["file"]}
+
+
+def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Render a short video with known truth, and look at it."""
+    import latolato as ll
+    from latolato.experiment.scene import Camera, Scene
+    from latolato.experiment.synthetic import synthesise_video
+
+    ball: dict[str, Any] = {"length": 0.363, "mass": 0.108, "damping": 0.00274}
+    radius, rate = 0.02, 30.0
+    if job["kind"] == "toy":
+        rate = 120.0
+        system: Any = ll.LatoLato(
+            length=0.245, mass=0.106, damping=0.005, radius=radius, restitution=0.9
+        )
+        drive: Any = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1)
+        begun = ll.simulate(system, drive, initial_angle=0.6, duration=4.0)
+    else:
+        system, drive = ll.Pendulum(**ball), ll.Static()
+        if job["kind"] == "driven":
+            rate = 60.0
+            drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
+            begun = ll.simulate(system, drive, initial_angle=math.radians(10.0), duration=9.0)
+        else:
+            begun = ll.simulate(system, drive, initial_angle=0.6, duration=9.0)
+    path = Path(job["folder"]) / "example.mp4"
+    table = synthesise_video(
+        begun,
+        path,
+        Scene(ball_radius=radius, background="gradient", shadow_darkness=0.2),
+        Camera(fps=rate, **_EXAMPLE_SIZE),
+        seed=_SEED,
+        progress=lambda share: tell("painting", share),
+    )
+    path.replace(job["path"])
+    names = ("length", "mass", "damping", "restitution", "gravity", "drive_amplitude",
+             "drive_frequency")  # fmt: skip
+    truth = {name: float(table.attrs[name]) for name in names if name in table.attrs}
+    truth["radius"] = radius
+    if "damping" in truth:
+        truth["decay_rate"] = 0.5 * truth["damping"] / (truth["mass"] * truth["length"])
+    return {**look(job, tell), "truth": truth}
+
+
+WORK: dict[str, Callable[[dict[str, Any], Tell], dict[str, Any]]] = {
+    "look": look,
+    "track": track,
+    "fit": fit,
+    "export": export,
+    "example": example,
+}

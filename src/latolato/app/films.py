@@ -1,0 +1,372 @@
+"""Videos of an experiment: upload, work on them with progress, results; gone with their page.
+
+A page opens the WebSocket ``/api/films/desk`` and keeps it open; it is told its key, uploads with
+``POST /api/films?desk=KEY`` (the body is the file, its name stands in the header ``X-Name``), and
+asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY, ...}``. It is told
+``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket closes, running work
+is killed and every file of that page is removed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Mapping
+from typing import Any, BinaryIO
+
+import anyio
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from latolato.app.film_jobs import FilmError, work
+from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
+from latolato.app.given import TooLargeError
+
+_REFUSALS = (TypeError, ValueError, ModuleNotFoundError)
+_LONGEST_FRAME = 100_000
+
+
+def routes() -> list[BaseRoute]:
+    """Return the addresses of the experiment view."""
+    return [
+        WebSocketRoute("/api/films/desk", _desk),
+        Route("/api/films", _upload, methods=["POST"]),
+        Route("/api/films/{film}/{file}", _file),
+        Route("/api/trials", _trials_file),
+    ]
+
+
+def store_of(app: Any) -> Store:
+    """Return the films of a server."""
+    found: Store = app.state.films
+    return found
+
+
+async def _upload(request: Request) -> Response:
+    """Receive one video; nothing is left of one that is refused or breaks off."""
+    from latolato.app.server import refusal
+
+    store = store_of(request.app)
+    try:
+        desk = store.desk(request.query_params.get("desk"))
+        announced = request.headers.get("content-length", "0")
+        size = int(announced) if announced.isdigit() else 0
+        film = store.admit(desk, request.headers.get("x-name", ""), size)
+    except TooLargeError as error:
+        return refusal(413, str(error))
+    except ValueError as error:
+        return refusal(422, str(error))
+    try:
+        with anyio.fail_after(store.allowance.upload_time), film.upload.open("xb") as file:
+            await _received(request, store, desk, film, file)
+        if film.size == 0:
+            raise ValueError(f"{film.name} is empty")
+        film.is_whole = True
+    except TooLargeError as error:
+        return refusal(413, str(error))
+    except ValueError as error:
+        return refusal(422, str(error))
+    except TimeoutError:
+        return refusal(408, f"the upload of {film.name} stood still")
+    except (ClientDisconnect, OSError) as error:
+        return refusal(400, f"the upload of {film.name} broke off: {type(error).__name__}")
+    finally:
+        if not film.is_whole:
+            desk.remove(film.key)
+    return JSONResponse({"film": film.key, "name": film.name, "size": film.size})
+
+
+async def _received(request: Request, store: Store, desk: Desk, film: Film, file: BinaryIO) -> None:
+    """Write the body of a request to a file, as it comes."""
+    parts = request.stream()
+    while True:
+        with anyio.fail_after(store.allowance.stall):
+            part = await anext(parts, b"")
+        if not part:
+            return
+        if film.key not in desk.films:
+            raise ValueError("the page has closed")
+        store.check_size(film, film.size + len(part))
+        film.size += len(part)
+        await anyio.to_thread.run_sync(file.write, part)
+
+
+async def _file(request: Request) -> Response:
+    """Send one of the files of a film."""
+    name = request.path_params["file"]
+    film = store_of(request.app).film(request.path_params["film"])
+    path = film.file(name) if film else None
+    if path is None:
+        raise HTTPException(404, "there is no such file; a video is removed with its page")
+    headers = {"Cache-Control": "no-store"}
+    if name not in SHOWN:
+        # The page that is downloaded is of another kind than those of this server.
+        headers["Content-Disposition"] = "attachment"
+    return FileResponse(path, media_type=FILES[name], headers=headers)
+
+
+async def _trials_file(request: Request) -> Response:
+    """Send the trial table of a page as CSV."""
+    from latolato.app.server import answered
+
+    try:
+        desk = store_of(request.app).desk(request.query_params.get("desk"))
+    except ValueError as error:
+        raise HTTPException(404, str(error)) from None
+    return await answered(request, _trials_csv, list(desk.films.values()))
+
+
+def _trials_csv(films: list[Film]) -> Response:
+    """Return the trial table as CSV."""
+    import tempfile
+    from pathlib import Path
+
+    from latolato.experiment.trial_table import trial_table, write_trials
+
+    rows = trial_rows(films)
+    if not rows:
+        raise ValueError("none of the videos is a trial: each needs a driven pivot")
+    rows = [{k: v for k, v in row.items() if k != "film"} for row in rows]
+    table = trial_table({name: [row[name] for row in rows] for name in rows[0]})
+    with tempfile.TemporaryDirectory() as folder:
+        path = write_trials(table, Path(folder) / "trials.csv")
+        content = path.read_bytes()
+    headers = {"Content-Disposition": "attachment", "Cache-Control": "no-store"}
+    return Response(content, media_type="text/csv; charset=utf-8", headers=headers)
+
+
+def trial_rows(films: list[Film]) -> list[dict[str, Any]]:
+    """Return the trials of films with their sets, ordered by set and frequency."""
+    import math
+
+    from latolato.experiment.trial_table import sets_of
+
+    def known(row: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: math.nan if value is None else value for name, value in row.items()}
+
+    rows = [{**known(f.trial), "film": f.key, "source": f.name} for f in films if f.trial]
+    if not rows:
+        return []
+    names = sets_of(
+        [row["drive_amplitude"] for row in rows], [row["drive_amplitude_sigma"] for row in rows]
+    )
+    rows = [{**row, "set": s, "set_by": "amplitude"} for row, s in zip(rows, names, strict=True)]
+    return sorted(rows, key=lambda row: (row["set"], row["drive_frequency"]))
+
+
+async def _desk(websocket: WebSocket) -> None:
+    """Serve one page: its jobs run until it closes, and then all its films are removed."""
+    store = store_of(websocket.app)
+    await websocket.accept()
+    try:
+        desk = store.open_desk()
+    except TooLargeError as error:
+        await websocket.send_json({"error": str(error)})
+        await websocket.close(1013)
+        return
+    clerk = _Clerk(websocket, store, desk)
+    try:
+        await clerk.serve()
+    finally:
+        await asyncio.shield(clerk.close())
+
+
+class _Clerk:
+    """Takes the frames of one page and runs its jobs."""
+
+    def __init__(self, websocket: WebSocket, store: Store, desk: Desk) -> None:
+        self._socket = websocket
+        self._store = store
+        self._desk = desk
+        self._jobs: dict[int, asyncio.Task[None]] = {}
+        self._lock = asyncio.Lock()
+
+    async def serve(self) -> None:
+        """Answer frames until the page goes."""
+        from latolato.app.film_options import EXAMPLES, fields
+
+        most = self._store.allowance
+        await self.tell(
+            {
+                "desk": self._desk.key,
+                "fields": await anyio.to_thread.run_sync(fields),
+                "examples": EXAMPLES,
+                "limits": {"upload": most.upload, "duration": most.duration,
+                           "pixels": most.pixels},
+            }
+        )  # fmt: skip
+        while True:
+            frame = await self._socket.receive()
+            if frame["type"] == "websocket.disconnect":
+                return
+            await self._take(frame.get("text"))
+
+    async def close(self) -> None:
+        """Kill what runs and remove the films."""
+        for task in self._jobs.values():
+            task.cancel()
+        await asyncio.gather(*self._jobs.values(), return_exceptions=True)
+        self._desk.close()
+
+    async def tell(self, message: Mapping[str, Any]) -> None:
+        """Send one frame; a page that has gone hears nothing."""
+        from latolato.summary import plain
+
+        async with self._lock:
+            try:
+                await self._socket.send_text(json.dumps(plain(dict(message)), allow_nan=False))
+            except (RuntimeError, WebSocketDisconnect):
+                return
+
+    async def _take(self, text: str | None) -> None:
+        """Begin or end a job."""
+        number = None
+        try:
+            if text is None or len(text) > _LONGEST_FRAME:
+                raise ValueError("a frame must be a short text")
+            given = json.loads(text)
+            if not isinstance(given, dict):
+                raise TypeError("a frame must be an object")
+            number = given.get("job")
+            if isinstance(number, bool) or not isinstance(number, int):
+                number = None
+                raise TypeError("job must be a whole number")
+            self._begin(number, given)
+        except (*_REFUSALS, RecursionError) as error:
+            message = "a frame must be JSON" if isinstance(error, RecursionError) else str(error)
+            await self.refuse(number, message)
+
+    async def refuse(self, number: int | None, message: str) -> None:
+        """Tell why there is no answer."""
+        from latolato.app.server import field_of
+
+        line = " ".join(message.split())
+        await self.tell({"job": number, "error": line, "field": field_of(line)})
+
+    def _begin(self, number: int, given: dict[str, Any]) -> None:
+        """Begin what a frame asks for."""
+        do = given.get("do")
+        if do == "cancel":
+            task = self._jobs.get(number)
+            if task is not None:
+                task.cancel()
+            return
+        if number in self._jobs:
+            raise ValueError(f"job {number} runs already")
+        if len(self._jobs) >= self._store.allowance.waiting:
+            raise TooLargeError(f"{len(self._jobs)} jobs wait already")
+        if do == "remove":
+            self._desk.remove(self._desk.film(given.get("film")).key)
+            self._run(number, self._rows())
+            return
+        film, job = checked_job(self._store, self._desk, given)
+        self._run(number, self._work(film, job))
+
+    def _run(self, number: int, doing: Any) -> None:
+        """Run one job until its answer."""
+
+        async def run() -> None:
+            try:
+                found = await doing(number)
+                await self.tell({"job": number, "done": found})
+            except asyncio.CancelledError:
+                await self.tell({"job": number, "cancelled": True})
+            except (FilmError, *_REFUSALS, OSError) as error:
+                await self.refuse(number, str(error))
+            finally:
+                self._jobs.pop(number, None)
+
+        self._jobs[number] = asyncio.create_task(run())
+
+    def _rows(self) -> Any:
+        """Return what answers with the trial table."""
+
+        async def answer(_: int) -> dict[str, Any]:
+            return {"trials": await self._trials()}
+
+        return answer
+
+    async def _trials(self) -> list[dict[str, Any]]:
+        """Return the trial table of this page."""
+        return await anyio.to_thread.run_sync(trial_rows, list(self._desk.films.values()))
+
+    def _work(self, film: Film, job: dict[str, Any]) -> Any:
+        """Return what does a job on a film, when it is its turn."""
+
+        async def answer(number: int) -> dict[str, Any]:
+            async def told(stage: str, progress: float) -> None:
+                await self.tell({"job": number, "stage": stage, "progress": progress})
+
+            is_new = job["do"] == "example"
+            try:
+                await told("waiting", 0.0)
+                async with self._turns():
+                    found = await work(film, job, self._store.allowance, told)
+            except BaseException:
+                if is_new:
+                    self._desk.remove(film.key)
+                raise
+            finally:
+                film.weigh()
+            if job["do"] in ("look", "example"):
+                film.about = {"width": found["width"], "height": found["height"]}
+                film.truth = found.pop("truth", {})
+                found |= {"film": film.key, "name": film.name, "truth": film.truth}
+            if job["do"] == "track":
+                film.trial = found["trial"]
+                found["trials"] = await self._trials()
+            return found
+
+        return answer
+
+    def _turns(self) -> asyncio.Semaphore:
+        """Return what lets a few jobs of the whole server run at a time."""
+        state = self._socket.app.state
+        if state.film_turns is None:
+            state.film_turns = asyncio.Semaphore(self._store.allowance.jobs)
+        found: asyncio.Semaphore = state.film_turns
+        return found
+
+
+def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Film, dict[str, Any]]:
+    """Return the film that a frame is about and the job for its process.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything that is not known, before a process begins.
+    """
+    from latolato.app.film_options import EXAMPLES, EXPORTS, FITS, Told
+
+    do = given.get("do")
+    if do == "example":
+        kind = _one_of("kind", given.get("kind"), EXAMPLES)
+        film = store.admit(desk, f"{kind}.mp4")
+        return film, {"do": do, "kind": kind}
+    if do not in ("look", "track", "fit", "export"):
+        raise ValueError(f"do must be look, track, fit, export, example or remove, got {do!r}")
+    film = desk.film(given.get("film"))
+    if not film.is_whole and not film.about:
+        raise ValueError(f"{film.name} is still on its way")
+    if do == "look":
+        return film, {"do": do}
+    if not film.about:
+        raise ValueError(f"{film.name} could not be read")
+    if do == "export":
+        return film, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
+    told = given.get("told")
+    Told.from_json(told)
+    job = {"do": do, "told": told, **film.about}
+    if do == "fit":
+        job["kind"] = _one_of("kind", given.get("kind"), FITS)
+    return film, job
+
+
+def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
+    """Return a word that is one of those known."""
+    if not isinstance(value, str) or value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+    return value

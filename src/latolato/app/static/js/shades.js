@@ -1,0 +1,29 @@
+/** Stretches of time behind curves, each in the colour of what it means. */
+
+import { colour } from "./dom.js";
+
+/** @typedef {{from: number, to: number, paint: string}} Shade */
+
+const STRENGTH = 0.28;
+
+/**
+ * Draw stretches of time behind the curves of a chart.
+ * @param {any} u the uPlot chart
+ * @param {Shade[]} shades
+ * @param {Element} root where colours are read
+ */
+export function drawShades(u, shades, root) {
+  const { ctx: context, bbox } = u;
+  context.save();
+  context.beginPath();
+  context.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  context.clip();
+  context.globalAlpha = STRENGTH;
+  for (const { from, to, paint } of shades) {
+    const x = u.valToPos(from, "x", true);
+    const width = Math.max(u.valToPos(to, "x", true) - x, 1);
+    context.fillStyle = colour(paint, root);
+    context.fillRect(x, bbox.top, width, bbox.height);
+  }
+  context.restore();
+}

@@ -1,0 +1,182 @@
+"""Experiment in a real browser: from an uploaded video to its damping, drawn where it is."""
+
+import re
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from browser_checks import serious_faults
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.table import read_table
+
+# How long work on a video may take [ms].
+PATIENCE = 120_000
+BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """A short free swing as a camera sees it, and its true table."""
+    path = tmp_path_factory.mktemp("clips") / "swing.mp4"
+    run = ll.simulate(BALL, initial_angle=0.6, duration=8.0)
+    camera = Camera(width=480, height=360, fps=30.0)
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=3)
+    return path, truth
+
+
+def state(page, name):
+    page.locator(f"[data-state={name}]").wait_for(timeout=PATIENCE)
+
+
+def uploaded(page, path):
+    page.goto("/?view=experiment")
+    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    state(page, "setup")
+
+
+def fill(page, label, text):
+    field = page.get_by_label(label, exact=False).first
+    field.fill(text)
+    field.press("Enter")
+
+
+DRAWN = """async frame => {
+  const { screen } = window.latolato.views.experiment;
+  screen.isMarked = screen.hasGhost = false;
+  if (screen.clock.index !== frame) {
+    const seen = new Promise(done => {
+      const end = screen.clock.subscribe(() => {
+        if (screen.clock.index === frame) { end(); done(); }
+      });
+    });
+    screen.clock.go(frame);
+    await seen;
+  }
+  await new Promise(done => setTimeout(done, 50));
+  screen.draw();
+  const { canvas, drawn, size, track } = screen;
+  const context = new OffscreenCanvas(canvas.width, canvas.height)
+    .getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const colour = (x, y) => [...context.getImageData(Math.round(x), Math.round(y), 1, 1).data];
+  const [at] = drawn.balls;
+  const radius = track.radius * canvas.width / size.width;
+  const ring = Array.from({ length: 12 }, (_, k) => [Math.cos(k * Math.PI / 6),
+    Math.sin(k * Math.PI / 6)]);
+  return { frame: drawn.frame, at, ghost: drawn.ghosts[0], scale: canvas.width / size.width,
+    inside: ring.map(([c, s]) => colour(at.x + 0.75 * radius * c, at.y + 0.75 * radius * s)),
+    outside: ring.map(([c, s]) => colour(at.x + 1.3 * radius * c, at.y + 1.3 * radius * s)) };
+}"""
+
+
+def orange(pixel):
+    """Whether a pixel is of the ball rather than of wall, rod or block."""
+    red, green, blue, _ = pixel
+    return red - blue > 60 and red > green + 20
+
+
+def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, clip, tmp_path):
+    path, truth = clip
+    uploaded(page, path)
+
+    assert serious_faults(page) == []
+
+    # Handles: found by themselves, moved by keys, and put back.
+    handle = page.get_by_role("button", name=re.compile("^pivot: column"))
+    column = round(truth.attrs["pivot_pixel_u"])
+    found = int(re.search(r"column (\d+)", handle.get_attribute("aria-label"))[1])
+    assert abs(found - column) <= 2
+    handle.focus()
+    page.keyboard.press("Shift+ArrowRight")
+    assert f"column {found + 10}," in handle.get_attribute("aria-label")
+    box = handle.bounding_box()
+    at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*at)
+    page.mouse.down()
+    page.mouse.move(at[0] + 50, at[1], steps=4)
+    page.mouse.up()
+    wide = page.locator(".film-box").bounding_box()["width"]
+    dragged = int(re.search(r"column (\d+)", handle.get_attribute("aria-label"))[1])
+    assert abs(dragged - (found + 10 + 50 * 480 / wide)) <= 1.5
+    page.get_by_role("button", name="As found").click()
+    assert f"column {found}," in handle.get_attribute("aria-label")
+
+    fill(page, "pivot to ball centre", "36.3")
+    fill(page, "radius of one ball", "20")
+    fill(page, "mass of one ball", "-1")
+    page.get_by_role("button", name="Track", exact=True).click()
+    page.get_by_text("mass must be positive").wait_for()
+    fill(page, "mass of one ball", "108.04")
+    page.get_by_role("button", name="Track", exact=True).click()
+    state(page, "result")
+
+    row = page.locator("[data-fit=decay] [data-name=damping]").first
+    assert float(row.get_attribute("data-value")) == pytest.approx(BALL.damping, rel=0.015)
+    assert "±" in row.inner_text()
+    assert "the pivot is at rest" in page.locator(".cards").inner_text()
+
+    assert serious_faults(page) == []
+
+    # Where the balls are drawn is where they are, in the frame that is on show.
+    scale = 1.0 / truth.attrs["metres_per_pixel"]
+    for frame in (0, 1, 37, 120, 119, truth.sizes["frame"] - 1):
+        drawn = page.evaluate(DRAWN, frame)
+        assert drawn["frame"] == frame
+        x, y = (float(truth[f"ball_1_{axis}"][frame]) for axis in "xy")
+        u = (truth.attrs["pivot_pixel_u"] + x * scale + 0.5) * drawn["scale"]
+        v = (truth.attrs["pivot_pixel_v"] - y * scale + 0.5) * drawn["scale"]
+        for at in (drawn["at"], drawn["ghost"]):
+            assert np.hypot(at["x"] - u, at["y"] - v) < 1.0
+        # The highlight of a shaded ball may hide its colour in places; the rod is outside.
+        assert sum(map(orange, drawn["inside"])) >= 10
+        assert sum(map(orange, drawn["outside"])) <= 1
+
+    # The cursor of the curves is at the frame's time.
+    page.get_by_role("button", name="One frame back").click()
+    page.get_by_text(re.compile(rf"frame {truth.sizes['frame'] - 1} of")).wait_for()
+    cursor = page.evaluate("""() => {
+      const { curves, screen } = window.latolato.views.experiment;
+      const { plot } = curves.charts[0];
+      const head = plot.over.querySelector(".playhead").getBoundingClientRect();
+      return head.left + 0.5 - plot.over.getBoundingClientRect().left
+        - plot.valToPos(screen.clock.time, "x");
+    }""")
+    assert abs(cursor) <= 1.0
+
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Table (CSV)").click()
+    assert download.value.suggested_filename == "swing.track.csv"
+    kept = tmp_path / "table.csv"
+    download.value.save_as(kept)
+    table = read_table(kept)
+    assert table.attrs["source"] == "swing.mp4"
+    np.testing.assert_allclose(table["angle_1"], truth["angle_1"], atol=3e-3)
+
+    page.get_by_role("button", name="Open in Play").click()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    options = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
+    assert options["damping"] == pytest.approx(BALL.damping, rel=0.015)
+    assert options["initial_angle"] == pytest.approx(0.6, abs=0.01)
+    assert options["drive"] == "static"
+
+
+def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
+    page.goto("/?view=experiment")
+    page.get_by_role("button", name="A pendulum on a driven pivot").click()
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_text("Cancelled.").wait_for()
+    page.get_by_role("button", name="Remove A pendulum on a driven pivot").click()
+    state(page, "empty")
+
+
+def test_a_file_that_is_no_video_is_told_in_one_line(page, tmp_path):
+    path = tmp_path / "note.mp4"
+    path.write_text("hello")
+    page.goto("/?view=experiment")
+    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    alert = page.get_by_role("alert").filter(has_text="note.mp4 cannot be read as a video")
+    alert.wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Remove note.mp4").click()
+    state(page, "empty")

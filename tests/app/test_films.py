@@ -1,0 +1,509 @@
+"""Videos that pages upload: tracked in a process of their own, refused in one line, removed."""
+
+import contextlib
+import dataclasses
+import json
+import os
+import random
+import re
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import anyio
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from starlette.testclient import TestClient
+
+import latolato as ll
+from app_server import start_server, stop_server
+from latolato.app.blocks import unpack
+from latolato.app.film_options import Told
+from latolato.app.film_store import Allowance, remove_orphans, shown_name
+from latolato.app.film_work import WORK
+from latolato.app.server import Settings, make_app
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.table import read_table
+from little_videos import encoded
+
+HOME = "http://127.0.0.1:8000"
+HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
+GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """A tiny video of a free swing and its true table."""
+    path = tmp_path_factory.mktemp("clips") / "tiny.mp4"
+    run = ll.simulate(
+        ll.Pendulum(length=0.363, mass=0.1, damping=0.01), initial_angle=0.6, duration=5.0
+    )
+    camera = Camera(width=200, height=160, fps=20.0)
+    return path, synthesise_video(run, path, Scene(ball_radius=0.025), camera)
+
+
+class Page:
+    """What an open page does."""
+
+    def __init__(self, client, socket):
+        self.client, self.socket = client, socket
+        self.desk = socket.receive_json()["desk"]
+        self.count = 0
+
+    def upload(self, content, name="swing.mp4", desk=None):
+        return self.client.post(
+            f"/api/films?desk={desk or self.desk}", content=content, headers={"x-name": name}
+        )
+
+    def film(self, content, name="swing.mp4"):
+        answer = self.upload(content, name)
+        assert answer.status_code == 200, answer.text
+        return answer.json()["film"]
+
+    def begin(self, **what):
+        self.count += 1
+        self.socket.send_json({"job": self.count, **what})
+        return self.count
+
+    def answer(self, job):
+        """The last message of a job; those of others are none of ours."""
+        while True:
+            message = self.socket.receive_json()
+            if message["job"] == job and "stage" not in message:
+                return message
+
+    def do(self, **what):
+        return self.answer(self.begin(**what))
+
+    def file(self, film, name):
+        return self.client.get(f"/api/films/{film}/{name}")
+
+
+@contextlib.contextmanager
+def opened(allowance=None):
+    """A page of a server, and the server's films."""
+    app = make_app(Settings(films=allowance or Allowance()))
+    with TestClient(app, base_url=HOME) as client:
+        with client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
+            yield Page(client, socket), app.state.films
+        deadline = time.monotonic() + 10.0
+        while app.state.films.desks and time.monotonic() < deadline:
+            time.sleep(0.02)
+
+
+@pytest.fixture
+def page():
+    with opened() as (found, _):
+        yield found
+
+
+@pytest.fixture(scope="module")
+def lasting_page():
+    with opened() as (found, _):
+        yield found
+
+
+def workers(parent=None):
+    """Processes that read films for a process, by default for this one."""
+    parent = parent or os.getpid()
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            fields = status.read_text().rpartition(")")[2].split()
+            command = (status.parent / "cmdline").read_bytes()
+            if int(fields[1]) == parent and b"film_worker" in command and fields[0] != "Z":
+                found.append(int(status.parent.name))
+    return found
+
+
+def one_line(message):
+    """The refusal in a message, which must be one line without a path of the server."""
+    assert "error" in message, message
+    text = message["error"]
+    assert 0 < len(text) < 400
+    assert not [part for part in ("\n", "/tmp", "latolato-films", "Traceback") if part in text]
+    return text
+
+
+def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
+    path, truth = clip
+    with opened() as (page, store):
+        film = page.film(path.read_bytes(), "..%2F..%2Fmy%20swing.mp4")
+        seen = page.do(do="look", film=film)["done"]
+        assert (seen["width"], seen["height"], seen["frames"]) == (200, 160, truth.sizes["frame"])
+        for name in ("pivot", "ball_1"):
+            place = seen["proposal"]["pivot" if name == "pivot" else "balls"]
+            u, v = place if name == "pivot" else place[0]
+            # A pixel off is what a click is off.
+            assert abs(u - truth.attrs[f"{name}_pixel_u"]) < 2.0
+            assert abs(v - truth.attrs[f"{name}_pixel_v"]) < 2.0
+        told = {
+            "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
+            "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
+        }  # fmt: skip
+        done = page.do(do="track", film=film, told=told)["done"]
+        damping = done["fits"]["decay"]["values"]["damping"]
+        assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
+        assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
+        assert done["trials"] == []
+        assert "pivot is at rest" in done["no_trial"]
+        assert done["fits"]["decay"]["play"]["system"] == "pendulum"
+
+        about, points = unpack(page.file(film, "points.bin").content)
+        table = page.file(film, "track.csv").content
+        kept = path.parent / "table.csv"
+        kept.write_bytes(table)
+        np.testing.assert_allclose(points["angle"][0], read_table(kept)["angle_1"], atol=1e-6)
+        assert read_table(kept).attrs["source"] == "my swing.mp4"
+        assert 'video = "my swing.mp4"' in page.file(film, "setup.toml").text
+        _, ghost = unpack(page.file(film, "model.bin").content)
+        away = np.hypot(*(ghost["centre"] - points["centre"]))
+        assert np.nanmax(away) < 0.5  # pixels
+        for name in ("overlay.mp4", "report.html", "track.nc"):
+            assert page.file(film, name).status_code == 404
+        assert page.do(do="export", film=film, file="overlay.mp4")["done"]
+        answer = page.file(film, "overlay.mp4")
+        assert answer.status_code == 200
+        assert answer.headers["content-disposition"] == "attachment"
+        part = page.client.get(f"/api/films/{film}/shown.mp4", headers={"range": "bytes=0-9"})
+        assert (part.status_code, len(part.content)) == (206, 10)
+        folder = store.folder
+        assert [each.name for each in folder.iterdir()] == [film]
+        page.socket.close()
+        while store.desks:
+            time.sleep(0.02)
+        assert not list(folder.iterdir())
+        assert page.file(film, "track.csv").status_code == 404
+    assert not folder.exists()
+    assert about["balls"] == 1
+
+
+def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
+    path, truth = clip
+    places = [
+        [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
+    ]
+    told = {"pivot": places[0], "balls": places[1:]}
+    limits = Allowance().limits
+    job = {
+        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "told": told,
+        "limits": dataclasses.asdict(limits), "width": 200, "height": 160,
+    }  # fmt: skip
+    stages = []
+    done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
+    assert [stage for stage, _ in stages][-1] == "fitting"
+    assert max(share for stage, share in stages if stage == "tracking") == 1.0
+    about, points = unpack((tmp_path / "points.bin").read_bytes())
+    assert about["attributes"]["geometry"] == "angles"
+    assert "length is unknown" in " ".join(done["warnings"])
+    # By the dynamics: g/l from the period.
+    assert done["fits"]["decay"]["values"]["length"]["value"] == pytest.approx(0.363, rel=2e-3)
+    _, ghost = unpack((tmp_path / "model.bin").read_bytes())
+    assert np.nanmax(np.hypot(*(ghost["centre"] - points["centre"]))) < 0.5  # pixels
+    with pytest.raises(ValueError, match="length must be known"):
+        WORK["fit"]({**job, "kind": "model"}, lambda *_: None)
+    for name in ("report.html", "track.nc"):
+        assert WORK["export"]({**job, "file": name}, lambda *_: None) == {"file": name}
+        assert (tmp_path / name).stat().st_size > 0
+
+
+def sound(path):
+    import av
+
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("aac", rate=8000)
+        for k in range(8):
+            frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
+            frame.sample_rate, frame.pts = 8000, 1024 * k
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode())
+    return path.read_bytes()
+
+
+def gif_of(width, height):
+    """A picture that says that it is so large, in a few bytes."""
+    size = width.to_bytes(2, "little") + height.to_bytes(2, "little")
+    table = b"\x80\x00\x00" + bytes(6)
+    return b"GIF89a" + size + table + b",\0\0\0\0" + size + b"\0\x02\x02\x44\x01\0;"
+
+
+def bad_files(clip, folder):
+    """Yield names and contents of files that cannot be tracked, with what is said of them."""
+    whole = clip.read_bytes()
+    playlist = f"#EXTM3U\n#EXT-X-TARGETDURATION:3\n#EXTINF:3,\n{clip}\n#EXT-X-ENDLIST\n"
+    long = encoded(folder / "long.mp4", GREY[:10], [90_000 * 4000 * k for k in range(10)])
+    yield "note.mp4", b"hello", "cannot be read as a video"
+    yield "noise.mp4", random.Random(1).randbytes(20_000), "cannot be read as a video"
+    yield "list.m3u8", playlist.encode(), "cannot be read as a video"
+    yield "join.mp4", f"ffconcat version 1.0\nfile {clip}\n".encode(), "cannot be read"
+    yield "sound.mp4", sound(folder / "sound.mp4"), "holds no video stream"
+    yield "half.mp4", whole[: len(whole) // 2], "cut off|decoding fails"
+    yield "head.mp4", whole[:200], "cut off|cannot be read"
+    yield "bomb.gif", gif_of(15000, 15000), "frames of 15000 x 15000 pixels, at most"
+    # FFmpeg itself reads none of this size.
+    yield "larger.gif", gif_of(65535, 65535), "size of its frames is unknown|cannot be read"
+    yield "long.mp4", long.read_bytes(), "at most 600 s"
+    few = encoded(folder / "few.mp4", GREY[:4])
+    yield "few.mp4", few.read_bytes(), "has 4 frames"
+    large = encoded(folder / "large.mp4", [np.zeros((1600, 2560), np.uint8)])
+    yield "large.mp4", large.read_bytes(), "frames of 2560 x 1600 pixels, at most"
+
+
+def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, tmp_path):
+    jobs = {}
+    for name, content, said in bad_files(clip[0], tmp_path):
+        jobs[page.begin(do="look", film=page.film(content, name))] = (name, said)
+    while jobs:
+        message = page.socket.receive_json()
+        if "stage" in message:
+            continue
+        name, said = jobs.pop(message["job"])
+        text = one_line(message)
+        assert re.search(said, text), (name, text)
+        assert name in text
+    assert page.client.get("/api/registry").status_code == 200
+
+
+def test_flipped_bits_break_nothing(page, clip):
+    whole = clip[0].read_bytes()
+    chance = random.Random(7)
+    jobs = set()
+    for _ in range(5):
+        broken = bytearray(whole)
+        for _ in range(40):
+            broken[chance.randrange(len(broken))] ^= 1 << chance.randrange(8)
+        jobs.add(page.begin(do="look", film=page.film(bytes(broken))))
+    while jobs:
+        message = page.socket.receive_json()
+        if "stage" in message:
+            continue
+        jobs.remove(message["job"])
+        if "done" not in message:
+            one_line(message)
+    assert page.client.get("/api/registry").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "allowance, said",
+    [
+        ({"memory": 1.2e8}, "memory|ended without an answer|broke"),
+        ({"cpu_time": 1.0}, "too much processor time"),
+        ({"wall_time": 0.3}, "took more than 0.3 s"),
+    ],
+)
+def test_work_that_takes_too_much_is_ended_with_a_reason(allowance, said):
+    with opened(dataclasses.replace(Allowance(), **allowance)) as (page, store):
+        message = page.do(do="example", kind="decay")
+        assert re.search(said, one_line(message)), message
+        assert not workers()
+        assert not list(store.folder.iterdir())
+
+
+def test_what_is_cancelled_or_whose_page_has_gone_is_killed_and_removed():
+    with opened() as (page, store):
+        job = page.begin(do="example", kind="toy")
+        while page.socket.receive_json().get("stage") == "waiting" and not workers():
+            pass
+        page.socket.send_json({"do": "cancel", "job": job})
+        message = page.answer(job)
+        assert message == {"job": job, "cancelled": True}
+        assert not workers()
+        assert not list(store.folder.iterdir())
+        page.begin(do="example", kind="toy")
+        while not workers():
+            time.sleep(0.01)
+        page.socket.close()
+        while store.desks:
+            time.sleep(0.02)
+        assert not workers()
+        assert not list(store.folder.iterdir())
+
+
+def test_uploads_are_limited_in_size_number_and_sum(clip):
+    content = clip[0].read_bytes()
+    most = Allowance(upload=len(content), stored=2 * len(content) + 10, desk_films=3, desks=1)
+    with opened(most) as (page, store):
+        answer = page.upload(content + b"x")
+        assert answer.status_code == 413
+        assert "limit for an upload" in answer.json()["error"]
+        parts = (content[i : i + 1000] for i in range(0, len(content) + 1000, 1000))
+        # In pieces of unknown number it is refused when it has become too large.
+        answer = page.client.post(
+            f"/api/films?desk={page.desk}", content=(p or b"too much" for p in parts)
+        )
+        assert answer.status_code == 413
+        assert not list(store.folder.iterdir())
+        page.film(content)
+        page.film(content)
+        answer = page.upload(content)
+        assert answer.status_code == 413
+        assert "too many videos" in answer.json()["error"]
+        page.film(b"small")
+        assert page.upload(b"small").status_code == 413
+        assert page.upload(b"").status_code in (413, 422)
+        with page.client.websocket_connect("/api/films/desk", headers=HEADERS) as other:
+            assert "1 pages with videos are open" in other.receive_json()["error"]
+        first = next(iter(store.desks.values())).films
+        key = next(iter(first))
+        assert "done" in page.do(do="remove", film=key)
+        assert key not in first
+        assert page.upload(b"small").status_code == 200
+
+
+def upload_with(receive, allowance=None):
+    """Return the status of an upload whose body comes from a function, and what is left."""
+    app = make_app(Settings(films=allowance or Allowance()))
+    store = app.state.films
+    desk = store.open_desk()
+    sent = []
+
+    async def run():
+        scope = {
+            "type": "http", "method": "POST", "path": "/api/films", "http_version": "1.1",
+            "query_string": f"desk={desk.key}".encode(), "scheme": "http", "root_path": "",
+            "headers": [(b"host", b"127.0.0.1:8000"), (b"x-name", b"swing.mp4")],
+        }  # fmt: skip
+
+        async def send(message):
+            sent.append(message)
+
+        await app(scope, receive, send)
+
+    # A browser of other tests may have its own loop in this thread.
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(anyio.run, run).result()
+    left = list(store.folder.iterdir())
+    store.close()
+    return sent[0]["status"], left
+
+
+def test_an_upload_that_breaks_off_or_stands_still_leaves_nothing():
+    messages = iter([
+        {"type": "http.request", "body": b"begin", "more_body": True},
+        {"type": "http.disconnect"},
+    ])  # fmt: skip
+
+    async def broken():
+        return next(messages)
+
+    async def still():
+        await anyio.sleep_forever()
+
+    assert upload_with(broken) == (400, [])
+    assert upload_with(still, Allowance(stall=0.05)) == (408, [])
+
+
+@pytest.mark.parametrize(
+    "name", ["../../etc/passwd", "..%2f..%2fx", "C:\\x\\y.mp4", "a%00b", "%0Aline", "", "é" * 500]
+)
+def test_the_name_of_an_upload_is_never_a_path(page, name):
+    answer = page.upload(b"x", name.encode("utf-8"))
+    told = answer.json()["name"]
+    assert 0 < len(told) <= 80
+    assert not set("/\\\0\n") & set(told)
+    assert told == shown_name(name) or "é" in name
+    page.do(do="remove", film=answer.json()["film"])
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["film", "..%2Ffilm", "../film", "%2e%2e/%2e%2e/etc/passwd", "track.csv", "setup.toml/", ""],
+)
+def test_only_the_results_of_a_film_are_sent(page, path):
+    film = page.film(b"secret")
+    assert page.client.get(f"/api/films/{film}/{path}").status_code in (404, 405)
+    assert page.client.get(f"/api/films/guess/{path}").status_code in (404, 405)
+    page.do(do="remove", film=film)
+
+
+def test_another_page_needs_its_own_place(page):
+    answer = page.upload(b"x", desk="guess")
+    assert answer.status_code == 422
+    assert "not connected" in answer.json()["error"]
+    assert page.client.get("/api/trials?desk=guess").status_code == 404
+    with page.client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
+        other = Page(page.client, socket)
+        film = page.film(b"x")
+        assert "no longer on the server" in one_line(other.do(do="look", film=film))
+        page.do(do="remove", film=film)
+
+
+FRAMES = st.one_of(
+    st.text(max_size=60),
+    st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"job": true}']),
+    st.dictionaries(
+        st.sampled_from(["job", "do", "film", "told", "kind", "file"]),
+        st.one_of(
+            st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=10),
+            st.sampled_from(["look", "track", "fit", "export"]), st.lists(st.integers()),
+        ),
+    ).map(json.dumps),
+)  # fmt: skip
+
+
+@settings(max_examples=60, deadline=None)
+@given(FRAMES)
+def test_a_malformed_frame_is_answered_with_one_line(lasting_page, text):
+    lasting_page.socket.send_text(text)
+    one_line(lasting_page.socket.receive_json())
+
+
+def test_a_frame_of_bytes_is_answered_with_one_line(page):
+    page.socket.send_bytes(b"\x00\x01")
+    one_line(page.socket.receive_json())
+
+
+@pytest.mark.parametrize(
+    "told, message",
+    [
+        ([], "must be an object"),
+        ({"lenght": "1 m"}, "unknown name 'lenght'"),
+        ({"length": "36 parsec"}, "length"),
+        ({"length": "3 kg"}, "length"),
+        ({"length": "-1 cm"}, "length must be positive"),
+        ({"length": "nan m"}, "length"),
+        ({"mass": [1]}, "mass must be a text or a number"),
+        ({"pivot": [1]}, "pivot must be a column and a row"),
+        ({"pivot": "12"}, "pivot must be a column and a row"),
+        ({"balls": [[1, 2]] * 3}, "one place or two"),
+        ({"balls": [[1, float("inf")]]}, "balls must be a column and a row"),
+    ],
+)
+def test_what_is_told_of_a_video_is_checked(told, message):
+    with pytest.raises((TypeError, ValueError), match=re.escape(message)):
+        Told.from_json(told)
+
+
+def test_films_of_a_server_that_was_killed_are_removed(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    kept = tmp_path / f"latolato-films-{os.getpid()}-a"
+    orphan = tmp_path / "latolato-films-999999999-b"
+    other = tmp_path / "latolato-films-x-c"
+    for folder in (kept, orphan, other):
+        folder.mkdir()
+    remove_orphans()
+    assert sorted(tmp_path.iterdir()) == sorted([kept, other])
+
+
+def test_a_server_that_is_stopped_removes_its_films_and_ends_their_work(tmp_path, monkeypatch):
+    from websockets.sync.client import connect
+
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    server = start_server()
+    address = server.address.replace("http", "ws") + "api/films/desk"
+    with connect(address, origin=server.address.rstrip("/")) as socket:
+        assert json.loads(socket.recv())["desk"]
+        socket.send(json.dumps({"job": 1, "do": "example", "kind": "toy"}))
+        while not (found := workers(server.process.pid)):
+            time.sleep(0.02)
+        assert list(tmp_path.glob("latolato-films-*/*"))
+        stop_server(server)
+    assert not list(tmp_path.glob("latolato-films-*"))
+    # Also without a word from the server the worker would end: its input is closed.
+    deadline = time.monotonic() + 10.0
+    while Path(f"/proc/{found[0]}").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not Path(f"/proc/{found[0]}").exists()
