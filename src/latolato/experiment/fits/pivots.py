@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
-from latolato.experiment.fits.sight import scale_error
+from latolato.experiment.fits.sight import stroke_error
 from latolato.physics.drives import Drive, MeasuredPivot, Static
 from latolato.start import checked_drive
 
@@ -68,9 +68,10 @@ def measured_pivot(
             fit = None
         if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
             assert fit.drive is not None
-            others = _neighbours(fit, fit.drive, scale_error(table))
+            error = stroke_error(table, length, fit["drive_amplitude"].value)
+            others = _neighbours(fit, fit.drive, error)
             return Pivot(fit.drive, 0.0, others, "the pivot's fitted drive")
-    return _spline(table, first, last)
+    return _spline(table, length, first, last)
 
 
 def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
@@ -100,7 +101,7 @@ def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float
     return found
 
 
-def _spline(table: xr.Dataset, first: float, last: float) -> Pivot:
+def _spline(table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
     """Return a smoothing spline of the heights, and splines of noisier copies."""
     time, height = table["time"].values, table["pivot_y"].values
     known = np.isfinite(height)
@@ -119,7 +120,7 @@ def _spline(table: xr.Dataset, first: float, last: float) -> Pivot:
         (through(height + noise * generator.normal(size=len(height))), 1.0 / _COPIES)
         for _ in range(_COPIES)
     ]
-    scale = scale_error(table)
+    scale = stroke_error(table, length, float(np.std(height)) * 2.0**0.5)
     if scale > 0.0:
         others.append((through((1.0 + scale) * height), 1.0))
     return Pivot(through(height), float(time[0]), [*others], "a spline of the pivot's track")

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # Error of the pivot's place in a table that tells its scale but no error [pixels].
 TYPICAL = 0.15
+# Error of how far a pivot is seen to move to one side [pixels].
+STROKE = 0.05
 # Shift of a smeared image, as a share of the smear: half of what synthetic videos showed at most.
 SMEARED = 0.02
 # The parameters, all over the distance of the ball: how far right of and above the real pivot the
@@ -56,10 +58,15 @@ def sight_guesses(table: xr.Dataset, data: Data) -> dict[str, Guess]:
     return {name: Guess(0.0, prior=prior) for name, prior in found.items() if prior > 0.0}
 
 
-def scale_error(table: xr.Dataset) -> float:
-    """Return the relative error of a table's lengths, which the distance to its pivot scales."""
+def stroke_error(table: xr.Dataset, length: float, amplitude: float) -> float:
+    """Return the relative error of a pivot's motion that all frames share.
+
+    The distance to the pivot scales it, and where it is seen may depend on where it is.
+    """
     arm = _arm(table)
-    return 0.0 if arm is None else _place_priors(table, arm)[1]
+    if arm is None:
+        return 0.0
+    return math.hypot(_place_priors(table, arm)[1], STROKE / arm * length / max(amplitude, 1e-9))
 
 
 @dataclass(frozen=True)
