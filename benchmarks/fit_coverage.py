@@ -1,7 +1,9 @@
 """Counts how often the truth lies within the stated deviations of fits of synthetic tables.
 
 For each fit and noise: 100 tables with other parameters and seeds, and the shares of results
-within one and two standard deviations (68 and 95 percent if these are right). Run
+within one and two standard deviations (68 and 95 percent if these are right). Decays and models are
+also fitted as a tracker sees them, with its smaller noise and a pivot 0.15 pixels beside its place
+(``aside``) or where it was taken to be (``placed``). Run
 ``PYTHONPATH=tests/shared python benchmarks/fit_coverage.py [cases]``; prints a table.
 """
 
@@ -14,9 +16,11 @@ from collections.abc import Iterator
 import numpy as np
 
 import latolato as ll
-from track_tables import decay_table, drive_table, motion_table
+from track_tables import PLACE, decay_table, drive_table, motion_table
 
 CORRELATIONS = (0.0, 0.6, 0.9)
+# Noise of tracked angles [rad].
+TRACKED = 1.2e-4
 
 
 def decay(seed: int, correlation: float) -> Iterator[tuple[str, float]]:
@@ -30,6 +34,34 @@ def decay(seed: int, correlation: float) -> Iterator[tuple[str, float]]:
     found = ll.fit_decay(table, mass=mass, compare=False, profile=False)
     for name, truth in (("damping", damping), ("damping_envelope", damping), ("length", length)):
         yield f"decay {name}", (found[name].value - truth) / found[name].sigma
+
+
+def seen(seed: int, correlation: float) -> Iterator[tuple[str, float]]:
+    generator = np.random.default_rng(5000 + seed)
+    length, mass = generator.uniform(0.2, 0.4), generator.uniform(0.08, 0.12)
+    damping, angle = generator.uniform(0.001, 0.006), generator.uniform(0.3, 1.0)
+    aside = generator.normal(scale=PLACE, size=2)
+    truth = ll.Pendulum(length=length, mass=mass, damping=damping)
+    guess = ll.Pendulum(length=1.01 * length, mass=mass, damping=1.1 * damping)
+    tracked = {"seed": seed, "correlation": correlation, "size": TRACKED}
+    for words, error in (("aside", aside), ("placed", (0.0, 0.0))):
+        table = decay_table(
+            length=length, mass=mass, damping=damping, angle=angle, duration=16.0,
+            pivot_error=error, **tracked,
+        )  # fmt: skip
+        found = ll.fit_decay(table, mass=mass, compare=False, profile=False)
+        for name, value in (
+            ("damping", damping),
+            ("damping_envelope", damping),
+            ("length", length),
+        ):
+            yield f"decay {name}, {words}", (found[name].value - value) / found[name].sigma
+        table = motion_table(
+            truth, initial_angle=angle, duration=12.0, pivot_error=error, **tracked
+        )
+        found = ll.fit_model(table, guess)
+        for name, value in (("length", length), ("damping", damping)):
+            yield f"model {name}, {words}", (found[name].value - value) / found[name].sigma
 
 
 def drive(seed: int, correlation: float) -> Iterator[tuple[str, float]]:
@@ -75,8 +107,8 @@ def restitution(seed: int, correlation: float) -> Iterator[tuple[str, float]]:
 
 
 def main(cases: int = 100) -> None:
-    print(f"{'fit':26} {'noise':>5} {'cases':>5} {'1 sigma':>8} {'2 sigma':>8} {'spread':>7}")
-    for fit in (decay, drive, model, restitution):
+    print(f"{'fit':32} {'noise':>5} {'cases':>5} {'1 sigma':>8} {'2 sigma':>8} {'spread':>7}")
+    for fit in (decay, seen, drive, model, restitution):
         for correlation in CORRELATIONS:
             misses = defaultdict(list)
             for seed in range(cases):
@@ -85,7 +117,7 @@ def main(cases: int = 100) -> None:
             for name, values in misses.items():
                 size = np.abs(values)
                 print(
-                    f"{name:26} {correlation:5.1f} {len(size):5d} {np.mean(size < 1.0):8.2f} "
+                    f"{name:32} {correlation:5.1f} {len(size):5d} {np.mean(size < 1.0):8.2f} "
                     f"{np.mean(size < 2.0):8.2f} {np.std(values):7.2f}",
                     flush=True,
                 )

@@ -165,7 +165,9 @@ QUANTITIES: dict[str, Quantity] = {
     "flag_1": Quantity("1", "", "what the right ball's sample is"),
     "flag_2": Quantity("1", "", "what the left ball's sample is"),
     # fits of measurements
-    "angle_offset": Quantity("rad", r"\theta_g", "direction of gravity in the table"),
+    "angle_offset": Quantity("rad", r"\theta_g", "angle of the hanging ball in the table"),
+    "pivot_error_x": Quantity("m", r"\Delta x_p", "pivot of the table, right of the real one"),
+    "pivot_error_y": Quantity("m", r"\Delta y_p", "pivot of the table, above the real one"),
     "centre_length": Quantity("m", "l_c", "pivot to the centre of a solid ball"),
     "damping_envelope": Quantity("kg*m/s", "C_{env}", "damping coefficient by the envelope"),
     "decay_rate_envelope": Quantity("1/s", "k_{env}", "amplitude decay rate by the envelope"),

@@ -209,7 +209,7 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
     is 1.
     """
     if workers is not None and workers < 1:
-        raise ValueError(f"--jobs must be 1 or more, got {workers}")
+        raise ValueError(f"--workers must be 1 or more, got {workers}")
     if len(jobs) == 1:
         with bar("tracking") as progress:
             found = work(jobs[0], progress)

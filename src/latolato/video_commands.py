@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato import run_command
 from latolato.command_options import JsonOption, ScenarioArgument
 
 
@@ -67,7 +66,7 @@ def synthesise(
     from latolato import synthesise_command
 
     found = synthesise_command.run(
-        run_command.scenario_of(scenario, rerun, given),
+        synthesise_command.scenario_of(scenario, rerun, given),
         output,
         truth,
         condition=condition,
@@ -157,8 +156,13 @@ def track(
             show_default=False,
         ),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="Videos tracked at once; by default one for each core.")
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            "--jobs",
+            help="Videos tracked at once; by default one for each core.",
+        ),
     ] = None,
     output: Annotated[
         Path | None,
@@ -204,6 +208,6 @@ def track(
         targets={"output": output, "overlay": overlay, "report": report},
         propose=propose,
     )
-    code = track_command.run(found, jobs, as_json=as_json)
+    code = track_command.run(found, workers, as_json=as_json)
     if code:
         raise typer.Exit(code)

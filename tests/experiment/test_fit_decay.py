@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from latolato.experiment.fits.decay import fit_decay
+from latolato.experiment.fits.least_squares import Data, Guess, solve
 from latolato.experiment.fits.result import load_fit
+from latolato.experiment.fits.sight import Sight
 from latolato.physics.drives import Harmonic
 from latolato.physics.pendulum import Pendulum
-from track_tables import decay_table, motion_table
+from track_tables import ARM, PLACE, decay_table, motion_table, noise
 
 SINGLE = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
 COUPLED = {"length": 0.2450, "mass": 0.10644, "damping": 0.00506}
@@ -45,6 +47,70 @@ def test_the_truth_lies_within_two_sigma_as_often_as_it_should(correlation):
     # 48 numbers: 95 percent and 68 percent within three deviations of the binomial.
     assert np.mean(np.abs(misses) < 2.0) > 0.85
     assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
+
+
+def test_a_pivot_seen_aside_is_within_the_deviations():
+    misses = []
+    for seed in range(10):
+        aside = np.random.default_rng(seed).normal(scale=PLACE, size=2)
+        table = decay_table(
+            **SINGLE, seed=seed, angle=0.4 + 0.04 * seed, size=1.2e-4, pivot_error=aside
+        )
+        found = fit_decay(table, mass=SINGLE["mass"], compare=False, profile=False)
+        for name in ("damping", "damping_envelope", "length"):
+            truth = SINGLE[name.removesuffix("_envelope")]
+            misses.append((found[name].value - truth) / found[name].sigma)
+    # Without the pivot's error the lengths alone miss by ten deviations.
+    assert np.mean(np.abs(misses) < 2.0) >= 0.85
+
+
+def test_where_the_pivot_is_comes_out_of_a_wide_swing_and_the_profile_knows_of_it():
+    table = decay_table(**SINGLE, angle=1.0, size=1.2e-4, pivot_error=(0.2, -0.3))
+    found = fit_decay(table, mass=SINGLE["mass"], compare=False)
+    for name, pixels in (("pivot_error_x", 0.2), ("pivot_error_y", -0.3)):
+        place = found[name]
+        assert place.unit == "m"
+        assert abs(place.value - pixels * SINGLE["length"] / ARM) < 3.0 * place.sigma
+        assert place.sigma < 0.1 * SINGLE["length"] / ARM
+    assert found["length"].low < SINGLE["length"] < found["length"].high
+    assert found["damping"].low < SINGLE["damping"] < found["damping"].high
+
+
+def test_a_table_without_pixels_has_no_error_of_its_pivot():
+    found = fit_decay(decay_table(**SINGLE), mass=0.1, compare=False, profile=False)
+    assert "pivot_error_x" not in found
+    scaled = decay_table(**SINGLE)
+    scaled.attrs["metres_per_pixel"] = 1e-3
+    assert "pivot_error_x" in fit_decay(scaled, mass=0.1, compare=False, profile=False)
+
+
+def test_angles_are_seen_about_the_pivot_of_the_table():
+    angles = np.array([-7.0, -1.0, 0.0, 0.3, 2.9, 9.0])
+    error = {"pivot_error_x": 0.02, "pivot_error_y": -0.03, "angle_offset": 0.1}
+    sight = Sight(np.ones(6), 1.0)
+    found = sight.seen(angles, error) - 0.1 - math.atan2(0.02, 0.97)
+    direct = np.arctan2(np.sin(angles) - 0.02, np.cos(angles) - 0.03)
+    assert np.remainder(found - direct + 1.0, 2.0 * np.pi) == pytest.approx(np.ones(6))
+    assert np.abs(found - angles).max() < 0.05  # turns are kept
+    assert sight.seen(np.zeros(6), {**error, "smear_error_x": 0.0}) == pytest.approx(0.1)
+    moving = Sight(np.array([0.0, 0.5, 1.0]), 1.0).seen(
+        np.zeros(3), error | {"smear_error_x": 0.01}
+    )
+    assert moving - 0.1 == pytest.approx([0.0, -0.005, -0.01], rel=0.05)
+
+
+def test_what_samples_do_not_tell_keeps_its_prior():
+    data = Data(np.arange(50.0), noise(50, 1), np.full(50, 1e-3), np.zeros(50, dtype=np.int64))
+    guesses = {
+        "level": Guess(0.1),
+        "unseen": Guess(0.3, prior=0.02),
+        "half": Guess(0.0, prior=2e-4),
+    }
+    found = solve(lambda p: np.full(50, p["level"] + p["half"]) + 0.0 * p["unseen"], guesses, data)
+    assert found.values["unseen"] == pytest.approx(0.0, abs=1e-6)
+    assert found.sigma("unseen") == pytest.approx(0.02, rel=1e-3)
+    alone = solve(lambda p: np.full(50, p["level"]), {"level": Guess(0.1)}, data)
+    assert found.sigma("level") == pytest.approx(math.hypot(alone.sigma("level"), 2e-4), rel=0.05)
 
 
 def test_correlated_noise_widens_what_it_should():

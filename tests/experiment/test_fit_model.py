@@ -5,7 +5,7 @@ import pytest
 
 import latolato as ll
 from latolato.experiment.fits.model import fit_model
-from track_tables import motion_table
+from track_tables import PLACE, motion_table
 
 PENDULUM = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
 TOY = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
@@ -33,6 +33,36 @@ def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(cor
     assert np.mean(np.abs(misses) < 2.0) > 0.75  # 16 numbers
     assert "in one piece" in found.verdict
     assert isinstance(found.drive, ll.Harmonic)
+
+
+def test_a_pivot_seen_aside_is_within_the_deviations():
+    guess = ll.Pendulum(length=0.35, mass=0.108, damping=0.004)
+    misses, driven = [], []
+    for seed in range(6):
+        aside = {"size": 1.2e-4, "pivot_error": np.random.default_rng(seed).normal(0.0, PLACE, 2)}
+        still = motion_table(PENDULUM, initial_angle=0.7, seed=seed, duration=10.0, **aside)
+        found = fit_model(still, guess)
+        misses += [(found["length"].value - 0.363) / found["length"].sigma]
+        misses += [(found["damping"].value - 0.00274) / found["damping"].sigma]
+        moved = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, duration=8.0, **aside)
+        found = fit_model(moved, guess)
+        driven += [(found["length"].value - 0.363) / found["length"].sigma]
+    # Without the pivot's error half of them miss by more.
+    assert np.mean(np.abs(misses) < 2.0) > 0.8
+    assert np.mean(np.abs(driven) < 2.0) > 0.8
+
+
+def test_the_scale_that_a_misplaced_pivot_gives_widens_what_a_drive_tells():
+    sure = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=8.0, pivot_error=(0.0, 0.0))
+    vague = sure.copy()
+    vague.attrs = {**sure.attrs, "pivot_offset_y_sigma": 3.0}
+    one, other = (fit_model(table, PENDULUM, "measured") for table in (sure, vague))
+    assert other["damping"].sigma > 1.5 * one["damping"].sigma
+
+
+def test_the_mirrored_pair_knows_its_pivot_by_one_part():
+    table = motion_table(TOY, FAST, initial_angle=0.5, pivot_error=(0.5, 0.3), duration=10.0)
+    near(fit_model(table, TOY, FAST), length=0.245, damping=0.005, restitution=0.9)
 
 
 def test_the_spline_of_a_measured_pivot_may_be_the_drive():

@@ -245,6 +245,7 @@ def test_cameras_that_cannot_be_are_refused(given, message):
         ("--condition fogg", "unknown condition 'fogg'"),
         ("--camera fsp=3", "--camera has no 'fsp': did you mean 'fps'?"),
         ("--scene ball_colour=red", "ball_colour must be a colour such as '#e8590c', got 'red'"),
+        ("--radius 0.02", '--scene "ball_radius = 0.02"'),
         ("--camera crf=x", "crf must be a whole number, got 'x'"),
         ("--seed -1", "seed must be a whole number of at least 0, got -1"),
         ("--truth t.txt", "the name of a track table must end in"),

@@ -187,7 +187,7 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
     bad.write_bytes(b"no video at all")
     folder = tmp_path / "tables"
     videos = [str(bad), str(swing.path)]
-    code = main(["track", *videos, *swing.options, "--output", str(folder), "--jobs", "1"])
+    code = main(["track", *videos, *swing.options, "--output", str(folder), "--workers", "1"])
     told = capsys.readouterr()
     assert code == 1
     assert "bad.mp4 cannot be read" in told.err
@@ -217,4 +217,6 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
             radius=1.5 * radius,
         )
     assert table.attrs["measured_radius"] == pytest.approx(radius, rel=0.05)
+    for axis in "xy":  # how well the place of the pivot is known, in pixels
+        assert 0.15 <= table.attrs[f"pivot_offset_{axis}_sigma"] < 1.1
     assert learned[1:] == [None]

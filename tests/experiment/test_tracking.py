@@ -204,7 +204,7 @@ def test_an_undeclared_lens_is_told_and_not_mended(tmp_path):
     ).attrs
     pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
     ball = clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]
-    with pytest.warns(RuntimeWarning, match="lens or perspective"):
+    with pytest.warns(RuntimeWarning, match="lens, perspective or rolling shutter"):
         found = track(path, pivot=pivot, balls=[ball], length=0.363)
-    assert "lens or perspective" in found.attrs["warnings"]
+    assert "lens, perspective or rolling shutter" in found.attrs["warnings"]
     assert found.attrs["pivot_offset_y"] == 0.0

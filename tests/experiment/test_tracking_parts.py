@@ -167,34 +167,47 @@ def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):
 
 
 def test_the_hinge_is_the_middle_of_a_wide_arc():
-    offset, arm, arc, residual, warnings = _hinge(*_arc((1.5, -2.0)), noise=0.0)
-    assert np.allclose(offset, [1.5, -2.0], atol=1e-6)
-    assert arm == pytest.approx(300.0)
-    assert arc == pytest.approx(2.4, rel=0.01)
-    assert residual < 1e-6
-    assert not warnings
+    found = _hinge(*_arc((1.5, -2.0)), noise=0.0)
+    assert np.allclose(found.offset, [1.5, -2.0], atol=1e-6)
+    assert found.arm == pytest.approx(300.0)
+    assert found.arc == pytest.approx(2.4, rel=0.01)
+    assert found.residual < 1e-6
+    assert not found.warnings
+
+
+def test_the_hinge_is_known_the_worse_along_the_middle_the_narrower_the_arc():
+    wide = _hinge(*_arc((0.0, 0.0), wide=3.0), noise=0.0).sigma
+    less = _hinge(*_arc((0.0, 0.0), wide=0.55), noise=0.0).sigma
+    assert wide == pytest.approx([0.15, 0.15], rel=0.02)  # what all frames share
+    assert less[0] < 0.16
+    assert 0.17 < less[1] < 0.4
+    # Below 60 degrees the click alone tells, to a pixel.
+    narrow = _hinge(*_arc((0.0, 0.0), wide=0.3), noise=0.0).sigma
+    assert narrow[0] == pytest.approx(0.6, rel=0.1)
+    assert narrow[1] == pytest.approx(1.0, rel=0.1)
+    far = _hinge(*_arc((0.0, 9.0)), noise=0.0).sigma
+    assert far[1] == pytest.approx(9.0, rel=0.01)
 
 
 @pytest.mark.parametrize(
     "case", [{"offset": (0.0, 9.0)}, {"offset": (0.5, 0.0), "oval": 2.0}], ids=["far", "oval"]
 )
 def test_what_is_no_circle_about_the_click_is_told_and_left(case):
-    offset, _, _, _, warnings = _hinge(*_arc(**case), noise=0.0)
-    assert np.all(offset == 0.0)
-    assert "lens or perspective" in warnings[0]
+    found = _hinge(*_arc(**case), noise=0.0)
+    assert np.all(found.offset == 0.0)
+    assert "lens, perspective or rolling shutter" in found.warnings[0]
 
 
 def test_a_narrow_arc_moves_the_hinge_across_only():
-    offset, *_, warnings = _hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
+    found = _hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
     # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
-    assert offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
-    assert abs(offset[1]) < 0.05
-    assert not warnings
+    assert found.offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
+    assert abs(found.offset[1]) < 0.05
+    assert not found.warnings
 
 
 def test_a_very_narrow_arc_does_not_move_the_hinge():
-    offset, *_ = _hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0)
-    assert np.all(offset == 0.0)
+    assert np.all(_hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0).offset == 0.0)
 
 
 def test_undistorting_undoes_the_lens():

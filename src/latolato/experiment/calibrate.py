@@ -21,7 +21,10 @@ _NEAR, _NEAR_SHARE = 5.0, 0.01
 # Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
 # on the whole [pixels].
 _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
-# Residual of the circle above which lens or perspective are suspected [pixels, arm].
+# Error of the pivot against the ball that all frames share, from shading and edges, and of the
+# distances that changes along the arc [pixels].
+_SHARED, _UNEVEN = 0.15, 0.01
+# Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
@@ -65,8 +68,8 @@ class Calibration:
         Undistorted positions (column, row) [pixels], the pivot at its hinge.
     arm : float
         Distance from hinge to ball [pixels].
-    offset : numpy.ndarray, shape (2,)
-        From the clicked pivot to the hinge [pixels].
+    offset, offset_sigma : numpy.ndarray, shape (2,)
+        From the clicked pivot to the hinge and its standard deviations [pixels].
     tilt : float
         Direction of gravity from straight down in the image, positive to the right [rad].
     tilt_source : str
@@ -85,6 +88,7 @@ class Calibration:
     centres: np.ndarray
     arm: float
     offset: np.ndarray
+    offset_sigma: np.ndarray
     tilt: float
     tilt_source: str
     arc: float
@@ -131,7 +135,8 @@ def calibrate(
     use = is_clean if is_clean.sum() >= 20 else is_measured
     reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
     noise = float(np.nanmin([_scatter(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
-    offset, arm, arc, residual, warnings = _hinge(away[use], seen.angles[use], noise)
+    hinge = _hinge(away[use], seen.angles[use], noise)
+    offset, warnings = hinge.offset, hinge.warnings
     raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
     angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
     if optics.row_time:
@@ -139,7 +144,7 @@ def calibrate(
             angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
                 :, 0
             ]
-    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, arm)
+    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, hinge.arm)
     tilt, source = _gravity(pivots, angles, is_clean)
     if source == "image":
         warnings.append(
@@ -151,12 +156,13 @@ def calibrate(
         sigmas,
         pivots + offset,
         centres,
-        arm,
+        hinge.arm,
         offset,
+        hinge.sigma,
         tilt,
         source,
-        arc,
-        residual,
+        hinge.arc,
+        hinge.residual,
         warnings,
     )
 
@@ -250,23 +256,32 @@ def _scatter(times: np.ndarray, values: np.ndarray) -> float:
     return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
 
 
-def _hinge(
-    away: np.ndarray, angles: np.ndarray, noise: float
-) -> tuple[np.ndarray, float, float, float, list[str]]:
-    """Return the hinge's offset, the arm, the arc, the circle's residual and warnings.
+@dataclass
+class _Hinge:
+    """The circle's centre from the click, as `Calibration` tells it."""
+
+    offset: np.ndarray
+    sigma: np.ndarray
+    arm: float
+    arc: float
+    residual: float
+    warnings: list[str] = field(default_factory=list)
+
+
+def _hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> _Hinge:
+    """Return the hinge from positions about the click.
 
     `noise` is the scatter of the distances [pixels], which is no fault of the circle.
     """
     from scipy.optimize import least_squares
 
-    warnings: list[str] = []
     distance = np.hypot(away[:, 0], away[:, 1])
     arm = float(np.median(distance)) if len(distance) else math.nan
     turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
     arc = float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
-    none = np.zeros(2)
+    none, clicked = np.zeros(2), np.full(2, math.hypot(_CLICK, _SHARED))
     if len(away) < 20:
-        return none, arm, arc, math.nan, warnings
+        return _Hinge(none, clicked, arm, arc, math.nan)
 
     def rest(p: np.ndarray) -> np.ndarray:
         return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
@@ -276,7 +291,7 @@ def _hinge(
     residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
     as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
     if arc < _WIDE_ARC:
-        return _across(away, angles, arc, arm), arm, arc, as_clicked, warnings
+        return _Hinge(*_across(away, angles, arc, arm), arm, arc, as_clicked)
     # Lenses and perspective make an oval: its second harmonic beside the circle.
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
@@ -285,23 +300,33 @@ def _hinge(
     too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
     if bent > limit or oval > 1.5 * limit or too_far:
-        warnings.append(
+        told = (
             f"the ball does not run on a circle about the pivot (centre off by "
-            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens or "
-            "perspective; the pivot is used as clicked"
+            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens, "
+            "perspective or rolling shutter; the pivot is used as clicked"
         )
-        return none, arm, arc, as_clicked, warnings
-    return offset, found, arc, residual, warnings
+        sigma = np.maximum(clicked, np.abs(offset))
+        return _Hinge(none, sigma, arm, arc, as_clicked, [told])
+    # What distances get wrong along the arc moves the centre the more, the narrower it is.
+    design = np.stack([np.sin(direction), np.cos(direction), np.ones_like(direction)], axis=-1)
+    spread = np.diag(np.linalg.pinv(design.T @ design / len(design)))[:2]
+    sigma = np.sqrt(_SHARED**2 + (_UNEVEN**2 + noise**2 / len(design)) * spread)
+    return _Hinge(offset, sigma, found, arc, residual)
 
 
-def _across(away: np.ndarray, angles: np.ndarray, arc: float, arm: float) -> np.ndarray:
-    """Return the hinge's offset across the middle of a narrow arc, along which it tells nothing.
+def _across(
+    away: np.ndarray, angles: np.ndarray, arc: float, arm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the hinge's offset across the middle of a narrow arc, and its standard deviations.
+
+    Along the middle such an arc tells nothing.
 
     Distances grow along the arc when the hinge lies aside; the click is believed to `_CLICK`, the
     distances on the whole to `_UNROUND`.
     """
+    clicked = math.hypot(_CLICK, _SHARED)
     if arc < _NARROW_ARC:
-        return np.zeros(2)
+        return np.zeros(2), np.full(2, clicked)
     middle = 0.5 * float(np.sum(np.quantile(angles, [0.005, 0.995])))
     lean = np.sin(np.mod(angles - middle + math.pi, 2.0 * math.pi) - math.pi)
     distance = np.hypot(away[:, 0], away[:, 1])
@@ -310,9 +335,12 @@ def _across(away: np.ndarray, angles: np.ndarray, arc: float, arm: float) -> np.
     fitted = float(np.sum(centred * distance) / np.sum(centred**2))
     error = _UNROUND / float(np.std(lean))
     offset = fitted / (1.0 + (error / _CLICK) ** 2)
+    across = np.array([math.cos(middle), -math.sin(middle)])
+    along = np.array([math.sin(middle), math.cos(middle)])
     if abs(offset) > max(_NEAR, _NEAR_SHARE * arm):
-        return np.zeros(2)
-    return offset * np.array([math.cos(middle), -math.sin(middle)])
+        return np.zeros(2), np.maximum(clicked, np.abs(fitted * across))
+    left = math.hypot(error / math.hypot(1.0, error / _CLICK), _SHARED)
+    return offset * across, np.hypot(left * across, clicked * along)
 
 
 def _on_rail(pivots: np.ndarray) -> np.ndarray:

@@ -378,6 +378,8 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         "exposure": scene.look.exposure,
         "pivot_offset_x": float(measured.offset[0]),
         "pivot_offset_y": float(measured.offset[1]),
+        "pivot_offset_x_sigma": float(measured.offset_sigma[0]),
+        "pivot_offset_y_sigma": float(measured.offset_sigma[1]),
         "arm_pixels": measured.arm,
         "arc": measured.arc,
         "circle_residual": measured.circle_residual,

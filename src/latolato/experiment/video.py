@@ -23,6 +23,9 @@ _CONTAINERS = (
     "swf", "image2", "png_pipe", "jpeg_pipe", "mp3", "wav", "flac", "aac", "caf",
 )  # fmt: skip
 _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "file"}
+_AS_VIDEO = (
+    "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
+)
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
 
@@ -124,7 +127,7 @@ class Video:
                 if time - first > self.limits.duration:
                     raise ValueError(
                         f"{self.path}: longer than {self.limits.duration:g} s; cut the video or "
-                        "raise the limit"
+                        'raise the limit: --limit "duration = 2 h"'
                     )
                 if not time > last:
                     raise ValueError(
@@ -134,7 +137,7 @@ class Video:
                 if number >= self.limits.frames:
                     raise ValueError(
                         f"{self.path}: more than {self.limits.frames} frames; cut the video or "
-                        "raise the limit"
+                        "raise the limit: --limit frames=1e6"
                     )
                 if time > until:
                     return
@@ -177,15 +180,19 @@ def open_video(
     path = Path(path)
     limits = limits or Limits()
     if path.is_dir():
-        raise ValueError(f"{path} is a folder{_pictures_in(path)}; name a video")
+        pictures = _pictures_in(path)
+        raise ValueError(f"{path} is a folder{pictures and f' with {pictures}'}; name a video")
     if not path.exists():
-        beside = _pictures_in(path.parent) if set("%*?") & set(path.name) else ""
-        raise FileNotFoundError(f"there is no video '{path}'{beside}")
-    if path.suffix.lower() in _PICTURES:
+        if not (path.suffix.lower() in _PICTURES and set("%*?") & set(path.name)):
+            raise FileNotFoundError(f"there is no video '{path}'")
+        pictures = _pictures_in(path.parent) or "no numbered pictures"
         raise ValueError(
-            f"{path} is a picture{_pictures_in(path.parent)}; make a video of the pictures, with "
-            "the times at which they were taken, e.g. with ffmpeg -framerate"
+            f"{path} names a sequence of pictures ({pictures} in '{path.parent}'); {_AS_VIDEO}"
         )
+    if path.suffix.lower() in _PICTURES:
+        pictures = _pictures_in(path.parent)
+        told = f" (its folder has {pictures})" if pictures else ""
+        raise ValueError(f"{path} is a picture{told}; {_AS_VIDEO}")
     if path.stat().st_size == 0:
         raise ValueError(f"{path} is empty")
     if not slow_motion > 0.0:
@@ -202,22 +209,26 @@ def open_video(
         if size > limits.pixels:
             raise ValueError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
-                f"pixels, at most {limits.pixels} pixels are read; scale the video down"
+                f"pixels, at most {limits.pixels} pixels are read; scale the video down or raise "
+                "the limit: --limit pixels=2e7"
             )
         if size * _PER_PIXEL > limits.memory:
             raise ValueError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels take {size * _PER_PIXEL / 1e9:.1f} GB of memory, at most "
-                f"{limits.memory / 1e9:g} GB may be used; scale the video down"
+                f"{limits.memory / 1e9:g} GB may be used; scale the video down or raise "
+                "the limit: --limit memory=1e10"
             )
         duration = _duration(container, stream)
         if duration / slow_motion > limits.duration:
             raise ValueError(
-                f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut it"
+                f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut "
+                'it or raise the limit: --limit "duration = 2 h"'
             )
         if stream.frames > limits.frames:
             raise ValueError(
-                f"{path}: {stream.frames} frames, at most {limits.frames} are read; cut it"
+                f"{path}: {stream.frames} frames, at most {limits.frames} are read; cut it "
+                "or raise the limit: --limit frames=1e6"
             )
         picture = next(_pictures(container, stream, path), None)
         if picture is None:
@@ -245,7 +256,7 @@ def digest_of(path: str | Path) -> str:
 
 
 def _pictures_in(folder: Path) -> str:
-    """Return what is to be told of a folder with numbered pictures: which are missing."""
+    """Return which numbered pictures a folder has and which are missing, nothing without any."""
     if not folder.is_dir():
         return ""
     names = [one.stem for one in folder.iterdir() if one.suffix.lower() in _PICTURES]
@@ -254,7 +265,7 @@ def _pictures_in(folder: Path) -> str:
         return ""
     missing = sorted(set(range(found[0], found[-1] + 1)) - set(found)) if found[-1] < 10**7 else []
     gaps = f", {', '.join(map(str, missing[:5]))} missing" if missing else ""
-    return f" with pictures {found[0]} to {found[-1]}{gaps}"
+    return f"pictures {found[0]} to {found[-1]}{gaps}"
 
 
 @contextmanager

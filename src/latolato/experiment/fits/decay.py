@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from latolato.experiment.fits.samples import (
     samples_of,
     within,
 )
+from latolato.experiment.fits.sight import ABOVE, ASIDE, Sight, sight_guesses
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Static
@@ -112,9 +113,10 @@ def fit_decay(
     -------
     Fit
         With `damping` [kg m/s], `decay_rate` [1/s], `natural_frequency`, `length` (from the
-        dynamics, of the equivalent point pendulum), `angle_offset` (gravity against the table's
-        vertical), and `damping_envelope` and `decay_rate_envelope`; of other drags
-        `quadratic_damping` [kg m] and `coulomb_damping` [N].
+        dynamics, of the equivalent point pendulum), `angle_offset` (of the hanging ball in the
+        table), and `damping_envelope` and `decay_rate_envelope`; of other drags
+        `quadratic_damping` [kg m] and `coulomb_damping` [N]; of a table made from pictures
+        `pivot_error_x` and `pivot_error_y` [m].
 
     Raises
     ------
@@ -127,11 +129,12 @@ def fit_decay(
     -----
     With c = C/(m l), c2 = C2/(m l), c0 = C0/(m l) the angle obeys
     ``th'' = -(g/l) sin(th) - c th' - c2 th'|th'| - c0 sgn th'`` about `angle_offset`, from a free
-    start. C is ``c m l`` with the given length, or the one from the dynamics. Correlated
-    residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are compared
-    by BIC with the number of effective samples, all with the correlation and the samples of the
-    fullest law. A drag that the three terms do not describe (a string that rubs, a draught) shows
-    as correlation of the residuals only.
+    start. C is ``c m l`` with the given length, or the one from the dynamics. Angles are seen about
+    a pivot that lies aside by what the table knows of it (`latolato.experiment.fits.sight`).
+    Correlated residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are
+    compared by BIC with the number of effective samples, all with the correlation and the samples
+    of the fullest law. A drag that the three terms do not describe (a string that rubs, a draught)
+    shows as correlation of the residuals only.
     """
     lmfit_module()
     checked_table(table)
@@ -165,6 +168,7 @@ def fit_decay(
     if given is None:
         _check_rest(piece, gravity / first["natural_frequency"] ** 2)
     body = _Body(given, mass, radius, gravity)
+    aside = sight_guesses(table, data)
     estimates: dict[str, Estimate] = {}
     curves: dict[str, tuple[str, Any]] = {}
     about: dict[str, Any] = {
@@ -175,7 +179,7 @@ def fit_decay(
     told = []
     if method != "envelope":
         if compare or law == "best":
-            laws = _compared(data, first)
+            laws = _compared(data, first, aside)
             chosen = min(laws, key=lambda name: laws[name].bayes) if law == "best" else law
             begun = laws[chosen].values
             told.append(_law_verdict(laws, chosen))
@@ -188,7 +192,7 @@ def fit_decay(
             chosen = law
             begun = _shared(first, LAWS[law])
         profiles = [*LAWS[chosen], "natural_frequency"] if profile else []
-        found = _fit_equation(data, begun, LAWS[chosen], profiles=profiles)
+        found = _fit_equation(data, begun, LAWS[chosen], aside, profiles=profiles)
         estimates |= body.estimates(found, LAWS[chosen])
         curves |= {
             "time": ("sample", data.times),
@@ -200,7 +204,9 @@ def fit_decay(
         about |= _quality(found) | {"law": chosen}
         told.insert(0, body.verdict(estimates, found, chosen))
     if method != "equation":
-        envelope = fit_envelope(swings, first["angle_offset"], ("decay_rate",) if profile else ())
+        envelope = fit_envelope(
+            swings, first["angle_offset"], ("decay_rate",) if profile else (), aside
+        )
         estimates |= body.envelope(envelope, estimates.get("length"), first)
         curves |= {
             "swing_time": ("swing", swings.times),
@@ -262,7 +268,9 @@ def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
     return guess | {"initial_angle": angle, "initial_angular_velocity": speed}
 
 
-def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
+def _compared(
+    data: Data, first: Mapping[str, float], aside: Mapping[str, Guess]
+) -> dict[str, Solution]:
     """Return the fit of every law, all with the samples and the correlation of the fullest."""
     *_, fullest = LAWS
     # A verdict needs no more samples than that.
@@ -270,7 +278,7 @@ def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
     data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
     # Friction that holds the ball at last makes false minima: two starts, the better counts.
     starts = [_shared(first, LAWS[law]) for law in ("linear", fullest)]
-    whole = _best_fit(data, starts, LAWS[fullest])
+    whole = _best_fit(data, starts, LAWS[fullest], aside)
     found = {}
     for name, terms in LAWS.items():
         if name == fullest:
@@ -280,20 +288,24 @@ def _compared(data: Data, first: Mapping[str, float]) -> dict[str, Solution]:
         if len(terms) > 1:
             least = {term: 1e-3 * first[term] for term in terms}
             starts.append({**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}})
-        found[name] = _best_fit(data, starts, terms, correlation=whole.correlation, kept=whole.kept)
+        found[name] = _best_fit(data, starts, terms, aside, like=whole)
     return found
 
 
 def _best_fit(
-    data: Data, starts: Sequence[Mapping[str, float]], terms: Sequence[str], **options: Any
+    data: Data,
+    starts: Sequence[Mapping[str, float]],
+    terms: Sequence[str],
+    aside: Mapping[str, Guess],
+    **options: Any,
 ) -> Solution:
     """Return the best of the fits from several starts, of which one must end."""
     tries = []
     for start in starts:
         with suppress(ValueError):  # another start may be enough
-            tries.append(_fit_equation(data, start, terms, limit=_TRIES, **options))
+            tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, **options))
     if not tries:
-        return _fit_equation(data, starts[0], terms, **options)
+        return _fit_equation(data, starts[0], terms, aside, **options)
     return min(tries, key=lambda found: found.chi_square)
 
 
@@ -305,7 +317,11 @@ def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float
 
 
 def _fit_equation(
-    data: Data, first: Mapping[str, float], terms: Sequence[str], **options: Any
+    data: Data,
+    first: Mapping[str, float],
+    terms: Sequence[str],
+    aside: Mapping[str, Guess],
+    **options: Any,
 ) -> Solution:
     """Return the least-squares solution of the equation with these drags."""
     times = data.times - data.times[0]
@@ -317,17 +333,19 @@ def _fit_equation(
     }
     for term in terms:
         guesses[term] = Guess(max(first[term], 1e-6), 0.0)
+    guesses |= {name: replace(each, value=first.get(name, 0.0)) for name, each in aside.items()}
     largest = float(np.max(np.abs(data.values)))
     speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
     about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
     step = step_of(about, Static(), speed)
+    sight = Sight.of(data)
 
     def model(p: Mapping[str, float]) -> Floats:
         system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
         start = (p["initial_angle"],), (p["initial_angular_velocity"],)
         angles: Floats = angles_at(system, Static(), *start, times, step=step)[0]
         # A trial too wild to be followed to the end is a bad fit, not an error.
-        return np.where(np.isfinite(angles), angles + p["angle_offset"], _WILD)
+        return np.where(np.isfinite(angles), sight.seen(angles, p), _WILD)
 
     return solve(model, guesses, data, **options)
 
@@ -369,6 +387,9 @@ class _Body:
             ("initial_angular_velocity", "rad/s"),
         ):
             told[name] = _estimate(found, name, unit)
+        for name in (ASIDE, ABOVE):
+            if name in found.values:
+                told[name] = _estimate(found, name, "1").scaled(lever, "m")
         return told
 
     def envelope(

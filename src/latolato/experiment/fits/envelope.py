@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
+from latolato.experiment.fits.sight import Sight, drop_of
 from latolato.experiment.fits.swings import Swings
 
 _GRID = 4096
@@ -41,12 +42,17 @@ def amplitude_of(effective: Floats) -> Floats:
     return np.interp(effective, roots, amplitudes)
 
 
-def fit_envelope(swings: Swings, offset: float, profiles: tuple[str, ...] = ()) -> Solution:
+def fit_envelope(
+    swings: Swings,
+    offset: float,
+    profiles: tuple[str, ...] = (),
+    nuisances: Mapping[str, Guess] | None = None,
+) -> Solution:
     """Return the decay of the turning points.
 
     Paper eq13, ``A exp(-k t)``, with A the `effective_amplitude`, so that it holds for large
-    swings too. Parameters: ``effective`` (at the first turning point), ``decay_rate`` and
-    ``angle_offset``.
+    swings too. Parameters: ``effective`` (at the first turning point), ``decay_rate``,
+    ``angle_offset`` and nuisances.
 
     Parameters
     ----------
@@ -54,6 +60,10 @@ def fit_envelope(swings: Swings, offset: float, profiles: tuple[str, ...] = ()) 
         Turning points.
     offset : float
         First guess of the angle about which it swings [rad].
+    profiles : tuple of str
+        Parameters whose 95 percent interval is profiled.
+    nuisances : mapping of str to Guess, optional
+        The pivot's misplacement (`latolato.experiment.fits.sight`).
 
     Raises
     ------
@@ -70,15 +80,19 @@ def fit_envelope(swings: Swings, offset: float, profiles: tuple[str, ...] = ()) 
     sigmas = np.maximum(swings.sigmas, 1e-9)
     sizes = effective_amplitude(np.abs(swings.angles - offset))
     slope, height = np.polyfit(times, np.log(np.maximum(sizes, 1e-9)), 1)
+    # The largest speed of a swing goes as the sine of half its angle.
+    speeds = np.abs(np.sin(0.5 * swings.angles))
+    sight = Sight(speeds / np.max(speeds), drop_of(swings.angles))
     guesses = {
         "effective": Guess(math.exp(height), 0.0),
         "decay_rate": Guess(max(-slope, 1e-4)),
         "angle_offset": Guess(offset),
+        **(nuisances or {}),
     }
 
     def model(p: Mapping[str, float]) -> Floats:
         effective = p["effective"] * np.exp(-p["decay_rate"] * times)
-        return signs * amplitude_of(effective) + p["angle_offset"]
+        return sight.seen(signs * amplitude_of(effective), p)
 
     data = Data(swings.times, swings.angles, sigmas, np.zeros(len(times), dtype=np.int64))
     return solve(model, guesses, data, profiles=profiles)

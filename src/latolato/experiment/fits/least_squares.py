@@ -3,7 +3,8 @@
 A first fit shows how residuals of neighbouring samples go together; with that correlation
 residuals are whitened (generalised least squares, first-order autoregression in continuous time,
 so that gaps and variable frame rates are right) and fitted again. What correlation is left is
-allowed for by the prewhitened estimator of Andrews & Monahan (1992), which may only widen.
+allowed for by the prewhitened estimator of Andrews & Monahan (1992), which may only widen. What all
+samples share shows in no scatter: parameters may carry what is known of them beforehand.
 """
 
 from __future__ import annotations
@@ -54,12 +55,16 @@ class Data:
 
 @dataclass(frozen=True)
 class Guess:
-    """Where a parameter's search starts, and the range that it is kept in."""
+    """Where a parameter's search starts, and the range that it is kept in.
+
+    `prior` is its standard deviation about 0 as known without the samples.
+    """
 
     value: float
     low: float = -math.inf
     high: float = math.inf
     free: bool = True
+    prior: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -136,8 +141,7 @@ def solve(
     data: Data,
     *,
     profiles: Sequence[str] = (),
-    correlation: float | None = None,
-    kept: NDArray[np.bool_] | None = None,
+    like: Solution | None = None,
     jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None = None,
     limit: int = 4000,
 ) -> Solution:
@@ -153,10 +157,9 @@ def solve(
         What was measured.
     profiles : sequence of str
         Parameters whose 95 percent interval is profiled (``lmfit.conf_interval``).
-    correlation : float, optional
-        Of residuals one typical sample apart; by default found from them.
-    kept : ndarray of bool, optional
-        What is fitted; by default all but outliers of the first fit.
+    like : Solution, optional
+        Whose samples, correlation and spread of residuals are taken; by default the samples are
+        all but outliers of the first fit, and the others are found from the residuals.
     jacobian : callable, optional
         Derivatives of the model, shape (sample, name), where something faster than differences
         of the model is known.
@@ -175,27 +178,32 @@ def solve(
     parameters = lmfit.Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, guess.free, guess.low, guess.high)
-    mask = np.ones(len(data), dtype=bool) if kept is None else kept
-    rho = correlation or 0.0
-    rounds = _ROUNDS + 1 if correlation is None else 1
+    mask = np.ones(len(data), dtype=bool) if like is None else like.kept
+    rho = 0.0 if like is None else like.correlation
+    # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
+    spread = 1.0 if like is None else like.chi_square
+    rounds = _ROUNDS + 1 if like is None else 1
     found: Any = None
     for turn in range(rounds):
-        minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
+        beliefs = _beliefs(guesses, spread)
+        minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
         found = _minimized(minimizer, limit)
         parameters = found.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
-        if turn == 0 and kept is None:
+        if turn == 0 and like is None:
             cleaned = _without_outliers(residuals / data.sigmas)
             if not np.array_equal(cleaned, mask):
                 mask = cleaned
-                minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian)
+                minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
                 found = _minimized(minimizer, limit)
                 parameters = found.params
                 values = parameters.valuesdict()
                 residuals = data.values - model(values)
-        if correlation is None and turn < rounds - 1:
+        if turn < rounds - 1:
             rho = _correlation(data, mask, residuals)
+            errors = whitened(data, mask, rho)(residuals / data.sigmas)
+            spread = float(errors @ errors) / max(len(errors) - len(free), 1)
     values = parameters.valuesdict()
     slopes = jacobian(values, free) if jacobian else _slopes(model, values, free)
     white = whitened(data, mask, rho)
@@ -203,7 +211,9 @@ def solve(
     errors = white(residuals / data.sigmas)
     freedom = max(len(errors) - len(free), 1)
     spread = float(errors @ errors) / freedom
-    covariance, widening = _covariance(scores, errors, spread)
+    known = _beliefs(guesses, spread)
+    stiffness = np.array([known.get(name, 0.0) ** 2 for name in free])
+    covariance, widening = _covariance(scores, errors, spread, stiffness)
     count = len(errors)
     solution = Solution(
         names=free,
@@ -223,6 +233,15 @@ def solve(
     return solution
 
 
+def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
+    """Return by what parameters with priors are multiplied to be further residuals."""
+    return {
+        name: math.sqrt(max(spread, 1e-300)) / guess.prior
+        for name, guess in guesses.items()
+        if guess.free and math.isfinite(guess.prior)
+    }
+
+
 def _minimizer(
     lmfit: Any,
     model: Model,
@@ -231,12 +250,15 @@ def _minimizer(
     mask: NDArray[np.bool_],
     rho: float,
     jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
+    beliefs: Mapping[str, float],
 ) -> Any:
-    """Return lmfit's minimizer of the whitened residuals."""
+    """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
     white = whitened(data, mask, rho)
 
     def errors(trial: Any) -> Floats:
-        return white((data.values - model(trial.valuesdict())) / data.sigmas)
+        values = trial.valuesdict()
+        known = [values[name] * weight for name, weight in beliefs.items()]
+        return np.append(white((data.values - model(values)) / data.sigmas), known)
 
     options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-7, "ftol": 1e-9}
     if jacobian is not None:
@@ -245,7 +267,8 @@ def _minimizer(
             names = [name for name in trial if trial[name].vary]
             found = jacobian(trial.valuesdict(), names)
             columns = [white(-found[:, i] / data.sigmas) for i in range(len(names))]
-            return np.array(columns)
+            known = [[w if name == own else 0.0 for own, w in beliefs.items()] for name in names]
+            return np.column_stack([np.array(columns), np.array(known)])
 
         options |= {"Dfun": slopes, "col_deriv": True}
         del options["epsfcn"]
@@ -338,17 +361,23 @@ def _slopes(model: Model, values: Mapping[str, float], names: Sequence[str]) -> 
     return np.column_stack(columns)
 
 
-def _covariance(scores: Floats, errors: Floats, spread: float) -> tuple[Floats, Floats]:
-    """Return the covariance of the parameters and by how much correlation left widens each."""
-    scale = np.sqrt(np.sum(scores**2, axis=0))
+def _covariance(
+    scores: Floats, errors: Floats, spread: float, stiffness: Floats
+) -> tuple[Floats, Floats]:
+    """Return the covariance of the parameters and by how much correlation left widens each.
+
+    `stiffness` is what priors add to the diagonal of the normal matrix.
+    """
+    scale = np.sqrt(np.sum(scores**2, axis=0) + stiffness)
     scale[scale == 0.0] = 1.0
     unit = scores / scale
-    inverse = np.linalg.pinv(unit.T @ unit, hermitian=True)
+    prior = np.diag(stiffness / scale**2)
+    inverse = np.linalg.pinv(unit.T @ unit + prior, hermitian=True)
     plain = spread * inverse
     moments = unit * errors[:, None]
     count = len(errors)
     lags = int(1.3 * count ** (1.0 / 3.0))
-    middle = moments.T @ moments
+    middle = moments.T @ moments + spread * prior
     for lag in range(1, min(lags, count - 1) + 1):
         part = moments[lag:].T @ moments[:-lag]
         middle += (1.0 - lag / (lags + 1.0)) * (part + part.T)

@@ -19,7 +19,8 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
-from latolato.experiment.fits.samples import angles_of
+from latolato.experiment.fits.samples import angles_of, is_mirrored
+from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
@@ -36,6 +37,8 @@ _GROWTH = 1.15
 # More samples left out than this share: the model does not follow.
 _MOST_OUTLIERS = 0.05
 _SIDES = ("right", "left")
+# What a camera may be turned by beyond what the table allows for [rad].
+_TILT = 0.5
 
 
 def fit_model(
@@ -96,8 +99,9 @@ def fit_model(
     up to the whole record while the scatter of the residuals grows by less than 15 percent: a
     regular motion ends in one window, a chaotic one in as many as it takes. How the uncertainty
     of the pivot's motion changes the parameters is part of their standard deviations: the fit is
-    repeated with drives that the track allows as well. Gravity and length
-    cannot be told apart on a pivot at rest.
+    repeated with drives that the track allows as well. The angle of the hanging ball and where the
+    pivot lies beside its place in the table are fitted along (`latolato.experiment.fits.sight`).
+    Gravity and length cannot be told apart on a pivot at rest.
     """
     lmfit_module()
     checked_table(table)
@@ -110,6 +114,7 @@ def fit_model(
     names = _names(system, pivot, vary)
     held = {name: _value(system, pivot, name) for name in names}
     shared = {name: _guess(system, pivot, name, value) for name, value in held.items()}
+    shared = {**_nuisances(sight_guesses(table, data), is_mirrored(table, system, ball)), **shared}
 
     def laws(p: Mapping[str, float]) -> tuple[System, Drive]:
         return _changed(system, pivot, {name: p[name] for name in names})
@@ -147,6 +152,13 @@ def fit_model(
     return make_fit(
         "model", estimates, _verdict(estimates, found, model), curves, about, kept_drive
     )
+
+
+def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
+    """Return what is fitted along: how the table sees angles, of which a mirror shows one part."""
+    if mirrored:
+        return {name: sight[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in sight}
+    return {"angle_offset": Guess(0.0, prior=_TILT), **sight}
 
 
 def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str]:
@@ -285,10 +297,7 @@ def _by_pivots(
         shared = {n: replace(g, value=found.values[n]) for n, g in model.shared.items()}
         moved = WindowedModel(data, laws, shared, begins, model.origin)
         guesses = {n: replace(g, value=found.values[n]) for n, g in moved.guesses().items()}
-        trial = solve(
-            moved, guesses, data, jacobian=moved.jacobian,
-            kept=found.kept, correlation=found.correlation,
-        )  # fmt: skip
+        trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=found)
         for name in names:
             squares[name] += weight * (trial.values[name] - found.values[name]) ** 2
     return {name: math.sqrt(square) for name, square in squares.items()}

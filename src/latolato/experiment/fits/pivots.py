@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
+from latolato.experiment.fits.sight import stroke_error
 from latolato.physics.drives import Drive, MeasuredPivot, Static
 from latolato.start import checked_drive
 
@@ -67,8 +68,10 @@ def measured_pivot(
             fit = None
         if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
             assert fit.drive is not None
-            return Pivot(fit.drive, 0.0, _neighbours(fit, fit.drive), "the pivot's fitted drive")
-    return _spline(table, first, last)
+            error = stroke_error(table, length, fit["drive_amplitude"].value)
+            others = _neighbours(fit, fit.drive, error)
+            return Pivot(fit.drive, 0.0, others, "the pivot's fitted drive")
+    return _spline(table, length, first, last)
 
 
 def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
@@ -78,12 +81,14 @@ def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: 
     return Pivot(checked_drive(drive), 0.0, [], "the given drive")
 
 
-def _neighbours(fit: Fit, drive: Drive) -> list[tuple[Drive, float]]:
-    """Return drives that differ by one standard deviation in one parameter each."""
+def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:
+    """Return drives that differ by one standard deviation in one parameter each, or the scale."""
     found: list[tuple[Drive, float]] = []
     for name in ("drive_amplitude", "drive_frequency", "drive_phase"):
         if name in fit and hasattr(drive, name):
             sigma = fit[name].sigma
+            if name == "drive_amplitude":
+                sigma = float(np.hypot(sigma, scale * fit[name].value))
             moved: Any = {name: getattr(drive, name) + sigma}
             if name == "drive_frequency":
                 # About the middle of the record, where frequency and phase are independent.
@@ -96,7 +101,7 @@ def _neighbours(fit: Fit, drive: Drive) -> list[tuple[Drive, float]]:
     return found
 
 
-def _spline(table: xr.Dataset, first: float, last: float) -> Pivot:
+def _spline(table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
     """Return a smoothing spline of the heights, and splines of noisier copies."""
     time, height = table["time"].values, table["pivot_y"].values
     known = np.isfinite(height)
@@ -115,4 +120,7 @@ def _spline(table: xr.Dataset, first: float, last: float) -> Pivot:
         (through(height + noise * generator.normal(size=len(height))), 1.0 / _COPIES)
         for _ in range(_COPIES)
     ]
+    scale = stroke_error(table, length, float(np.std(height)) * 2.0**0.5)
+    if scale > 0.0:
+        others.append((through((1.0 + scale) * height), 1.0))
     return Pivot(through(height), float(time[0]), [*others], "a spline of the pivot's track")

@@ -55,7 +55,7 @@ def angles_of(
             raise ValueError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
         parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
         return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
-    if ball is None and isinstance(system, LatoLato) and balls_of(table) == 2:
+    if is_mirrored(table, system, ball):
         one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
         times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
         sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
@@ -64,6 +64,11 @@ def angles_of(
     data = samples_of(table, ball or 1, start=start, end=end)
     sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
     return Data(data.times, sign * data.values, data.sigmas, np.ones(len(data), dtype=np.int64))
+
+
+def is_mirrored(table: xr.Dataset, system: System, ball: int | None) -> bool:
+    """Return whether a system's one angle is half the difference of a table's two."""
+    return ball is None and isinstance(system, LatoLato) and balls_of(table) == 2
 
 
 def _parts(data: Data) -> tuple[Any, ...]:

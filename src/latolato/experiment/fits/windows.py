@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
 from latolato.experiment.fits.motion import LaterDrive, angles_at, step_of
+from latolato.experiment.fits.sight import SEEN, Sight
 from latolato.physics.contacts import Exact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -58,6 +59,7 @@ class WindowedModel:
         self.data, self.laws, self.shared, self.origin = data, laws, dict(shared), origin
         system, drive = laws({name: guess.value for name, guess in shared.items()})
         self.angles = system.angles
+        self._sight = Sight.of(data)
         self.windows = _windows(data, begins, self.angles)
         self._held = not any(name.startswith("drive_") for name in shared)
         self._drives = [self._later(drive, w) for w in self.windows] if self._held else []
@@ -71,24 +73,21 @@ class WindowedModel:
         found = dict(self.shared)
         system, _ = self.laws({name: guess.value for name, guess in found.items()})
         for k, window in enumerate(self.windows):
-            seen = _states(self.data, window.begin, self.angles) if states is None else states[k]
-            inside = _within_walls(system, seen[:, 0])
+            state = _states(self.data, window.begin, self.angles) if states is None else states[k]
+            inside = _within_walls(system, state[:, 0])
             for j in range(self.angles):
                 found[f"angle_{k}_{j}"] = Guess(float(inside[j]))
-                found[f"velocity_{k}_{j}"] = Guess(float(seen[j, 1]))
+                found[f"velocity_{k}_{j}"] = Guess(float(state[j, 1]))
         return found
 
     def __call__(self, p: Mapping[str, float]) -> Floats:
-        """Return the angles at the samples [rad]."""
-        system, drives = self._laws(p)
-        out = np.empty(len(self.data))
-        for k in range(len(self.windows)):
-            self._run(out, system, drives[k], p, k)
-        return out
+        """Return the angles at the samples as they are seen [rad]."""
+        return self._seen(self._moved(p), p)
 
     def jacobian(self, p: Mapping[str, float], names: Sequence[str]) -> Floats:
         """Return the derivatives of the angles, shape (sample, name)."""
-        middle = self(p)
+        motion = self._moved(p)
+        middle = self._seen(motion, p)
         system, drives = self._laws(p)
         found = np.zeros((len(self.data), len(names)))
         for i, name in enumerate(names):
@@ -97,14 +96,34 @@ class WindowedModel:
             high = self.shared[name].high if name in self.shared else math.inf
             change = -size if p[name] + size > high else size
             moved = {**p, name: p[name] + change}
-            if name in self.shared:
-                found[:, i] = (self(moved) - middle) / change
-                continue
-            k = int(name.split("_")[1])
-            out = middle.copy()
-            self._run(out, system, drives[k], moved, k)
-            found[:, i] = (out - middle) / change
+            out = motion.copy()
+            if name in self.shared and name not in SEEN:
+                out = self._moved(moved)
+            elif name not in SEEN:
+                k = int(name.split("_")[1])
+                self._run(out, system, drives[k], moved, k)
+            found[:, i] = (self._seen(out, moved) - middle) / change
         return found
+
+    def _moved(self, p: Mapping[str, float]) -> Floats:
+        """Return the true angles at the samples [rad]."""
+        system, drives = self._laws(p)
+        out = np.empty(len(self.data))
+        for k in range(len(self.windows)):
+            self._run(out, system, drives[k], p, k)
+        return out
+
+    def _seen(self, angles: Floats, p: Mapping[str, float]) -> Floats:
+        """Return the angles at the samples as they are seen about the table's pivot [rad]."""
+        if self.angles == 1:
+            return self._sight.seen(angles, p)
+        lengths = [ball.length for ball in self.laws(p)[0].balls]
+        mean = sum(lengths) / len(lengths)
+        out = np.empty_like(angles)
+        for j, length in enumerate(lengths):
+            own = self.data.series == j + 1
+            out[own] = self._sight.part(own).seen(angles[own], p, mean / length)
+        return out
 
     def states_at(self, p: Mapping[str, float], begins: Floats) -> Floats:
         """Return angles and velocities of the solution at instants, shape (instant, angle, 2)."""
@@ -119,9 +138,9 @@ class WindowedModel:
                 out[i] = state
                 continue
             tiny = 1e-6
-            seen = self._angles(system, drives[k], state, np.array([late, late + tiny]))
-            out[i, :, 0] = seen[:, 0]
-            out[i, :, 1] = (seen[:, 1] - seen[:, 0]) / tiny
+            ends = self._angles(system, drives[k], state, np.array([late, late + tiny]))
+            out[i, :, 0] = ends[:, 0]
+            out[i, :, 1] = (ends[:, 1] - ends[:, 0]) / tiny
         return out
 
     def _laws(self, p: Mapping[str, float]) -> tuple[System, list[LaterDrive]]:
@@ -142,10 +161,9 @@ class WindowedModel:
     ) -> None:
         """Write the angles of one window."""
         window = self.windows[k]
-        seen = self._angles(system, drive, self._start(p, k), window.times)
-        offset = p.get("angle_offset", 0.0)
+        found = self._angles(system, drive, self._start(p, k), window.times)
         for j in range(self.angles):
-            out[window.places[j]] = seen[j, window.inside[j]] + offset
+            out[window.places[j]] = found[j, window.inside[j]]
 
     def _angles(self, system: System, drive: Any, state: Floats, times: Floats) -> Floats:
         """Return angles at instants, shape (angle, instant)."""
