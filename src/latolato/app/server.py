@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import anyio
@@ -40,12 +41,15 @@ class Settings:
         The secret that every request must carry; needed for any address but this machine's own.
     report : Path, optional
         Folder of a reproduction report whose figures are shown.
+    stored : mapping
+        Stored maps that pages may open, by name.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
     report: Path | None = None
+    stored: Mapping[str, Path] = field(default_factory=dict)
 
     @property
     def names(self) -> frozenset[str]:
@@ -73,6 +77,8 @@ def make_app(settings: Settings) -> Starlette:
     app.state.workers = None
     app.state.jobs = None
     app.state.report = settings.report
+    app.state.maps = None
+    app.state.stored = dict(settings.stored)
     return app
 
 
@@ -86,9 +92,10 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import analyses, downloads, live, paper
+    from latolato.app import analyses, downloads, live, maps, paper
 
-    return [*live.routes(), *downloads.routes(), *paper.routes(), *analyses.routes()]
+    views = (maps, live, downloads, paper, analyses)
+    return [route for view in views for route in view.routes()]
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
