@@ -31,6 +31,15 @@ def app(
             show_default=False,
         ),
     ] = None,
+    opened: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--open",
+            metavar="MAP",
+            help="Zarr store or .nc file of a sweep for the Map view; may be given several times.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
     try:
@@ -39,4 +48,11 @@ def app(
         raise ModuleNotFoundError(
             f'the application needs {error.name}: pip install "latolato[app]"'
         ) from None
-    serve(host, port, browser=browser, allow_others=allow_others, report=report)
+    serve(
+        host,
+        port,
+        browser=browser,
+        allow_others=allow_others,
+        report=report,
+        stored=opened or (),
+    )

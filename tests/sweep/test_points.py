@@ -7,14 +7,16 @@ import pytest
 
 import latolato as ll
 from latolato.numerics.integrate import choose_step
-from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID
+from latolato.numerics.records import ANGLE_1, AT_REST, CONVERGED, EVENT_LIMIT, INVALID
 from latolato.observables import Stroboscope
+from latolato.simulate import simulate
 from latolato.start import checked_start
 from latolato.sweep.plan import make_plan
 from latolato.sweep.points import (
     Previous,
     _from_columns,
     _from_objects,
+    arguments_of,
     columns_of,
     is_arithmetic,
     make_batch,
@@ -341,3 +343,39 @@ class TestPointsThatMakeNoSense:
         }
         found = self.swept(PENDULUM, DRIVE, "2 of 4 points have no answer: 2 invalid", **asked)
         np.testing.assert_array_equal(found.status, [[INVALID, CONVERGED], [INVALID, CONVERGED]])
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_the_arguments_of_a_point_simulate_that_point(name):
+    plan = plan_of(name)
+    _, _, asked = PLANS[name]
+    number = plan.size // 2
+    try:
+        found = arguments_of(plan, number)
+    except ValueError:
+        assert not make_batch(plan, np.array([number]), stepper_of(plan)).valid[0]
+        return
+    wanted = make_batch(plan, np.array([number]), stepper_of(plan)).state[0]
+    run = simulate(**found | {"duration": 1e-3})
+    angle = np.atleast_2d(run["angle"].values)[:, 0]
+    assert angle[0] == wanted[ANGLE_1]
+    assert found["duration"] == asked.get("duration", 4.0)
+    place = dict(zip(plan.dims, np.unravel_index(number, plan.shape), strict=True))
+    for axis in plan.axes:
+        for parameter, values in zip(axis.parameters, axis.values, strict=True):
+            for law in (found["system"], found["drive"]):
+                if hasattr(law, parameter) and parameter != "natural_frequency":
+                    assert getattr(law, parameter) == values[place[axis.name]], parameter
+
+
+def test_a_point_that_goes_on_from_another_cannot_run_alone():
+    plan = make_plan(
+        TOY,
+        DRIVE,
+        axes={"drive_frequency": [5.0, 6.0]},
+        initial_offset=0.2,
+        duration=4.0,
+        continuation="drive_frequency",
+    )
+    with pytest.raises(ValueError, match="cannot run alone"):
+        arguments_of(plan, 1)

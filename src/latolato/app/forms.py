@@ -121,7 +121,7 @@ def _option(name: str) -> dict[str, Any]:
         "symbol": quantity.symbol if quantity else "",
         "description": option.description,
         "unit": option.unit,
-        "units": _units(name, option.path[-1], option.unit),
+        "units": units_of(name, option.path[-1], option.unit),
         "several": option.several,
         "choices": list(metadata.get("choices", ())),
         "switch": option.kind is bool,
@@ -146,7 +146,7 @@ def _field_of(path: tuple[str, ...]) -> Any:
     return None
 
 
-def _units(name: str, key: str, unit: str) -> list[dict[str, Any]]:
+def units_of(name: str, key: str, unit: str) -> list[dict[str, Any]]:
     """Return the units to choose from with their size in SI units, the usual one first."""
     known = list(UNITS.get(unit, (unit,) if unit else ()))
     first = FIRST_UNIT.get(name, FIRST_UNIT.get(key))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,6 +91,11 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
     if samples is not None and checked_count("samples", samples) > MOST_SAMPLES:
         raise TooLargeError(f"samples must not exceed {MOST_SAMPLES}, got {samples}")
     scenario = Asked(asked.scenario, wanted).to_scenario()
+    return scenario, simulate_shown(scenario, samples)
+
+
+def simulate_shown(scenario: Scenario, samples: int | None = None) -> xr.Dataset:
+    """Return the run of a scenario as `simulate_asked` does."""
     if scenario.varied:
         raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
@@ -102,20 +107,29 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
         count = max(samples or min(usual, USUAL_SAMPLES), 2)
         if end > 0.0:
             times = np.linspace(0.0, end, count)
-    return scenario, scenario.simulate(**({} if times is None else {"times": times}))
+    return scenario.simulate(**({} if times is None else {"times": times}))
 
 
 def run_block(
     asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
 ) -> bytes:
     """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
+    return _block(lambda: simulate_asked(asked, samples), columns)
+
+
+def block_of(scenario: Scenario, columns: Sequence[str] = USUAL_COLUMNS) -> bytes:
+    """Return the run of a scenario as `run_block` does."""
+    return _block(lambda: (scenario, simulate_shown(scenario)), columns)
+
+
+def _block(run_it: Callable[[], tuple[Scenario, xr.Dataset]], columns: Sequence[str]) -> bytes:
     for name in columns:
         if name not in COLUMNS:
             raise ValueError(f"unknown column '{name}': {suggest(name, list(COLUMNS))}")
     begun = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        scenario, run = simulate_asked(asked, samples)
+        scenario, run = run_it()
     told = {
         "warnings": [str(w.message) for w in caught],
         "wall_time": time.perf_counter() - begun,

@@ -7,6 +7,7 @@ import secrets
 import socket
 import threading
 import webbrowser
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import uvicorn
@@ -24,6 +25,7 @@ def serve(
     browser: bool = True,
     allow_others: bool = False,
     report: Path | None = None,
+    stored: Sequence[Path] = (),
 ) -> None:
     """Serve the application until it is stopped.
 
@@ -39,14 +41,16 @@ def serve(
         Whether other machines may use the server; they need the token that is printed.
     report : Path, optional
         Folder that `latolato reproduce` wrote; its figures are shown in place of quick ones.
+    stored : sequence of Path
+        Maps that pages may open: Zarr stores and NetCDF files of sweeps.
 
     Raises
     ------
     ValueError
-        If `host` is an address that other machines reach and `allow_others` is false, or if
-        `report` holds no report.
+        If `host` is an address that other machines reach and `allow_others` is false, if
+        `report` holds no report, or if a stored map is none.
     OSError
-        If the port is taken.
+        If the port is taken, or a stored map is not there.
     """
     others = not is_own(host)
     if others and not allow_others:
@@ -56,10 +60,15 @@ def serve(
         )
     if report is not None and not (report / "index.html").is_file():
         raise ValueError(f"'{report}' holds no report; make one: latolato reproduce {report}")
+    maps: Mapping[str, Path] = {}
+    if stored:
+        from latolato.app.map_stored import named
+
+        maps = named(stored)
     listener = _listener(host, port)
     port = listener.getsockname()[1]
     token = secrets.token_urlsafe() if others else None
-    settings = Settings(host=host, port=port, token=token, report=report)
+    settings = Settings(host=host, port=port, token=token, report=report, stored=maps)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{port}/" + (f"?{TOKEN}={settings.token}" if others else "")
     print(f"latolato runs at {address}\nStop it with Ctrl-C.", flush=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -44,6 +44,8 @@ class Settings:
         Folder of a reproduction report whose figures are shown.
     films : Allowance
         What uploaded videos may take.
+    stored : mapping
+        Stored maps that pages may open, by name.
     """
 
     host: str = "127.0.0.1"
@@ -51,6 +53,7 @@ class Settings:
     token: str | None = None
     report: Path | None = None
     films: Allowance = field(default_factory=Allowance)
+    stored: Mapping[str, Path] = field(default_factory=dict)
 
     @property
     def names(self) -> frozenset[str]:
@@ -80,6 +83,8 @@ def make_app(settings: Settings) -> Starlette:
     app.state.report = settings.report
     app.state.films = Store(settings.films)
     app.state.film_turns = None
+    app.state.maps = None
+    app.state.stored = dict(settings.stored)
     return app
 
 
@@ -94,15 +99,10 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import analyses, downloads, films, live, paper
+    from latolato.app import analyses, downloads, films, live, maps, paper
 
-    return [
-        *live.routes(),
-        *downloads.routes(),
-        *paper.routes(),
-        *analyses.routes(),
-        *films.routes(),
-    ]
+    views = (maps, live, downloads, paper, analyses, films)
+    return [route for view in views for route in view.routes()]
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:

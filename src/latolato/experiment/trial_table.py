@@ -256,12 +256,29 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
     try:
         if suffix == ".nc":
             return checked_trials(load(path))
-        columns, attributes = _read_csv(path)
-        if gravity is not None:
-            attributes["gravity"] = gravity
-        return trial_table(columns, attributes)
+        try:
+            text = path.read_text(encoding="utf-8-sig")
+        except UnicodeDecodeError:
+            raise ValueError("it is no text file; save the trials as UTF-8 CSV") from None
+        return parse_trials(text, gravity=gravity)
     except (TypeError, ValueError) as error:
         raise ValueError(f"'{path}': {error}") from None
+
+
+def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
+    """Return the trial table that the text of a CSV holds; see `read_trials`.
+
+    Examples
+    --------
+    >>> rows = ["drive_amplitude,frequency_ratio,class", "12 mm,2.0,strong"]
+    >>> found = parse_trials(chr(10).join(rows))
+    >>> found.drive_amplitude.values.tolist(), str(found["class"].values[0])
+    ([0.012], 'strong')
+    """
+    columns, attributes = _parse_csv(text)
+    if gravity is not None:
+        attributes["gravity"] = gravity
+    return trial_table(columns, attributes)
 
 
 def is_trial_table(path: str | Path) -> bool:
@@ -309,14 +326,11 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _read_csv(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the columns that a trial table has, and gravity where the header tells it."""
     from latolato.units import to_si
 
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise ValueError("it is no text file; save the trials as UTF-8 CSV") from None
+    lines = text.splitlines()
     attributes: dict[str, Any] = {}
     for line in lines:
         key, colon, value = line.lstrip("# ").partition(": ")

@@ -105,16 +105,50 @@ def _number(grid: xr.Dataset, name: str) -> float:
 def draw(axes: Axes, context: Context, name: str) -> Any:
     """Draw the overlay of that name and return its legend entry."""
     name = name.replace("-", "_")
+    x, y = curve(context, name, axes.get_xlim(), axes.get_ylim())
     if name == "tongue":
-        return _draw_tongue(axes, context)
-    if name == "lift_off":
-        return _draw_lift_off(axes, context)
-    raise ValueError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")
+        text = "Mathieu tongue (eq14)" + (", linear drag only" if context.other_drag else "")
+        return _line(axes, x, y, text, (0, ()))
+    return _line(axes, x, y, r"lift-off from rest ($A_0\omega^2 = g$)", (0, (4, 2)))
 
 
-def _limits(axes: Axes, context: Context) -> tuple[float, float, float, float]:
+def curve(
+    context: Context, name: str, x_limits: tuple[float, float], y_limits: tuple[float, float]
+) -> tuple[Floats, Floats]:
+    """Return the curve of an overlay in the coordinates of a map with these limits.
+
+    ``tongue`` is both edges of the primary Mathieu tongue, ``lift_off`` where the pivot's largest
+    acceleration equals gravity.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, and for lift-off without contact.
+    """
+    if name == "tongue":
+        _, large, *_ = _limits(context, x_limits, y_limits)
+        amplitudes, low, high = tongue(context, large)
+        both = np.concatenate([amplitudes[::-1], amplitudes])
+        x, y = context.place(both, np.concatenate([low[::-1], high]))
+    elif name == "lift_off":
+        if not context.has_walls:
+            raise ValueError(
+                "overlay lift_off needs a system with contact: nothing rests on a wall"
+            )
+        _, _, slow, fast = _limits(context, x_limits, y_limits)
+        frequency = np.linspace(max(slow, 1e-3 * fast), fast, _SAMPLES)
+        x, y = context.place(context.gravity / frequency**2, frequency)
+    else:
+        raise ValueError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")
+    shape = np.broadcast_shapes(np.shape(x), np.shape(y))
+    return np.broadcast_to(x, shape), np.broadcast_to(y, shape)
+
+
+def _limits(
+    context: Context, x_limits: tuple[float, float], y_limits: tuple[float, float]
+) -> tuple[float, float, float, float]:
     """Return the amplitudes [m] and frequencies [rad/s] that a map spans."""
-    spans = {context.x: axes.get_xlim(), context.y: axes.get_ylim()}
+    spans = {context.x: x_limits, context.y: y_limits}
     name = context.x if context.x in FREQUENCIES else context.y
     slow, fast = spans[name]
     if name == "frequency_ratio":
@@ -160,26 +194,6 @@ def tongue(context: Context, largest: float) -> tuple[Floats, Floats, Floats]:
     found = np.array([edges(float(a)) for a in amplitudes]) * context.natural_frequency
     found[~np.isfinite(found)] = np.nan
     return amplitudes, found[:, 0], found[:, 1]
-
-
-def _draw_tongue(axes: Axes, context: Context) -> Any:
-    """Draw both edges of the primary tongue as one curve."""
-    _, large, *_ = _limits(axes, context)
-    amplitudes, low, high = tongue(context, large)
-    both = np.concatenate([amplitudes[::-1], amplitudes])
-    x, y = context.place(both, np.concatenate([low[::-1], high]))
-    text = "Mathieu tongue (eq14)" + (", linear drag only" if context.other_drag else "")
-    return _line(axes, x, y, text, (0, ()))
-
-
-def _draw_lift_off(axes: Axes, context: Context) -> Any:
-    """Draw where the pivot's largest acceleration equals gravity."""
-    if not context.has_walls:
-        raise ValueError("overlay lift_off needs a system with contact: nothing rests on a wall")
-    _, _, slow, fast = _limits(axes, context)
-    frequency = np.linspace(max(slow, 1e-3 * fast), fast, _SAMPLES)
-    x, y = context.place(context.gravity / frequency**2, frequency)
-    return _line(axes, x, y, r"lift-off from rest ($A_0\omega^2 = g$)", (0, (4, 2)))
 
 
 def _line(axes: Axes, x: Any, y: Any, text: str, dashes: Any) -> Any:

@@ -261,7 +261,7 @@ def make_plan(
         raise ValueError(
             f"transient must be shorter than the duration {length:g} s, got {transient:g}"
         )
-    watched = tuple(_observable(o) for o in _listed(observables))
+    watched = tuple(checked_observable(o) for o in _listed(observables))
     names = [name for o in watched for name in o.variables]
     for name in names:
         if names.count(name) > 1:
@@ -387,7 +387,7 @@ def _listed(given: Any) -> list[Any]:
     return found
 
 
-def _observable(given: Any) -> Observable:
+def checked_observable(given: Any) -> Observable:
     """Return an observable from its name, that of one of its variables, or itself."""
     if isinstance(given, Observable):
         return given

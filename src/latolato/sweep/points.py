@@ -355,6 +355,37 @@ def _objects(
     return system, drive, start, walls, step
 
 
+def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
+    """Return the arguments of `latolato.simulate` that run one point of a plan alone.
+
+    Raises
+    ------
+    ValueError
+        If the point's parameters contradict each other, or if it goes on from another point.
+    """
+    if plan.continuation:
+        raise ValueError(
+            f"a point of this map goes on from its neighbour along {plan.continuation}: it cannot "
+            "run alone"
+        )
+    columns = columns_of(plan, np.array([number]))
+    system, drive, start, *_ = _objects(plan, columns, 0, stepper_of(plan), None)
+    one = system.angles == 1
+    found = {
+        "system": system,
+        "drive": drive,
+        "initial_angle": start.angles[0] if one else start.angles,
+        "initial_angular_velocity": start.velocities[0] if one else start.velocities,
+        "duration": plan.duration,
+        "tolerance": plan.tolerance,
+        "contact": plan.contact if system.has_contacts else None,
+        "rest_speed": plan.rest_speed,
+        "contact_limit": plan.contact_limit,
+        "noise": _noise(plan, columns, 0),
+    }
+    return {name: value for name, value in found.items() if value is not None}
+
+
 def _check_mirrored(system: System, start: Start) -> None:
     """Raise ValueError unless two equal balls begin as mirror images of each other."""
     right, left = system.balls

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+import threading
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -29,7 +31,28 @@ def execute(
         Number of threads; by default one for each processor that this process may use.
     """
     count = available_processors() if workers is None else checked_count("workers", workers)
-    cancel = np.zeros(1, dtype=np.int64)
+    yield from run_cancellable(plan, numbers, count, make_cancel())
+
+
+def run_cancellable(
+    plan: Plan, numbers: Iterable[int], count: int, cancel: NDArray[np.int64], niceness: int = 0
+) -> Iterator[tuple[int, tuple[Values, str]]]:
+    """Yield the values of chunks from `count` threads until somebody sets a flag.
+
+    Parameters
+    ----------
+    cancel : ndarray
+        The flag, from `make_cancel`: ``cancel[0] = 1`` from any thread stops the kernels, and the
+        iterator raises `Cancelled`. It is set at the end, so it serves once.
+    niceness : int
+        How much the threads give way to others, from 0 to 19, where threads have priorities of
+        their own (Linux).
+
+    Raises
+    ------
+    Cancelled
+        If the flag was set.
+    """
 
     def run_points(
         plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
@@ -43,10 +66,20 @@ def execute(
             raise Cancelled
         return number, run_chunk(plan, number, run_points)
 
+    def begin() -> None:
+        if niceness and sys.platform == "linux":  # elsewhere the number would be a process
+            thread = threading.get_native_id()
+            os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, 0) + niceness)
+
     def stop() -> None:
         cancel[0] = 1
 
-    yield from run_in_threads(run, numbers, count, stop)
+    yield from run_in_threads(run, numbers, count, stop, begin)
+
+
+def make_cancel() -> NDArray[np.int64]:
+    """Return a flag that is not set."""
+    return np.zeros(1, dtype=np.int64)
 
 
 def available_processors() -> int:

@@ -91,6 +91,8 @@ export class Form {
     this.shape = "";
     /** @type {Record<string, string>} units that were chosen, by option */
     this.units = {};
+    /** Options that have no one value here, as they vary over a map. */
+    this.varied = /** @type {Set<string>} */ (new Set());
     this.openGroups = new Set([t("system"), t("drive"), t("start")]);
     this.general = el("p", { class: "error", role: "alert", hidden: true });
   }
@@ -143,7 +145,7 @@ export class Form {
   build() {
     const { system, drive } = this.kinds;
     const offset = this.text("initial_offset") !== null;
-    const shape = JSON.stringify([system, drive, offset]);
+    const shape = JSON.stringify([system, drive, offset, [...this.varied]]);
     if (shape === this.shape) return;
     this.shape = shape;
     this.fields.clear();
@@ -200,6 +202,9 @@ export class Form {
   field(name) {
     /** @type {Option} */
     const option = this.registry.options[name];
+    if (this.varied.has(name) || (name === "drive_frequency" && this.varied.has("frequency_ratio")))
+      return el("div", { class: "field" }, el("span", {}, ...this.label(name, option)),
+        el("span", { class: "soft" }, t("mapVaries")));
     const choices = name === "contact" ? this.registry.contacts : option.choices;
     if (option.switch) return this.switchField(name, option);
     if (choices.length) return this.choiceField(name, option, choices);

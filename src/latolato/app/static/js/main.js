@@ -12,6 +12,7 @@ import { t } from "./strings.js";
  *   hide(): void}>>} */
 const VIEWS = {
   play: async () => (await import("./views/play.js")).PlayView,
+  map: async () => (await import("./views/map.js")).MapView,
   live: async () => (await import("./views/live.js")).LiveView,
   paper: async () => (await import("./views/paper.js")).PaperView,
   experiment: async () => (await import("./views/experiment.js")).ExperimentView,

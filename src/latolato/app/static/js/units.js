@@ -76,7 +76,8 @@ export function toSi(text, units) {
 }
 
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
-  Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ" };
+  Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ",
+  langle: "⟨", rangle: "⟩" };
 
 /**
  * Return the parts of a symbol written in TeX as text, each on the line, below or above it.
@@ -88,7 +89,7 @@ export function symbolParts(tex) {
     .replace(/\\(d?dot)\s*\{?(\\?\w+?)\}?(?=_|\^|\s|$|[^\w])/g, (_, dot, name) =>
       `${name}${dot === "ddot" ? "\u0308" : "\u0307"}`)
     .replace(/\\mathrm\{(\w+)\}/g, "$1")
-    .replace(/\\([A-Za-z]+)/g, (_, name) => /** @type {Record<string, string>} */ (LETTERS)[name] ?? name)
+    .replace(/\\([A-Za-z]+) ?/g, (_, name) => /** @type {Record<string, string>} */ (LETTERS)[name] ?? name)
     .replace(/\\,/g, " ");
   /** @type {{text: string, place: "line" | "sub" | "sup"}[]} */
   const parts = [];
@@ -98,4 +99,22 @@ export function symbolParts(tex) {
     if (text) parts.push({ text, place: mark === "_" ? "sub" : mark === "^" ? "sup" : "line" });
   }
   return parts;
+}
+
+/**
+ * Return a symbol written in TeX as one line of text, for canvases and lists.
+ * @param {string} tex
+ * @returns {string}
+ */
+export function plainSymbol(tex) {
+  return symbolParts(tex).map(({ text, place }) => {
+    if (place === "sub") return /^\d+$/.test(text) ? below(text) : `_${text}`;
+    if (place === "sup") return text === "2" ? "²" : `^${text}`;
+    return text;
+  }).join("");
+}
+
+/** @param {string} digits */
+function below(digits) {
+  return [...digits].map((digit) => "₀₁₂₃₄₅₆₇₈₉"[Number(digit)]).join("");
 }

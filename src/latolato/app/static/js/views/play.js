@@ -1,6 +1,7 @@
 /** Play: parameters on one side, the motion that they make on the other. */
 
 import { askBlock, newest, Offline } from "../api.js";
+import { codeBlocks } from "../code.js";
 import { el, tell } from "../dom.js";
 import { Downloads } from "../downloads.js";
 import { Form, withLaws } from "../form.js";
@@ -119,11 +120,6 @@ export class PlayView {
 
   /** @param {any} about */
   showCode(about) {
-    this.code.replaceChildren(...[about.python, about.command].filter(Boolean).map((text) => el("div", { class: "code" },
-      el("pre", { tabindex: "0" }, text),
-      el("button", { type: "button", class: "plain", on: { click: async () => {
-        await navigator.clipboard.writeText(text);
-        tell(t("copied"));
-      } } }, t("copy")))));
+    this.code.replaceChildren(...codeBlocks([about.python, about.command].filter(Boolean)));
   }
 }

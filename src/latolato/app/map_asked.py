@@ -1,0 +1,257 @@
+"""What a page asks of a map, and the plan of a sweep that it stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.app.given import MOST_STEPS, Asked, TooLargeError, options_of
+from latolato.app.map_choices import (
+    Span,
+    about_axis,
+    moving_drive,
+    spans_of,
+    suggested_range,
+    watched_of,
+)
+from latolato.observables import Observable
+from latolato.quantities import ANY
+from latolato.registry import checked_count, checked_number, suggest
+from latolato.scenario import Scenario
+from latolato.sweep.axes import parameters_of
+from latolato.sweep.kernels import has_lanes
+from latolato.sweep.plan import Plan
+from latolato.sweep.points import make_batch, stepper_of
+
+MOST_CELLS = 500 * 500
+MOST_ALONG = 1000
+# Some ten minutes of two cores. A step of a single trajectory costs as much as several in lanes.
+MOST_STEPS_OF_MAP = 1e10
+SINGLE_COST = 5.0
+USUAL_CELLS = 200
+USUAL_TOLERANCE = 1e-6
+# Points along each axis at which steps are counted before a map is begun.
+_PROBES = 7
+_POINT = "point"
+_OF_RUN = ("times", "frame", "tolerance")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapAsked:
+    """What a page asks for; None leaves the choice to what the scenario says.
+
+    Attributes
+    ----------
+    known : tuple of int, optional
+        First column, last column, first row and last row (both ends included) of cells that the
+        page has and that are not computed again.
+    """
+
+    asked: Asked
+    x: Span | None = None
+    y: Span | None = None
+    observable: str | None = None
+    width: int = USUAL_CELLS
+    height: int = USUAL_CELLS
+    duration: float | None = None
+    transient: float | None = None
+    tolerance: float = USUAL_TOLERANCE
+    known: tuple[int, int, int, int] | None = None
+
+    @classmethod
+    def from_json(cls, value: Any) -> MapAsked:
+        """Return what a page asks for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For unknown entries and values of another kind.
+        TooLargeError
+            For more cells than are drawn.
+        """
+        asked = Asked.from_json(value)
+        names = [f.name for f in fields(cls) if f.name != "asked"]
+        given = {k: v for k, v in value.items() if v is not None}
+        for name in given:
+            if name not in (*names, "scenario", "options"):
+                raise ValueError(f"unknown entry '{name}' of a map: {suggest(name, names)}")
+        found: dict[str, Any] = {"asked": asked}
+        for which in ("x", "y"):
+            if which in given:
+                found[which] = Span.from_json(which, given[which])
+        if "observable" in given:
+            if not isinstance(given["observable"], str):
+                raise TypeError(f"observable must be a text, got {given['observable']!r}")
+            found["observable"] = given["observable"]
+        for name in ("width", "height"):
+            if name in given:
+                found[name] = checked_count(name, given[name])
+                if found[name] > MOST_ALONG:
+                    raise TooLargeError(f"{name} must not exceed {MOST_ALONG}, got {found[name]}")
+        for name, unit in (("duration", "s"), ("transient", "s"), ("tolerance", "rad")):
+            if name in given:
+                found[name] = checked_number(name, given[name], ANY, unit)
+        if "known" in given:
+            found["known"] = _four(given["known"])
+        result = cls(**found)
+        if result.width * result.height > MOST_CELLS:
+            raise TooLargeError(
+                f"width x height must not exceed {MOST_CELLS} cells, got "
+                f"{result.width * result.height}"
+            )
+        return result
+
+
+def _four(value: Any) -> tuple[int, int, int, int]:
+    """Return the part of a map that is known."""
+    whole = isinstance(value, (list, tuple)) and len(value) == 4
+    if not whole or not all(isinstance(v, int) and not isinstance(v, bool) for v in value):
+        raise TypeError(f"known must be four whole numbers, got {value!r}")
+    a, b, c, d = value
+    return a, b, c, d
+
+
+@dataclass(frozen=True)
+class Map:
+    """A map to be computed: the scenario, both axes, and what is gathered at every point."""
+
+    asked: MapAsked
+    scenario: Scenario
+    x: Span
+    y: Span
+    shown: str
+    watched: tuple[str | Observable, ...]
+    duration: float
+    transient: float
+    choices: dict[str, Any] = field(repr=False)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.asked.height, self.asked.width
+
+    @cached_property
+    def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Values along x and y."""
+        return self.x.values(self.asked.width), self.y.values(self.asked.height)
+
+    def plan_of(self, cells: NDArray[np.int64], chunk_size: int | None = None) -> Plan:
+        """Return the plan of a sweep over these cells, numbered row by row from the bottom left.
+
+        Noise is that of the same cell in a sweep over both axes.
+        """
+        x, y = self.grid
+        row, column = np.divmod(cells, self.asked.width)
+        along = {self.x.name: x[column].tolist(), self.y.name: y[row].tolist()}
+        noise = self.scenario.run.get("noise")
+        if noise is not None and not {"noise_seed", "noise_stream"} & along.keys():
+            along["noise_stream"] = (noise.stream + cells).tolist()
+        return self._plan({_POINT: along}, chunk_size)
+
+    def plan_at(self, x: float, y: float) -> Plan:
+        """Return the plan of the one point at these values."""
+        return self._plan({_POINT: {self.x.name: [x], self.y.name: [y]}}, None)
+
+    def arguments(self) -> dict[str, Any]:
+        """Return what describes the whole map as one sweep: axes first the one upwards."""
+        x, y = self.grid
+        return {"axes": {self.y.name: y, self.x.name: x}, **self._varied(None)}
+
+    def _plan(self, axes: dict[str, Any], chunk_size: int | None) -> Plan:
+        run = {k: v for k, v in self.scenario.run.items() if k not in _OF_RUN}
+        if {"initial_angle", "initial_offset"} & {self.x.name, self.y.name}:
+            run = {k: v for k, v in run.items() if k not in ("initial_angle", "initial_offset")}
+        run |= {"duration": self.duration, "tolerance": self.asked.tolerance}
+        changed = {"axes": axes, **self._varied(chunk_size)}
+        return replace(self.scenario, run=run, varied=changed).plan()
+
+    def _varied(self, chunk_size: int | None) -> dict[str, Any]:
+        varied: dict[str, Any] = {"observables": self.watched, "transient": self.transient}
+        periods = self.scenario.varied.get("transient_periods")
+        if periods and self.asked.transient is None:
+            varied["transient_periods"] = periods
+        if chunk_size is not None:
+            varied["chunk_size"] = chunk_size
+        return varied
+
+    def cost_of_point(self) -> float:
+        """Return the mean cost of a point, in steps in lanes.
+
+        Raises
+        ------
+        TooLargeError
+            If the whole map, or one of its points, would take too long.
+        ValueError
+            If no point can run, saying why.
+        """
+        height, width = self.shape
+        rows = np.unique(np.linspace(0, height - 1, _PROBES).round().astype(int))
+        columns = np.unique(np.linspace(0, width - 1, _PROBES).round().astype(int))
+        plan = self.plan_of((rows[:, None] * width + columns).ravel())
+        batch = make_batch(plan, np.arange(plan.size), stepper_of(plan))
+        if not batch.valid.any():
+            raise ValueError(batch.reason)
+        steps = plan.duration / batch.points.settings["step"][batch.valid]
+        if steps.max() > MOST_STEPS:
+            raise TooLargeError(
+                f"a point of this map would take {steps.max():.2g} steps, the limit is "
+                f"{MOST_STEPS:g}: shorten the duration, loosen the tolerance or slow the drive"
+            )
+        cost = float(steps.mean()) * (1.0 if has_lanes(plan) else SINGLE_COST)
+        total = cost * width * height
+        if total > MOST_STEPS_OF_MAP:
+            raise TooLargeError(
+                f"the map would take {total:.2g} steps, the limit is {MOST_STEPS_OF_MAP:g}: fewer "
+                "points, a shorter duration or a looser tolerance"
+            )
+        return cost
+
+
+def make_map(asked: MapAsked) -> Map:
+    """Return the map that a page asks for.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For bad input.
+    """
+    scenario = asked.asked.to_scenario()
+    scenario = replace(scenario, drive=moving_drive(scenario))
+    run, system, varied = scenario.run, scenario.system, scenario.varied
+    known = parameters_of(system, scenario.drive, run.get("noise"))
+    times = run.get("times")
+    duration = asked.duration or run.get("duration") or (times[-1] if times else 60.0)
+    transient = varied.get("transient", 0.0) if asked.transient is None else asked.transient
+    watched, shown, variables = watched_of(varied, asked.observable, system.angles)
+    spans = spans_of(known, scenario, (asked.x, asked.y))
+    choices = {
+        "axes": [
+            about_axis(name, known[name], suggested_range(name, known, scenario)) for name in known
+        ],
+        "variables": variables,
+        "x": vars(spans[0]),
+        "y": vars(spans[1]),
+        "observable": shown,
+        "duration": float(duration),
+        "transient": float(transient),
+        "tolerance": asked.tolerance,
+        "options": options_of(scenario),
+        "scenario": scenario.name,
+        "title": scenario.title,
+        "description": scenario.description,
+    }
+    return Map(
+        asked=asked,
+        scenario=scenario,
+        x=spans[0],
+        y=spans[1],
+        shown=shown,
+        watched=watched,
+        duration=float(duration),
+        transient=float(transient),
+        choices=choices,
+    )

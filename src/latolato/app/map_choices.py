@@ -1,0 +1,195 @@
+"""What a map may be made of: axes with ranges to begin with, and observables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.app.forms import SUGGESTED, units_of
+from latolato.app.given import options_of
+from latolato.observables import Observable, observables
+from latolato.physics.drives import Drive, Harmonic, Static
+from latolato.quantities import ANY, Range
+from latolato.registry import checked_number, suggest
+from latolato.scenario import Scenario
+from latolato.sweep.axes import DERIVED, Parameter
+from latolato.sweep.plan import DEFAULT_OBSERVABLES, checked_observable
+
+
+@dataclass(frozen=True)
+class Span:
+    """One axis: the parameter that varies along it and its first and last value [SI].
+
+    Ends of NaN stand for a range to begin with.
+    """
+
+    name: str
+    low: float
+    high: float
+
+    @classmethod
+    def from_json(cls, which: str, value: Any) -> Span:
+        """Return an axis, or raise TypeError or ValueError."""
+        if not isinstance(value, Mapping) or set(value) not in ({"name"}, {"name", "low", "high"}):
+            raise TypeError(f"{which} must be an object with name, low and high, got {value!r}")
+        name = value["name"]
+        if not isinstance(name, str):
+            raise TypeError(f"the name of {which} must be a text, got {name!r}")
+        if "low" not in value:
+            return cls(name, math.nan, math.nan)
+        low, high = (checked_number(f"{which}.{k}", value[k], ANY, "SI") for k in ("low", "high"))
+        if not low < high:
+            raise ValueError(f"{which} must go upwards, got {low:g} to {high:g}")
+        return cls(name, low, high)
+
+    def values(self, count: int) -> NDArray[np.float64]:
+        """Return the values at the middles of the cells, both ends included."""
+        return np.linspace(self.low, self.high, count)
+
+
+def moving_drive(scenario: Scenario) -> Drive:
+    """Return the drive; of a sweep over drives, the one in the middle; else a gentle one."""
+    if not isinstance(scenario.drive, Static):
+        return scenario.drive
+    amplitude, ratio = 0.1 * scenario.system.balls[0].length, 2.0
+    axes = scenario.varied.get("axes", {})
+    if isinstance(axes.get("drive_amplitude"), tuple):
+        amplitude = 0.5 * (min(axes["drive_amplitude"]) + max(axes["drive_amplitude"]))
+    if isinstance(axes.get("frequency_ratio"), tuple):
+        ratio = 0.5 * (min(axes["frequency_ratio"]) + max(axes["frequency_ratio"]))
+    return Harmonic(
+        drive_amplitude=amplitude, drive_frequency=ratio * scenario.system.natural_frequency
+    )
+
+
+def spans_of(
+    known: Mapping[str, Parameter], scenario: Scenario, asked: tuple[Span | None, Span | None]
+) -> tuple[Span, Span]:
+    """Return both axes: those asked for, those of a sweep, or amplitude over frequency."""
+    usual: list[Span] = []
+    for name, values in scenario.varied.get("axes", {}).items():
+        if isinstance(values, Mapping) or name not in known or len(usual) == 2:
+            continue
+        low, high = min(values), max(values)
+        usual.append(Span(name, low, high) if low < high else _span(name, known, scenario))
+    names = ("drive_amplitude", "frequency_ratio", "initial_angle", "initial_angular_velocity")
+    for name in (*names, *known):
+        taken = {DERIVED.get(s.name, s.name) for s in usual}
+        if len(usual) < 2 and name in known and DERIVED.get(name, name) not in taken:
+            usual.append(_span(name, known, scenario))
+    y, x = sorted(usual, key=lambda s: s.name in ("frequency_ratio", "drive_frequency"))
+    chosen = []
+    for span, own in zip(asked, (x, y), strict=True):
+        if span is not None and span.name not in known:
+            raise ValueError(f"unknown parameter '{span.name}': {suggest(span.name, list(known))}")
+        if span is not None and math.isnan(span.low):
+            span = _span(span.name, known, scenario)
+        chosen.append(span or own)
+    return chosen[0], chosen[1]
+
+
+def _span(name: str, known: Mapping[str, Parameter], scenario: Scenario) -> Span:
+    return Span(name, *suggested_range(name, known, scenario))
+
+
+def suggested_range(
+    name: str, known: Mapping[str, Parameter], scenario: Scenario
+) -> tuple[float, float]:
+    """Return a range to begin with, inside what is allowed [SI]."""
+    allowed = known[name].allowed
+    axis = scenario.varied.get("axes", {}).get(name)
+    if axis is not None and not isinstance(axis, Mapping) and min(axis) < max(axis):
+        return float(min(axis)), float(max(axis))
+    if name == "drive_amplitude":
+        return 0.0, 0.5 * scenario.system.balls[0].length
+    if name == "amplitude_ratio":
+        return 0.0, 0.5
+    if name in SUGGESTED:
+        low, high = SUGGESTED[name]
+    else:
+        low, high = _around(options_of(scenario).get(name))
+    return _inside(low, high, allowed)
+
+
+def _around(value: Any) -> tuple[float, float]:
+    """Return a range about a value."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool) or not value:
+        return 0.0, 1.0
+    return (0.5 * value, 1.5 * value) if value > 0 else (1.5 * value, 0.5 * value)
+
+
+def _inside(low: float, high: float, allowed: Range) -> tuple[float, float]:
+    """Return a range moved into what is allowed."""
+    least, most = max(low, allowed.low), min(high, allowed.high)
+    size = most - least
+    if allowed.open_low and least == allowed.low:
+        least += 0.01 * size
+    if allowed.open_high and most == allowed.high:
+        most -= 0.01 * size
+    return float(least), float(most)
+
+
+def about_axis(name: str, parameter: Parameter, suggested: tuple[float, float]) -> dict[str, Any]:
+    """Return how an axis is shown."""
+    quantity = parameter.quantity
+    limits = (parameter.allowed.low, parameter.allowed.high)
+    side = next((s for s in ("right", "left") if s in name.split("_")), None)
+    return {
+        "name": name,
+        "label": quantity.long_name + (f", {side} ball" if side else ""),
+        "symbol": quantity.symbol,
+        "unit": quantity.unit,
+        "units": units_of(name, parameter.path[-1], quantity.unit),
+        "allowed": [v if math.isfinite(v) else None for v in limits],
+        "suggested": list(suggested),
+    }
+
+
+def watched_of(
+    varied: Mapping[str, Any], chosen: str | None, angles: int
+) -> tuple[tuple[str | Observable, ...], str, list[dict[str, Any]]]:
+    """Return what is gathered, which variable of it is shown, and what else may be chosen.
+
+    What a scenario gathers, or the usual three, is gathered together, so that a page changes
+    between them at once; anything else alone.
+    """
+    own = [checked_observable(each) for each in varied.get("observables", DEFAULT_OBSERVABLES)]
+    own = [each for each in own if mappable(each, angles)]
+    kinds: list[Any] = [type(each) for each in own]
+    everything = [*own, *(law() for law in observables.values() if law not in kinds)]
+    variables = [
+        {
+            "name": name,
+            "label": quantity.long_name,
+            "symbol": quantity.symbol,
+            "unit": quantity.unit,
+            "description": (type(each).__doc__ or "").splitlines()[0],
+            "together": each in own,
+        }
+        for each in everything
+        for name, quantity in mappable(each, angles).items()
+    ]
+    names = [v["name"] for v in variables]
+    if not own:
+        own = [everything[0]]
+    shown = chosen or next(iter(mappable(own[0], angles)))
+    if shown not in names:
+        raise ValueError(f"unknown observable '{shown}': {suggest(shown, names)}")
+    owner = next(each for each in everything if shown in mappable(each, angles))
+    return tuple(own if owner in own else [owner]), shown, variables
+
+
+def mappable(observable: Observable, angles: int) -> dict[str, Any]:
+    """Return the variables of an observable that are one number a point, or start with one."""
+    if observable.angles not in (0, angles):
+        return {}
+    return {
+        name: quantity
+        for name, quantity in observable.variables.items()
+        if observable.dimension in ("", "exponent") or name in observable.plain
+    }

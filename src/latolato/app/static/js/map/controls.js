@@ -1,0 +1,256 @@
+/** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
+
+import { el } from "../dom.js";
+import { t } from "../strings.js";
+import { plainSymbol } from "../units.js";
+import { SCALES } from "./colours.js";
+import { choice, QuantityField, tick } from "./fields.js";
+
+/** @typedef {import("../state.js").Store} Store */
+/** @typedef {import("./grid.js").Grid} Grid */
+
+const SIZES = [25, 50, 100, 200, 400];
+export const USUAL_SIZE = 200;
+/** Stands in the address for the parameters of the page. */
+export const PAGE = "page";
+
+export class MapControls {
+  /**
+   * @param {any} registry
+   * @param {Store} store
+   * @param {(text: string | null) => void} trials called with the text of a trial table
+   */
+  constructor(registry, store, trials) {
+    this.registry = registry;
+    this.store = store;
+    /** @type {string[]} */
+    this.stored = [];
+    const set = (/** @type {Record<string, any>} */ values) => this.keep(values);
+    const number = (/** @type {string} */ name, /** @type {string} */ key, hint = "") =>
+      new QuantityField(t(name), (v) => set({ [key]: v }), hint ? t(hint) : "");
+    this.source = choice(t("mapSource"), (value) => this.choose(value));
+    this.about = el("p", { class: "hint" });
+    this.x = choice(t("mapX"), (v) => set({ x: v, xlow: null, xhigh: null, at: null }));
+    this.y = choice(t("mapY"), (v) => set({ y: v, ylow: null, yhigh: null, at: null }));
+    const end = (/** @type {string} */ name, /** @type {"x" | "y"} */ which,
+      /** @type {"low" | "high"} */ side) => new QuantityField(t(name), (value) =>
+      set(this.axis(which, side, value)));
+    this.ends = { xlow: end("mapFrom", "x", "low"), xhigh: end("mapTo", "x", "high"),
+      ylow: end("mapFrom", "y", "low"), yhigh: end("mapTo", "y", "high") };
+    /** @type {any} */
+    this.choices = null;
+    this.observable = choice(t("mapObservable"), (v) =>
+      set({ observable: v, low: null, high: null }));
+    this.meaning = el("p", { class: "hint" });
+    this.ball = choice(t("mapBall"), (v) => set({ ball: v }));
+    this.select = el("div", { class: "fields" });
+    this.size = choice(t("mapSize"), (v) => set({ size: v === String(USUAL_SIZE) ? null : v }));
+    this.duration = number("mapDuration", "duration");
+    this.transient = number("mapTransient", "transient", "mapTransientHint");
+    this.scale = choice(t("mapScale"), (v) => set({ scale: v === SCALES[0] ? null : v }));
+    this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : null, low: null, high: null }));
+    this.low = number("mapLow", "low");
+    this.high = number("mapHigh", "high");
+    this.tongue = tick(t("mapTongue"), (on) => set({ tongue: on ? null : 0 }));
+    this.lift = tick(t("mapLift"), (on) => set({ lift: on ? null : 0 }));
+    this.overNote = el("p", { class: "hint" });
+    const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials",
+      on: { change: async () => {
+        const [chosen] = file.files ?? [];
+        trials(chosen ? await chosen.text() : null);
+      } } });
+    this.file = file;
+    this.trialNote = el("p", { class: "hint", role: "status" });
+    this.top = el("div", { class: "source" }, this.source.root, this.about);
+    this.root = el("div", { class: "form" },
+      this.group("mapAxes", true, this.x.root, this.pair("xlow", "xhigh"),
+        this.y.root, this.pair("ylow", "yhigh"), this.select),
+      this.group("mapWhat", true, this.observable.root, this.meaning, this.ball.root,
+        this.size.root, this.duration.root, this.transient.root),
+      this.group("mapColours", false, this.scale.root, this.log.root,
+        this.low.root, this.high.root),
+      this.group("mapOver", false, this.tongue.root, this.lift.root, this.overNote,
+        el("div", { class: "field preset" }, el("label", { for: "map-trials" }, t("mapTrials")),
+          el("p", { class: "hint" }, t("mapTrialsHint")), file), this.trialNote));
+  }
+
+  /**
+   * @param {string} title
+   * @param {boolean} open
+   * @param {...Node} parts
+   */
+  group(title, open, ...parts) {
+    return el("details", { open }, el("summary", {}, t(title)),
+      el("div", { class: "fields" }, ...parts));
+  }
+
+  /**
+   * @param {"xlow" | "ylow"} low
+   * @param {"xhigh" | "yhigh"} high
+   */
+  pair(low, high) {
+    return el("div", { class: "two" }, this.ends[low].root, this.ends[high].root);
+  }
+
+  /**
+   * Return what the address keeps of an axis of which one end was changed; an empty end stands for
+   * the usual range.
+   * @param {"x" | "y"} which
+   * @param {"low" | "high"} side
+   * @param {number | null} value
+   */
+  axis(which, side, value) {
+    const { name, low, high } = this.choices[which];
+    const ends = value === null ? { low: null, high: null } : { low, high, [side]: value };
+    return { [which]: name, [`${which}low`]: ends.low, [`${which}high`]: ends.high };
+  }
+
+  /**
+   * Keep values of the view in the address; null takes one out.
+   * @param {Record<string, any>} values
+   */
+  keep(values) {
+    const extra = { ...this.store.state.extra };
+    for (const [name, value] of Object.entries(values)) {
+      if (value === null) delete extra[`map.${name}`];
+      else extra[`map.${name}`] = String(value);
+    }
+    this.store.set({ extra }, "extra");
+  }
+
+  /** @param {string} value */
+  choose(value) {
+    const { extra } = this.store.state;
+    const kept = Object.fromEntries(Object.entries(extra).filter(([name]) =>
+      !name.startsWith("map.") || ["map.size", "map.scale"].includes(name)));
+    const [kind, name] = value === PAGE ? ["", ""] : [value.slice(0, 1), value.slice(2)];
+    if (kind === "s" || value === PAGE) kept["map.scenario"] = name || PAGE;
+    if (kind === "f") kept["map.stored"] = name;
+    const options = value === PAGE ? this.store.state.options : {};
+    const scenario = value === PAGE ? this.store.state.scenario : null;
+    this.store.set({ extra: kept, options, scenario }, "preset");
+  }
+
+  /**
+   * Show where the parameters come from.
+   * @param {{scenario: string | null, stored: string | null}} from
+   */
+  showSource({ scenario, stored }) {
+    const sweeps = Object.entries(this.registry.scenarios).filter(([, s]) => s.sweep);
+    const entries = [
+      ...sweeps.map(([name, s]) => ({ value: `s:${name}`, title: s.description,
+        text: s.figure ? t("mapFigure", { title: s.title, figure: s.figure }) : s.title,
+        group: t("mapShipped") })),
+      ...this.stored.map((name) => ({ value: `f:${name}`, text: name, group: t("mapStored") })),
+      { value: PAGE, text: t("mapPage"), group: t("mapOwn") },
+    ];
+    this.source.show(entries, stored ? `f:${stored}` : scenario ? `s:${scenario}` : PAGE);
+    this.about.textContent = scenario ? this.registry.scenarios[scenario]?.description ?? "" : "";
+  }
+
+  /**
+   * Show what a computed map may be made of.
+   * @param {any} choices
+   */
+  showChoices(choices) {
+    this.choices = choices;
+    const axes = choices.axes.map((/** @type {any} */ a) => {
+      const symbol = plainSymbol(a.symbol);
+      const text = `${a.label}${symbol ? ` ${symbol}` : ""}`;
+      return { value: a.name, text, title: a.name };
+    });
+    this.x.show(axes, choices.x.name);
+    this.y.show(axes, choices.y.name);
+    const about = (/** @type {string} */ name) =>
+      choices.axes.find((/** @type {any} */ a) => a.name === name);
+    for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
+      const axis = about(choices[which].name);
+      this.ends[`${which}low`].show(choices[which].low, axis.units);
+      this.ends[`${which}high`].show(choices[which].high, axis.units);
+    }
+    this.observable.show(choices.variables.map((/** @type {any} */ v) => ({ value: v.name,
+      text: v.label, title: v.description,
+      group: t(v.together ? "mapTogether" : "mapAlone") })), choices.observable);
+    const seconds = [{ name: "s", size: 1 }, { name: "min", size: 60 }];
+    this.duration.show(choices.duration, seconds);
+    this.transient.show(choices.transient, seconds);
+    const sizes = SIZES.map((n) => ({ value: String(n),
+      text: t("mapSizeText", { n, points: n * n }) }));
+    this.size.show(sizes, this.store.state.extra["map.size"] ?? String(USUAL_SIZE));
+    this.parts(true);
+  }
+
+  /**
+   * Show what a stored map may be looked at by.
+   * @param {any} about
+   */
+  showStored(about) {
+    this.observable.show(about.names.map((/** @type {string} */ name) => ({ value: name,
+      text: this.labelOf(name) })), about.observable);
+    this.select.replaceChildren(...about.select.map((/** @type {any} */ each) => {
+      const label = this.labelOf(each.dim, each.label);
+      const made = choice(label, (v) => this.keep({ [`at_${each.dim}`]: v, at: null }));
+      made.show(each.values.map((/** @type {string} */ v, /** @type {number} */ i) =>
+        ({ value: String(i), text: each.unit === "1" ? v : `${v} ${each.unit}` })),
+      String(each.index));
+      return made.root;
+    }));
+    this.parts(false);
+  }
+
+  /**
+   * @param {string} name
+   * @param {string} [other]
+   */
+  labelOf(name, other = name) {
+    for (const { variables } of /** @type {any[]} */ (Object.values(this.registry.observables)))
+      if (name in variables) return variables[name].label;
+    return this.registry.quantities[name]?.label ?? other;
+  }
+
+  /** @param {boolean} computed */
+  parts(computed) {
+    const ends = Object.values(this.ends).map((end) => end.root);
+    for (const part of [this.x.root, this.y.root, this.size.root, this.duration.root,
+      this.transient.root, ...ends]) part.hidden = !computed;
+    if (computed) this.select.replaceChildren();
+  }
+
+  /**
+   * Show what is drawn over the map, and why something is not.
+   * @param {import("./over.js").Over} over
+   */
+  showOver({ lines, trials, outside, notes }) {
+    this.tongue.box.disabled = !lines.some(({ name }) => name === "tongue");
+    this.lift.box.disabled = !lines.some(({ name }) => name === "lift_off");
+    this.overNote.textContent = Object.values(notes).join(" ");
+    this.trialNote.textContent = trials
+      ? t("mapTrialCount", { count: trials.xs.length, outside }) : "";
+  }
+
+  /**
+   * Show how values become colours.
+   * @param {Grid} grid
+   * @param {import("./chart.js").Look} look
+   */
+  showLook(grid, look) {
+    const { extra } = this.store.state;
+    const variable = grid.variables[look.variable];
+    this.scale.show(SCALES.map((name) => ({ value: name, text: name })), look.scale);
+    this.log.box.checked = look.log;
+    this.low.show(look.limits[0], variable.units, "map.low" in extra);
+    this.high.show(look.limits[1], variable.units, "map.high" in extra);
+    const classes = variable.classes.length > 0;
+    for (const part of [this.scale.root, this.log.root, this.low.root, this.high.root])
+      part.hidden = classes;
+    const balls = grid.variables.filter((v) => v.name === variable.name && v.ball);
+    this.ball.root.hidden = balls.length < 2;
+    this.ball.show(balls.map((v) => ({ value: v.ball ?? "", text: t(v.ball ?? "right") })),
+      variable.ball ?? "");
+    const known = Object.values(this.registry.observables).find((/** @type {any} */ o) =>
+      variable.name in o.variables);
+    const words = /** @type {any} */ (known)?.description ?? "";
+    const plain = words.replaceAll("`", "").replaceAll("+-", "±").replaceAll("_", " ");
+    this.meaning.textContent = plain;
+  }
+}

@@ -1,0 +1,60 @@
+/** The run of one point of a map, beside it. */
+
+import { askBlock } from "../api.js";
+import { el } from "../dom.js";
+import { textOf } from "../form.js";
+import { Motion } from "../motion.js";
+import { Preview } from "../preview.js";
+import { t } from "../strings.js";
+
+export class PointPanel {
+  /**
+   * @param {any} registry
+   * @param {(options: Record<string, string>) => void} open called with the options of the run
+   */
+  constructor(registry, open) {
+    this.registry = registry;
+    /** @type {Record<string, any> | null} options of the run on show, in SI units */
+    this.options = null;
+    this.turn = 0;
+    this.preview = new Preview();
+    this.preview.root.hidden = true;
+    this.title = el("p", { class: "hint", role: "status" }, t("mapPickHint"));
+    this.button = el("button", { type: "button", disabled: true,
+      on: { click: () => open(this.texts()) } }, t("mapOpenInPlay"));
+    this.root = el("aside", { class: "card point" }, el("h2", {}, t("mapPoint")), this.title,
+      this.preview.root, el("div", { class: "actions" }, this.button));
+  }
+
+  /** Return the options of the run as texts with units. */
+  texts() {
+    return Object.fromEntries(Object.entries(this.options ?? {}).map(([name, value]) =>
+      [name, textOf(this.registry.options[name], value)]));
+  }
+
+  /**
+   * Show the run of a point; an answer that comes after a newer question is left out.
+   * @param {Record<string, any>} asked
+   * @param {string} words what the point is
+   */
+  async run(asked, words) {
+    this.turn += 1;
+    const { turn } = this;
+    this.title.textContent = t("mapRunning");
+    try {
+      const block = await askBlock("/api/map/point", asked);
+      if (turn !== this.turn) return;
+      this.options = block.about.options;
+      this.preview.root.hidden = false;
+      this.preview.show(new Motion(block));
+      this.title.textContent = words;
+      this.button.disabled = false;
+      this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (turn !== this.turn) return;
+      this.title.textContent = error.message;
+      this.button.disabled = true;
+    }
+  }
+}

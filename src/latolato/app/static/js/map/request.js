@@ -1,0 +1,67 @@
+/** What the Map view asks for: the address of the page becomes a plan for the server. */
+
+import { FIRST } from "../views/play.js";
+import { PAGE, USUAL_SIZE } from "./controls.js";
+
+/** @typedef {import("../state.js").State} State */
+/** @typedef {{scenario: string | null, stored: string | null}} Source */
+
+/** The shipped sweep that is shown where the address names nothing. */
+export const FIRST_MAP = "fig05_push";
+const TAKEN = "map.at_";
+
+/**
+ * Return where the parameters of a map come from: a stored map, a shipped sweep, or the page.
+ * @param {any} registry
+ * @param {State} state
+ * @returns {Source}
+ */
+export function sourceOf(registry, state) {
+  const stored = state.extra["map.stored"] ?? null;
+  if (stored) return { scenario: null, stored };
+  const named = state.extra["map.scenario"] ?? state.scenario;
+  if (named === PAGE) return { scenario: null, stored: null };
+  if (named && registry.scenarios[named]?.sweep) return { scenario: named, stored: null };
+  const untouched = !state.scenario && !Object.keys(state.options).length;
+  return { scenario: untouched ? FIRST_MAP : null, stored: null };
+}
+
+/**
+ * Return the plan of the map that the address asks for.
+ * @param {any} registry
+ * @param {State} state
+ * @returns {Record<string, any>}
+ */
+export function requestOf(registry, state) {
+  const get = (/** @type {string} */ name) => state.extra[`map.${name}`] ?? null;
+  const number = (/** @type {string} */ name) => {
+    const value = get(name);
+    return value === null || !Number.isFinite(Number(value)) ? null : Number(value);
+  };
+  const { scenario, stored } = sourceOf(registry, state);
+  const observable = get("observable");
+  if (stored) {
+    const select = Object.fromEntries(Object.entries(state.extra)
+      .filter(([name]) => name.startsWith(TAKEN))
+      .map(([name, v]) => [name.slice(TAKEN.length), Math.abs(Math.round(Number(v))) || 0]));
+    return { stored, observable, select };
+  }
+  const axis = (/** @type {"x" | "y"} */ which) => {
+    const name = get(which);
+    const [low, high] = [number(`${which}low`), number(`${which}high`)];
+    if (!name) return null;
+    return low === null || high === null ? { name } : { name, low, high };
+  };
+  const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));
+  const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);
+  return { scenario: base, options: state.options, x: axis("x"), y: axis("y"), observable,
+    width: size, height: size, duration: number("duration"), transient: number("transient") };
+}
+
+/**
+ * Return a text that is the same for requests that differ in the observable only.
+ * @param {Record<string, any>} request
+ */
+export function sameBut(request) {
+  return JSON.stringify({ ...request, observable: null });
+}

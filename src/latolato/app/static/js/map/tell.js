@@ -1,0 +1,74 @@
+/** What a map says in words: places, values, colours. */
+
+import { el } from "../dom.js";
+import { t } from "../strings.js";
+import { plainSymbol, short, shownUnit } from "../units.js";
+import { sizeOf } from "./axes.js";
+
+/** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("./grid.js").Variable} Variable */
+
+const TRIALS = { none: "●", weak: "▲", strong: "◆" };
+
+/**
+ * Return a value with the unit in which it is shown.
+ * @param {{units: {name: string, size: number}[]}} about
+ * @param {number} value in SI units
+ */
+export function withUnit(about, value) {
+  const unit = shownUnit(about.units[0]?.name ?? "");
+  const gap = unit && !unit.startsWith("°") ? " " : "";
+  return `${short(value / sizeOf(about), 4)}${gap}${unit}`;
+}
+
+/**
+ * Return a parameter and its value.
+ * @param {import("./grid.js").Axis} axis
+ * @param {number} value in SI units
+ */
+export function withName(axis, value) {
+  return `${plainSymbol(axis.symbol) || axis.label} = ${withUnit(axis, value)}`;
+}
+
+/**
+ * Return what is known of a cell in words.
+ * @param {Grid} grid
+ * @param {number} cell
+ * @param {number} k place of the variable
+ */
+export function cellText(grid, cell, k) {
+  const column = cell % grid.width;
+  const line = (cell - column) / grid.width;
+  const variable = grid.variables[k];
+  const { value, why, status, exact } = grid.tell(cell, k);
+  let told = withUnit(variable, value);
+  if (why) told = t(why === "noAnswer" ? "mapNone" : why, { status });
+  else if (variable.classes.length) told = variable.classes[Math.round(value)]?.[0] ?? "";
+  const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
+  return [withName(grid.xAxis, grid.x[column]), withName(grid.yAxis, grid.y[line]),
+    `${variable.label}: ${told}${coarse}`].join(" · ");
+}
+
+/**
+ * Return the entries that explain colours of classes, cells without an answer, curves and trials.
+ * @param {Grid} grid
+ * @param {Variable} variable
+ * @param {{name: string}[]} lines
+ * @param {boolean} trials
+ */
+export function legend(grid, variable, lines, trials) {
+  const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
+    const key = el("span", { class: "swatch" });
+    key.style.background = paint;
+    return el("li", {}, key, text);
+  };
+  const bad = grid.withoutAnswer();
+  return [
+    ...variable.classes.map(([text, paint]) => entry(text, paint)),
+    ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
+    ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
+      t(name === "tongue" ? "mapTongue" : "mapLift"))),
+    ...Object.entries(trials ? TRIALS : {}).map(([name, mark]) => el("li", {},
+      el("span", { class: `trial ${name}`, "aria-hidden": "true" }, mark), t(`trial_${name}`))),
+  ];
+}

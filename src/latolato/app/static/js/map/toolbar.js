@@ -1,0 +1,51 @@
+/** What stands above a map: stop, zoom, move, save, and how far it is. */
+
+import { el } from "../dom.js";
+import { t } from "../strings.js";
+
+/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void,
+ *   save: () => void}} Actions */
+
+export class Toolbar {
+  /** @param {Actions} actions */
+  constructor(actions) {
+    const button = (/** @type {string} */ name, /** @type {() => void} */ action, text = t(name)) =>
+      el("button", { type: "button", title: t(name), "aria-label": t(name),
+        on: { click: action } }, text);
+    this.panning = false;
+    this.stop = button("mapStop", actions.stop);
+    this.back = button("mapBack", actions.back);
+    this.pan = button("mapPan", () => {
+      this.panning = !this.panning;
+      this.pan.setAttribute("aria-pressed", String(this.panning));
+    });
+    this.pan.setAttribute("aria-pressed", "false");
+    this.progress = el("progress", { max: 1, value: 0, "aria-label": t("mapProgress") });
+    this.text = el("span", { class: "soft progress-text", role: "status" });
+    this.root = el("div", { class: "row map-bar" }, this.stop, this.back,
+      button("mapIn", () => actions.scale(0.5), "+"),
+      button("mapOut", () => actions.scale(2), "−"), this.pan,
+      button("mapPicture", actions.save), this.progress, this.text);
+  }
+
+  /**
+   * Say how far the map is.
+   * @param {string} text
+   * @param {number | null} [share] null leaves the bar as it is
+   */
+  say(text, share = null) {
+    this.text.textContent = text;
+    if (share !== null) this.progress.value = share;
+  }
+
+  /**
+   * Show whether there is something to stop.
+   * @param {boolean} busy
+   */
+  busy(busy) {
+    const name = t(busy ? "mapStop" : "mapAgain");
+    if (this.stop.textContent === name) return;
+    this.stop.textContent = this.stop.title = name;
+    this.stop.setAttribute("aria-label", name);
+  }
+}

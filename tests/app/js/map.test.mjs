@@ -1,0 +1,86 @@
+// Cells of a map, its colours and its address.
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
+import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
+import { movedBy } from "../../../src/latolato/app/static/js/map/travel.js";
+import { plainSymbol } from "../../../src/latolato/app/static/js/units.js";
+
+const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
+
+function grid(width, height) {
+  const middles = (n) => Float64Array.from({ length: n }, (_, i) => i);
+  const edges = (n) => Float64Array.from({ length: n + 1 }, (_, i) => i - 0.5);
+  return new Grid({
+    about: { x: AXIS, y: AXIS, variables: [{ name: "a", ball: null }], points: width * height },
+    arrays: { x: middles(width), y: middles(height), x_edges: edges(width), y_edges: edges(height) },
+    shapes: {},
+  });
+}
+
+function cells(numbers, strides, values) {
+  return { about: { points: numbers.length }, shapes: { values: [1, numbers.length] }, arrays: {
+    cell: Int32Array.from(numbers), stride: Uint8Array.from(strides),
+    status: new Uint8Array(numbers.length), values: Float32Array.from(values) } };
+}
+
+test("a value lies in the cell between whose borders it is", () => {
+  const edges = [0, 1, 4, 5];
+  assert.deepEqual([-0.1, 0, 0.9, 1, 3.9, 5, 5.1].map((v) => cellAt(edges, v)),
+    [-1, 0, 0, 1, 1, 2, -1]);
+});
+
+test("a coarse point colours its neighbours until they have their own", () => {
+  const found = grid(4, 4);
+  found.put(cells([0, 2, 8, 10], [2, 2, 2, 2], [1, 2, 3, 4]));
+  const none = NaN;
+  assert.deepEqual([...found.values[0]], [1, 2, 2, none, 3, 4, 4, none, 3, 4, 4, none,
+    none, none, none, none]);
+  found.put(cells([1, 5], [1, 1], [7, 8]));
+  assert.equal(found.values[0][1], 7);
+  assert.equal(found.values[0][5], 8);
+  assert.equal(found.values[0][6], 4);
+  assert.equal(found.tell(6, 0).exact, false);
+  assert.equal(found.tell(5, 0).exact, true);
+  // A coarse chunk that comes late changes nothing that is known better.
+  found.put(cells([10], [2], [9]));
+  assert.equal(found.values[0][5], 8);
+  assert.equal(found.values[0][10], 9);
+});
+
+test("a moved map keeps the cells that both have, and asks for the others only", () => {
+  const old = grid(4, 3);
+  old.put(cells([...Array(12).keys()], Array(12).fill(1), [...Array(12).keys()]));
+  old.complete = true;
+  const { box, known, moved } = movedBy(old, 1, -1);
+  // Downwards is forbidden: amounts are not negative.
+  assert.deepEqual(box, [1, 4, 0, 2]);
+  assert.deepEqual(known, [0, 2, 0, 2]);
+  const next = grid(4, 3);
+  assert.deepEqual(next.takeOver(old, moved.columns, moved.rows), [0, 2, 0, 2]);
+  assert.deepEqual([...next.values[0]].slice(0, 4).map((v) => (Number.isNaN(v) ? null : v)),
+    [1, 2, 3, null]);
+});
+
+test("scales are tables of 256 opaque colours from dark to bright", () => {
+  for (const name of ["viridis", "cividis", "magma"]) {
+    const table = colourTable(name);
+    assert.equal(table.length, 256);
+    let before = -1;
+    for (const pixel of table) {
+      assert.equal(pixel >>> 24, 255);
+      const [r, g, b] = [pixel & 255, (pixel >> 8) & 255, (pixel >> 16) & 255];
+      const light = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+      assert.ok(light >= before - 1, `${name} gets darker`);
+      before = light;
+    }
+  }
+});
+
+test("symbols become one line of text", () => {
+  assert.equal(plainSymbol("A_0"), "A₀");
+  assert.equal(plainSymbol("\\omega/\\omega_0"), "ω/ω₀");
+  assert.equal(plainSymbol("\\langle E\\rangle"), "⟨E⟩");
+  assert.equal(plainSymbol("\\theta_{max}"), "θ_max");
+});

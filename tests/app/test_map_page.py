@@ -1,0 +1,236 @@
+"""Map in a real browser."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from app_server import start_server, stop_server
+from browser_checks import serious_faults
+
+PATIENCE = 60_000  # ms
+# Short runs, few points; a map whose boundary is known.
+QUERY = "&map.scenario=fig05_push&map.duration=20&map.size=24&map.observable=largest_angle"
+
+
+def open_map(page, query=QUERY, path="/"):
+    page.goto(f"{path}?view=map{query}")
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+
+
+def wait_done(page, number):
+    page.wait_for_selector(f"[data-done='{number}']", timeout=PATIENCE)
+
+
+PIXELS = """() => {
+  const { chart } = window.latolato.views.map;
+  chart.lines = [];
+  chart.cross = null;
+  chart.draw();
+  const context = chart.canvas.getContext("2d");
+  const box = chart.canvas.getBoundingClientRect();
+  const ratio = chart.canvas.width / box.width;
+  const frame = chart.frame();
+  const image = context.getImageData(frame.left, frame.top, frame.width, frame.height);
+  return { frame, ratio, left: box.left, top: box.top, data: Array.from(image.data) };
+}"""
+
+
+def colours_of(values, low, high):
+    """Return what matplotlib makes of values."""
+    import matplotlib as mpl
+
+    place = np.clip((values - low) / (high - low), 0.0, 1.0)
+    return np.round(255 * mpl.colormaps["viridis"](place)[..., :3])
+
+
+def test_every_cell_has_its_colour_where_the_axes_say_with_the_small_values_below(page):
+    open_map(page)
+    found = page.evaluate(PIXELS)
+    frame = found["frame"]
+    pixels = np.array(found["data"]).reshape(frame["height"], frame["width"], 4)[..., :3]
+    amplitudes, ratios = np.linspace(0.0, 0.5, 24), np.linspace(0.0, 5.0, 24)
+    axes = {"drive_amplitude": amplitudes, "frequency_ratio": ratios}
+    angle = ll.load_scenario("fig05_push").sweep(duration=20.0, axes=axes).largest_angle.values
+    wanted = colours_of(angle, angle.min(), angle.max())
+    # Cells reach halfway to their neighbours, amounts not below zero.
+    x_edges = np.concatenate([[0.0], 0.5 * (ratios[1:] + ratios[:-1]), [5.0 + 2.5 / 23]])
+    y_edges = np.concatenate([[0.0], 0.5 * (amplitudes[1:] + amplitudes[:-1]), [0.5 + 0.25 / 23]])
+    for i in range(24):
+        for j in range(24):
+            middle_x = 0.5 * (x_edges[j] + x_edges[j + 1]) / x_edges[-1]
+            middle_y = 0.5 * (y_edges[i] + y_edges[i + 1]) / y_edges[-1]
+            column = int(middle_x * frame["width"])
+            line = int((1.0 - middle_y) * frame["height"])  # the first line is the top
+            # 64 colours are interpolated, and rounded twice.
+            assert np.abs(pixels[line, column] - wanted[i, j]).max() <= 4, (i, j)
+    # The border between two cells lies where the axis has it.
+    row = int((1.0 - 0.5 * (y_edges[15] + y_edges[16]) / y_edges[-1]) * frame["height"])
+    jump = int(np.argmax(np.abs(np.diff(wanted[15], axis=0)).max(axis=1)))
+    border = x_edges[jump + 1] / x_edges[-1] * frame["width"]
+    near = pixels[row, int(border) - 3 : int(border) + 4]
+    place = int(border) - 3 + int(np.argmax(np.abs(np.diff(near, axis=0)).max(axis=1))) + 1
+    assert abs(place - border) <= 1.0
+
+
+def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
+    open_map(page)
+    frame = page.evaluate(PIXELS)
+    inner, ratio = frame["frame"], frame["ratio"]
+    # The cell in column 12 and row 18 from below.
+    x = frame["left"] + (inner["left"] + inner["width"] * 12.0 / 23.5) / ratio
+    y = frame["top"] + (inner["top"] + inner["height"] * (1.0 - 18.0 / 23.5)) / ratio
+    page.mouse.click(x, y)
+    page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
+    amplitude, number = 0.5 * 18 / 23, 5.0 * 12 / 23
+    page.get_by_text(re.compile(rf"A₀ = {1e3 * amplitude:.4g} mm")).first.wait_for()
+    assert page.get_by_role("img", name="angle [°]").count() == 1
+    page.get_by_role("button", name="Open in Play").click()
+    page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
+    page.wait_for_function("() => location.search.includes('view=play')")
+    shown = page.get_by_label("driving amplitude A", exact=False).first
+    assert float(shown.input_value()) == pytest.approx(amplitude, rel=1e-5)
+    frequency = page.get_by_label("angular driving frequency", exact=False).first.input_value()
+    assert float(frequency) == pytest.approx(number * 9.8**0.5, rel=1e-5)
+
+
+def test_keys_move_the_cross_and_show_its_run(page):
+    open_map(page)
+    field = page.get_by_role("application")
+    field.focus()
+    page.wait_for_selector("[data-runs='1']", timeout=PATIENCE)
+    before = page.evaluate("() => window.latolato.views.map.chart.cross")
+    field.press("ArrowUp")
+    field.press("ArrowRight")
+    field.press("Enter")
+    page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
+    after = page.evaluate("() => window.latolato.views.map.chart.cross")
+    assert after[0] - before[0] == pytest.approx(5.0 / 23)
+    assert after[1] - before[1] == pytest.approx(0.5 / 23)
+    page.wait_for_function("() => location.search.includes('map.at=')")
+
+
+def test_a_box_is_computed_in_full_and_escape_leads_back(page):
+    open_map(page)
+    frame = page.evaluate(PIXELS)
+    inner, ratio = frame["frame"], frame["ratio"]
+
+    def at(x, y):
+        return (
+            frame["left"] + (inner["left"] + x * inner["width"]) / ratio,
+            frame["top"] + (inner["top"] + (1.0 - y) * inner["height"]) / ratio,
+        )
+
+    page.mouse.move(*at(0.25, 0.5))
+    page.mouse.down()
+    page.mouse.move(*at(0.4, 0.6))
+    page.mouse.move(*at(0.75, 0.9))
+    page.mouse.up()
+    wait_done(page, 2)
+    grid = page.evaluate(
+        """() => {
+          const { grid } = window.latolato.views.map;
+          return { x: Array.from(grid.x), y: Array.from(grid.y), complete: grid.complete };
+        }"""
+    )
+    assert grid["complete"]
+    assert len(grid["x"]) == 24
+    x_end, y_end = 5.0 + 2.5 / 23, 0.5 + 0.25 / 23
+    pixel = 1.5 / inner["width"]
+    assert grid["x"][0] == pytest.approx(0.25 * x_end, abs=pixel * x_end)
+    assert grid["x"][-1] == pytest.approx(0.75 * x_end, abs=pixel * x_end)
+    assert grid["y"][0] == pytest.approx(0.5 * y_end, abs=2 * pixel * y_end)
+    assert grid["y"][-1] == pytest.approx(0.9 * y_end, abs=2 * pixel * y_end)
+    field = page.get_by_role("application")
+    field.focus()
+    # A move computes the new cells only.
+    field.press("Shift+ArrowRight")
+    wait_done(page, 3)
+    page.get_by_text(re.compile(rf"^{5 * 24} runs in")).wait_for()
+    field.press("Escape")
+    page.wait_for_function("() => window.latolato.views.map.grid.x[0] === 0")
+    page.get_by_text("576 points", exact=True).wait_for()
+
+
+def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
+    table = tmp_path / "trials.csv"
+    table.write_text(
+        "drive_amplitude,frequency_ratio,class\n"
+        "100 mm,1.0,none\n200 mm,1.0,weak\n300 mm,1.0,strong\n"
+    )
+    open_map(page)
+    page.get_by_text("Curves and trials").click()
+    page.get_by_label("Trial table").set_input_files(table)
+    page.get_by_text("3 trials, 0 of them outside of the map.").wait_for()
+    found = page.evaluate(
+        """() => {
+          const { chart } = window.latolato.views.map;
+          const context = chart.canvas.getContext("2d");
+          const { width, height } = chart.canvas;
+          const { data } = context.getImageData(0, 0, width, height);
+          return [0.1, 0.2, 0.3].map(y => {
+            const [px, py] = chart.place(1.0, y).map(Math.round);
+            return Array.from(data.slice(4 * (py * width + px), 4 * (py * width + px) + 3));
+          });
+        }"""
+    )
+    assert found == [[0xF2, 0xA3, 0x1B], [0x0F, 0x96, 0x7C], [0x2B, 0x62, 0xC9]]
+
+
+def test_classes_have_a_legend_instead_of_a_bar(page):
+    open_map(
+        page,
+        "&map.scenario=fig09&map.duration=30&map.transient=20&map.size=12"
+        "&map.observable=motion_class",
+    )
+    for name in ("none", "weak", "strong"):
+        page.get_by_role("listitem").get_by_text(name, exact=True).wait_for()
+    assert page.get_by_role("img", name="Colour bar").count() == 0
+
+
+def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
+    open_map(page)
+    upper = page.get_by_label("to", exact=True).nth(1)
+    upper.fill("-3 mm")
+    upper.press("Enter")
+    page.get_by_role("alert").get_by_text("y must go upwards").wait_for()
+    upper.fill("30 cm")
+    upper.press("Enter")
+    wait_done(page, 2)
+    assert page.evaluate("() => window.latolato.views.map.grid.y[23]") == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_map_is_open_to_everybody(page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    open_map(page)
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert serious_faults(page) == []
+    page.set_viewport_size({"width": 390, "height": 800})
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    assert serious_faults(page) == []
+
+
+def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
+    axes = {"drive_amplitude": [0.1, 0.2, 0.4], "frequency_ratio": [1.0, 2.0, 4.0]}
+    ll.load_scenario("fig05_push").sweep(axes=axes, duration=5.0, store=tmp_path / "own.zarr")
+    server = start_server("--open", str(tmp_path / "own.zarr"))
+    context = browser.new_context(base_url=server.address)
+    try:
+        page = context.new_page()
+        page.goto("/?view=map&map.scenario=fig05_push&map.duration=5&map.size=8")
+        page.wait_for_selector("[data-done]", timeout=PATIENCE)
+        page.get_by_label("Map of").select_option("own.zarr")
+        wait_done(page, 2)
+        assert page.evaluate("() => Array.from(window.latolato.views.map.grid.y)") == [
+            0.1,
+            0.2,
+            0.4,
+        ]
+        page.get_by_text("9 points", exact=True).wait_for()
+    finally:
+        context.close()
+        stop_server(server)

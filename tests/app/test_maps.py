@@ -1,0 +1,416 @@
+"""Maps that pages ask for are the sweeps of the library, cell by cell, and end when pages go."""
+
+import contextlib
+import json
+import time
+
+import hypothesis
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
+
+import latolato as ll
+from latolato.app.blocks import unpack
+from latolato.app.map_asked import MapAsked, make_map
+from latolato.app.map_job import in_order, levels
+from latolato.app.map_stored import named
+from latolato.app.server import Settings, make_app
+
+HOME = "http://127.0.0.1:8000"
+SMALL = {
+    "scenario": "fig05_push",
+    "options": {},
+    "duration": 20.0,
+    "width": 14,
+    "height": 9,
+    "x": {"name": "frequency_ratio", "low": 0.5, "high": 4.5},
+    "y": {"name": "drive_amplitude", "low": 0.05, "high": 0.45},
+}
+
+
+@pytest.fixture
+def client():
+    with TestClient(make_app(Settings()), base_url=HOME) as found:
+        yield found
+
+
+def connected(client):
+    return client.websocket_connect("ws://127.0.0.1:8000/ws/map", headers={"origin": HOME})
+
+
+def asked(client, plan):
+    """Return texts, headers and arrays of everything that the server sends for a plan."""
+    texts, blocks = [], []
+    with connected(client) as socket:
+        socket.send_text(plan if isinstance(plan, str) else json.dumps(plan))
+        while True:
+            message = socket.receive()
+            if message["type"] == "websocket.close":
+                return texts, blocks
+            if message.get("text") is not None:
+                texts.append(json.loads(message["text"]))
+            else:
+                blocks.append(unpack(message["bytes"]))
+
+
+def gathered(blocks):
+    """Return each variable of a map as rows from the bottom, and the statuses."""
+    about, sides = blocks[0]
+    shape = len(sides["y"]), len(sides["x"])
+    values = np.full((len(about["variables"]), shape[0] * shape[1]), np.nan, np.float32)
+    status = np.full(shape[0] * shape[1], 255, np.uint8)
+    for header, arrays in blocks[1:]:
+        if header["kind"] == "cells":
+            values[:, arrays["cell"]] = arrays["values"]
+            status[arrays["cell"]] = arrays["status"]
+    names = [v["name"] if v["ball"] is None else (v["name"], v["ball"]) for v in about["variables"]]
+    return dict(zip(names, values.reshape(-1, *shape), strict=True)), status.reshape(shape)
+
+
+def test_a_finished_map_is_the_sweep_over_the_same_axes_cell_by_cell(client):
+    texts, blocks = asked(client, SMALL)
+    assert "choices" in texts[0]
+    assert blocks[-1][0]["kind"] == "done"
+    values, status = gathered(blocks)
+    wanted = ll.load_scenario("fig05_push").sweep(
+        duration=20.0,
+        axes={
+            "drive_amplitude": np.linspace(0.05, 0.45, 9),
+            "frequency_ratio": np.linspace(0.5, 4.5, 14),
+        },
+    )
+    np.testing.assert_array_equal(status, wanted.status.values)
+    assert set(values) == {"mean_energy", "crossings", "largest_angle", "top_contacts"}
+    for name, found in values.items():
+        np.testing.assert_array_equal(found, wanted[name].values.astype(np.float32), err_msg=name)
+    # Large amplitudes are the upper rows.
+    assert np.nanmean(values["mean_energy"][-1]) > np.nanmean(values["mean_energy"][0])
+
+
+def test_the_kicks_of_a_cell_are_those_of_the_same_cell_of_a_sweep(client):
+    plan = {**SMALL, "options": {"noise_strength": 0.02}, "observable": "final_angle"}
+    texts, blocks = asked(client, plan | {"width": 4, "height": 3, "duration": 2.0})
+    assert blocks, texts
+    values, _ = gathered(blocks)
+    scenario = make_map(MapAsked.from_json(plan)).scenario
+    wanted = ll.sweep(
+        scenario.system,
+        noise=scenario.run["noise"],
+        initial_offset=scenario.run["initial_offset"],
+        duration=2.0,
+        observables=["final_angle"],
+        axes={
+            "drive_amplitude": np.linspace(0.05, 0.45, 3),
+            "frequency_ratio": np.linspace(0.5, 4.5, 4),
+        },
+    )
+    np.testing.assert_array_equal(
+        values["final_angle"], wanted.final_angle.values.astype(np.float32)
+    )
+
+
+@pytest.mark.parametrize("width, height", [(200, 200), (50, 31), (1, 7), (25, 400)])
+def test_levels_hold_every_cell_once_and_coarse_ones_first(width, height):
+    parts = list(levels(width, height))
+    cells = np.concatenate([cells for _, cells in parts])
+    assert sorted(cells.tolist()) == list(range(width * height))
+    strides = [stride for stride, _ in parts]
+    assert strides == sorted(strides, reverse=True)
+    assert strides[-1] == 1
+    assert len(parts[0][1]) <= 25 * 25
+    for stride, each in parts:
+        row, column = np.divmod(each, width)
+        assert not (row % stride).any()
+        assert not (column % stride).any()
+
+
+def test_cells_that_a_page_knows_are_not_computed_again():
+    shown = make_map(MapAsked.from_json({**SMALL, "known": [0, 9, 2, 8]}))
+    cells, strides = in_order(shown)
+    row, column = np.divmod(cells, 14)
+    assert len(cells) == 14 * 9 - 10 * 7
+    assert ((column > 9) | (row < 2)).all()
+    assert strides[-1] == 1
+
+
+def test_closing_the_socket_stops_the_kernels(client):
+    plan = {"scenario": "fig05_push", "width": 400, "height": 400, "options": {}}
+    with connected(client) as socket:
+        socket.send_json(plan)
+        while "bytes" not in (message := socket.receive()) or message["bytes"] is None:
+            assert "error" not in (message.get("text") or "")
+        begun = time.perf_counter()
+    # The whole map takes a minute of two cores, so the next one would wait for the first.
+    _, blocks = asked(client, SMALL)
+    assert blocks[-1][0]["kind"] == "done"
+    assert client.app.state.maps.borrowed_tokens == 0
+    assert time.perf_counter() - begun < 30.0
+
+
+@pytest.mark.parametrize(
+    "changed, words",
+    [
+        ({"width": 1001}, "width must not exceed 1000"),
+        ({"width": 600, "height": 600}, "width x height must not exceed"),
+        ({"duration": 1e6, "width": 200, "height": 200}, "the limit is"),
+        ({"duration": 1e300}, "would take more than"),
+        ({"tolerance": 1e-300}, "tolerance must lie in"),
+    ],
+)
+def test_a_map_that_is_too_large_is_refused_before_any_work(client, changed, words):
+    texts, blocks = asked(client, SMALL | changed)
+    assert not blocks
+    assert words in texts[-1]["error"]
+    assert "\n" not in texts[-1]["error"]
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        "",
+        "{",
+        "[" * 50_000,
+        "3",
+        "null",
+        "[]",
+        '{"x": 3}',
+        '{"scenario": "../secret"}',
+        '{"scenario": 3}',
+        '{"stored": "/etc/passwd"}',
+        '{"stored": 3}',
+        '{"unknown": 1}',
+        *(
+            json.dumps(SMALL | changed)
+            for changed in (
+                {"width": "many"},
+                {"width": 0},
+                {"width": True},
+                {"x": {"name": "frequency_ratio", "low": 2.0, "high": 1.0}},
+                {"x": {"name": "frequency_ratio", "low": 2.0}},
+                {"x": {"name": "drive_amplitude", "low": 0.1, "high": 0.2}},
+                {"x": {"name": "frequencyratio", "low": 1.0, "high": 2.0}},
+                {"y": {"name": "restitution", "low": 0.5, "high": 2.0}},
+                {"observable": "energy"},
+                {"observable": ["mean_energy"]},
+                {"known": [1, 2, 3]},
+                {"duration": "long"},
+                {"duration": -1.0},
+                {"transient": 30.0},
+                {"options": {"length": "3 s"}},
+            )
+        ),
+    ],
+)
+def test_a_bad_plan_is_refused_with_one_line(client, plan):
+    texts, blocks = asked(client, plan)
+    assert not blocks
+    assert texts[-1]["error"]
+    assert "\n" not in texts[-1]["error"]
+
+
+def test_bytes_that_are_no_text_do_not_crash_the_server(client):
+    with connected(client) as socket:
+        socket.send_bytes(b"\xff\xfe\x00")
+        assert "error" in json.loads(socket.receive()["text"])
+        with pytest.raises(WebSocketDisconnect):
+            socket.receive_text()
+    assert asked(client, SMALL | {"width": 2, "height": 2})[1]
+
+
+@pytest.mark.parametrize(
+    "scenario, x, y",
+    [
+        ("fig05_push", "restitution", "radius"),
+        ("fig05_push", "initial_offset", "frequency_ratio"),
+        ("fig02", "initial_angle", "initial_angular_velocity"),
+        ("ballpair_asymmetric", "right_mass", "initial_angle_left"),
+        ("fig09", "amplitude_ratio", "drive_frequency"),
+    ],
+)
+def test_any_two_parameters_can_be_the_axes(client, scenario, x, y):
+    plan = {"scenario": scenario, "x": {"name": x}, "y": {"name": y}, "width": 3, "height": 3}
+    plan |= {"duration": 3.0, "transient": 0.0, "observable": "largest_angle"}
+    texts, blocks = asked(client, plan)
+    assert blocks, texts
+    values, status = gathered(blocks)
+    assert status.max() < 255
+    assert blocks[0][0]["x"]["name"] == x
+    assert any(np.isfinite(v).any() for v in values.values())
+
+
+def test_the_run_of_a_point_is_what_its_cell_says(client):
+    # Short: in chaos, lanes and a single run part after some ten bounces by their rounding.
+    plan = {**SMALL, "duration": 8.0}
+    _, blocks = asked(client, plan)
+    values, _ = gathered(blocks)
+    sides = blocks[0][1]
+    answer = client.post("/api/map/point", json={**plan, "at": [sides["x"][9], sides["y"][6]]})
+    about, _ = unpack(answer.content)
+    assert about["options"]["drive_amplitude"] == sides["y"][6]
+    assert about["summary"]["contacts"]["top"] == values["top_contacts"][6, 9]
+    assert values["top_contacts"][6, 9] == 6
+    # The largest angle is the wall, which the ball meets between two samples.
+    largest = values["largest_angle"][6, 9]
+    np.testing.assert_allclose(about["summary"]["largest_angle"], largest, rtol=2e-3)
+
+
+def test_the_lines_on_show_compute_the_same_map(client):
+    import shlex
+
+    from typer.testing import CliRunner
+
+    from latolato.cli import app as command
+
+    plan = {**SMALL, "scenario": "fig09", "transient": 10.0, "width": 3, "height": 2}
+    _, blocks = asked(client, plan)
+    values, _ = gathered(blocks)
+    names: dict = {}
+    exec(blocks[0][0]["python"], names)
+    grid = names["grid"]
+    for name, found in values.items():
+        np.testing.assert_array_equal(found, grid[name].values.astype(np.float32), err_msg=name)
+    words = shlex.split(blocks[0][0]["command"])
+    result = CliRunner().invoke(command, [*words[1:], "--json"])
+    assert result.exit_code == 0, result.output
+    energy = values["mean_energy"]
+    found = json.loads(result.output)["ranges"]["mean_energy"]
+    np.testing.assert_allclose(found, [energy.min(), energy.max()], rtol=1e-6)
+
+
+TRIALS = "drive_amplitude,frequency_ratio,class\n100 mm,2,strong\n200 mm,3,none\n900 mm,2,weak\n"
+
+
+def test_theory_and_trials_come_in_the_coordinates_of_the_map(client):
+    body = {**SMALL, "limits": [0.0, 5.0, 0.0, 0.5], "trials": TRIALS}
+    about, arrays = unpack(client.post("/api/map/overlays", json=body).content)
+    lift = arrays["lift_off_y"] * (arrays["lift_off_x"] ** 2) / 1.0  # A0/l (w/w0)^2 is 1
+    np.testing.assert_allclose(lift, 1.0, rtol=1e-12)
+    tip = np.argmin(arrays["tongue_y"])
+    np.testing.assert_allclose(arrays["tongue_x"][tip], 2.0, atol=1e-6)
+    np.testing.assert_allclose(arrays["trial_x"], [2.0, 3.0, 2.0], rtol=1e-15)
+    assert arrays["trial_y"].tolist() == [0.1, 0.2, 0.9]
+    assert arrays["trial_class"].tolist() == [2, 0, 1]
+    assert about["outside"] == 1
+    other = body | {"x": {"name": "restitution", "low": 0, "high": 1}}
+    about, arrays = unpack(client.post("/api/map/overlays", json=other).content)
+    assert not arrays
+    assert "amplitude" in about["notes"]["all"]
+
+
+@pytest.mark.parametrize(
+    "changed", [{"limits": [0, 1]}, {"trials": 3}, {"trials": "a,b\n1,2\n"}, {"trials": "\0\n,,,"}]
+)
+def test_bad_trials_are_refused_with_one_line(client, changed):
+    body = {**SMALL, "limits": [0.0, 5.0, 0.0, 0.5], **changed}
+    answer = client.post("/api/map/overlays", json=body)
+    assert answer.status_code == 422
+    assert "\n" not in answer.json()["error"]
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A stored map with a third axis, and another one in NetCDF."""
+    folder = tmp_path_factory.mktemp("stored")
+    axes = {
+        "restitution": [0.5, 0.9],
+        "drive_amplitude": [0.1, 0.2, 0.4],
+        "frequency_ratio": [1.0, 1.5, 2.5, 3.0],
+    }
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    options = {"duration": 5.0, "initial_offset": 0.2, "observables": ["largest_angle"]}
+    grid = ll.sweep(toy, axes=axes, store=folder / "map.zarr", **options)
+    ll.save(grid, folder / "map.nc")
+    return folder, grid
+
+
+@pytest.mark.parametrize("name", ["map.zarr", "map.nc"])
+def test_a_stored_map_opens_by_its_name_only(stored, name):
+    folder, grid = stored
+    app = make_app(Settings(stored=named([folder / name])))
+    with TestClient(app, base_url=HOME) as client:
+        assert client.get("/api/map/stored").json() == [name]
+        texts, blocks = asked(client, {"stored": name, "select": {"restitution": 1}})
+        assert blocks, texts
+        values, _ = gathered(blocks)
+        wanted = grid.largest_angle.isel(restitution=1).values.astype(np.float32)
+        np.testing.assert_array_equal(values["largest_angle"], wanted)
+        about, sides = blocks[0]
+        assert about["select"][0]["values"] == ["0.5", "0.9"]
+        assert sides["x_edges"].tolist() == [0.75, 1.25, 2.0, 2.75, 3.25]
+        body = {"stored": name, "select": {"restitution": 1}, "at": [2.4, 0.21]}
+        body["names"] = ["frequency_ratio", "drive_amplitude"]
+        about, _ = unpack(client.post("/api/map/point", json=body).content)
+        assert about["options"]["restitution"] == 0.9
+        assert about["options"]["drive_amplitude"] == 0.2
+        # Samples, a hundred in a period, miss a turn by less than (pi / 100)^2 / 2 of it.
+        largest = float(grid.largest_angle[1, 1, 2])
+        np.testing.assert_allclose(about["summary"]["largest_angle"], largest, rtol=5e-4)
+        for other in (str(folder / name), "../map.zarr", None):
+            texts, blocks = asked(client, {"stored": other})
+            assert not blocks
+            assert "there is no stored map" in texts[-1]["error"]
+
+
+def test_what_is_no_map_cannot_be_opened(tmp_path):
+    with pytest.raises(FileNotFoundError, match="there is no file or store"):
+        named([tmp_path / "none.zarr"])
+    (tmp_path / "empty.zarr").mkdir()
+    with pytest.raises(ValueError, match="no store of a sweep"):
+        named([tmp_path / "empty.zarr"])
+
+
+NUMBERS = st.sampled_from([0, 1, -1, 3, 7, 0.5, 1e-300, 1e300, 1e308, 2**63, -0.0, True])
+SPANS = st.fixed_dictionaries(
+    {
+        "name": st.sampled_from(
+            ["frequency_ratio", "drive_amplitude", "length", "gravity", "initial_offset", "radius"]
+        )
+        | st.text(max_size=5),
+        "low": NUMBERS,
+        "high": NUMBERS,
+    }
+)
+ANYTHING = st.recursive(
+    NUMBERS | st.none() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=5,
+)
+PLANS = st.fixed_dictionaries(
+    {"scenario": st.sampled_from(["fig05_push", "ballpair_asymmetric", "fig12", "zeno"])},
+    optional={
+        "x": SPANS | ANYTHING,
+        "y": SPANS | ANYTHING,
+        "width": st.integers(1, 4) | ANYTHING,
+        "height": st.integers(1, 4) | ANYTHING,
+        "duration": st.sampled_from([0.1, 1.0]) | ANYTHING,
+        "transient": NUMBERS | ANYTHING,
+        "tolerance": NUMBERS | ANYTHING,
+        "observable": st.sampled_from(["crossings", "largest_angle"]) | ANYTHING,
+        "known": st.lists(NUMBERS, min_size=4, max_size=4) | ANYTHING,
+        "options": st.dictionaries(st.sampled_from(["length", "radius", "gravity"]), ANYTHING),
+        "limits": st.lists(NUMBERS, min_size=4, max_size=4),
+        "trials": st.text(max_size=30),
+        "at": st.lists(NUMBERS, min_size=2, max_size=2) | ANYTHING,
+        "stored": ANYTHING,
+    },
+)
+
+
+@hypothesis.given(plan=PLANS)
+@hypothesis.settings(max_examples=150, deadline=None, derandomize=True)
+def test_no_plan_makes_the_server_stumble(plan):
+    # What a job does before kernels run; the socket itself is tested above.
+    own = {k: v for k, v in plan.items() if k not in ("limits", "trials", "at", "stored")}
+    with contextlib.suppress(TypeError, ValueError):
+        shown = make_map(MapAsked.from_json(own))
+        shown.cost_of_point()
+        cells, _ = in_order(shown)
+        assert len(cells) <= 16 or "width" not in plan or "height" not in plan
+    app = make_app(Settings())
+    for path in ("/api/map/point", "/api/map/overlays"):
+        answer = TestClient(app, base_url=HOME).post(path, json=plan)
+        assert answer.status_code in (200, 413, 422)
+        if answer.status_code != 200:
+            assert "\n" not in answer.json()["error"]
