@@ -1,6 +1,6 @@
 """Maps in the application, measured in a headless Chromium beside what is asked.
 
-``python benchmarks/app_map.py``: the first coarse map (50 x 50, 300 s, walls), how often the
+``python benchmarks/app/map.py``: the first coarse map (50 x 50, 300 s, walls), how often the
 picture of a map of 200 x 200 changes, how soon work ends when its page goes, and how soon the
 server answers others meanwhile. Kernels should be in the disk cache: run it twice.
 """
@@ -9,19 +9,14 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import statistics
-import subprocess
-import sys
 import threading
 import time
 import urllib.request
 from typing import Any
 
-from playwright.sync_api import sync_playwright
+from pages import browsing, serving
 
-SERVE = [sys.executable, "-m", "latolato", "app", "--no-browser", "--port", "0"]
-ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 FIRST = "/?view=map&map.scenario=fig05_push&map.size=50"
 # Notes when the picture changes, from the moment the map is asked for.
 WATCH = """() => {
@@ -79,35 +74,28 @@ def cpu_of(process: int) -> float:
 
 def measure() -> dict[str, Any]:
     """Return the figures."""
-    with subprocess.Popen(SERVE, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        address = server.stdout.readline().split(" at ")[1].strip()
-        with sync_playwright() as playwright:
-            path = shutil.which("chromium") or shutil.which("chromium-browser")
-            browser = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
-            page = browser.new_page(viewport={"width": 1280, "height": 900})
-            begun = time.perf_counter()
-            page.goto(address.rstrip("/") + FIRST)
-            page.wait_for_selector("[data-done]", timeout=120_000)
-            opened = time.perf_counter() - begun
-            page.evaluate(WATCH)
-            coarse = [recompute(page, 50)[-1] for _ in range(5)]
-            stop, waits = threading.Event(), []
-            thread = threading.Thread(target=lambda: waits.extend(answers(address, stop)))
-            thread.start()
-            fine = recompute(page, 200)
-            stop.set()
-            thread.join()
-            gaps = [b - a for a, b in zip([0.0, *fine], fine, strict=False)]
-            page.evaluate("() => window.latolato.views.map.controls.keep({ size: 400 })")
-            time.sleep(1.5)
-            page.evaluate("() => window.latolato.views.map.stop()")
-            time.sleep(0.1)
-            before = cpu_of(server.pid)
-            time.sleep(1.0)
-            idle = cpu_of(server.pid) - before
-            browser.close()
-        server.terminate()
+    with serving() as server, browsing() as browser:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        begun = time.perf_counter()
+        page.goto(server.address.rstrip("/") + FIRST)
+        page.wait_for_selector("[data-done]", timeout=120_000)
+        opened = time.perf_counter() - begun
+        page.evaluate(WATCH)
+        coarse = [recompute(page, 50)[-1] for _ in range(5)]
+        stop, waits = threading.Event(), []
+        thread = threading.Thread(target=lambda: waits.extend(answers(server.address, stop)))
+        thread.start()
+        fine = recompute(page, 200)
+        stop.set()
+        thread.join()
+        gaps = [b - a for a, b in zip([0.0, *fine], fine, strict=False)]
+        page.evaluate("() => window.latolato.views.map.controls.keep({ size: 400 })")
+        time.sleep(1.5)
+        page.evaluate("() => window.latolato.views.map.stop()")
+        time.sleep(0.1)
+        before = cpu_of(server.pid)
+        time.sleep(1.0)
+        idle = cpu_of(server.pid) - before
     return {
         "page opened and 50 x 50 done, fresh server [s]": opened,
         "50 x 50 on show, best of 5 [s]": min(coarse),

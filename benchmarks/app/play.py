@@ -1,0 +1,101 @@
+"""Play in a headless Chromium: cold start, slider to painted curve, frames, size of the page.
+
+Beside each figure stands what is asked for. Nothing is asserted: machines differ.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from typing import Any
+from urllib.parse import urlsplit
+
+from pages import browsing, serving
+
+# Moves a slider back and forth; resolves with the times from input event to painted curve [ms].
+SLIDE = """async ({ label, count }) => {
+  const slider = document.querySelector(`input[type=range][aria-label="${label}"]`);
+  const view = document.querySelector("[data-runs]");
+  const found = [];
+  for (let i = 0; i < count; i += 1) {
+    const runs = view.dataset.runs;
+    slider.value = String(Number(slider.value) + (i % 2 ? -3 : 3));
+    const begun = performance.now();
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+    await new Promise((resolve) => {
+      const look = () => {
+        if (view.dataset.runs !== runs) requestAnimationFrame(() => setTimeout(resolve));
+        else setTimeout(look, 1);
+      };
+      look();
+    });
+    found.push(performance.now() - begun);
+    await new Promise((resolve) => setTimeout(resolve, 60));
+  }
+  return found;
+}"""
+FRAMES = """async (seconds) => {
+  const player = window.latolato.views.play.player;
+  player.clock.speed = 10;
+  player.clock.seek(0);
+  player.clock.play();
+  const times = [];
+  await new Promise((resolve) => {
+    const begun = performance.now();
+    const look = (now) => {
+      times.push(now);
+      if (performance.now() - begun < 1000 * seconds) requestAnimationFrame(look);
+      else resolve();
+    };
+    requestAnimationFrame(look);
+  });
+  player.clock.pause();
+  return (1000 * (times.length - 1)) / (times[times.length - 1] - times[0]);
+}"""
+
+
+def open_page(browser: Any, address: str, samples: int) -> tuple[Any, list[Any]]:
+    """Return a page that shows a 300 s run, and its responses."""
+    page = browser.new_context(viewport={"width": 1400, "height": 1000}).new_page()
+    responses: list[Any] = []
+    page.on("response", lambda response: responses.append(response))
+    page.goto(f"{address}?scenario=fig04b_push&duration=300%20s&samples={samples}")
+    page.wait_for_selector("[data-runs]", timeout=120_000)
+    return page, responses
+
+
+def main() -> None:
+    """Print the figures."""
+    with serving():
+        pass  # files of Python and kernels are in the cache of the machine now
+    with browsing() as browser, serving() as server:
+        up = time.perf_counter() - server.begun
+        page, responses = open_page(browser, server.address, 30_000)
+        shown = time.perf_counter() - server.begun
+        print(f"server up after {up:.2f} s, first curve after {shown:.2f} s (asked 1.5)")
+        own = urlsplit(server.address).netloc
+        outside = [r.url for r in responses if urlsplit(r.url).netloc != own]
+        files = [r for r in responses if "/api/run" not in r.url]
+        size = sum(len(r.body()) for r in files)
+        print(f"page {size / 1e6:.2f} MB in {len(files)} files (asked 1.6 MB)")
+        print(f"requests to elsewhere: {len(outside)} (asked 0)")
+        page.close()
+        for samples, asked in ((30_000, 60), (100_000, 100)):
+            page, _ = open_page(browser, server.address, samples)
+            found = page.evaluate(SLIDE, {"label": "driving amplitude, slider", "count": 40})
+            late = sorted(found)[int(0.9 * len(found))]
+            print(
+                f"slider to painted curve at {samples} samples: median "
+                f"{statistics.median(found):.0f} ms, nine of ten within {late:.0f} ms "
+                f"(asked {asked})"
+            )
+            page.close()
+        page, _ = open_page(browser, server.address, 30_000)
+        print(f"frames at 10x: {page.evaluate(FRAMES, 5):.1f} per second (asked 60)")
+        slow = page.context.new_cdp_session(page)
+        slow.send("Emulation.setCPUThrottlingRate", {"rate": 4})
+        print(f"with a four times slower processor: {page.evaluate(FRAMES, 5):.1f} (asked 50)")
+
+
+if __name__ == "__main__":
+    main()
