@@ -32,6 +32,13 @@ _JUMP, _ASIDE = 4.0, 0.02
 _LEAN = math.radians(40.0)
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
+# Samples from which on distances from the circle tell of errors, and the distance from which it is
+# no chance [standard deviations].
+_FEW, _FAR_OFF = 20, 4.0
+# Parts of the pivot's axis that are compared.
+_PARTS = 8
+# How much larger errors along the circle may be than across.
+_ROUGH = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +82,9 @@ class Calibration:
         Range of angles seen [rad].
     circle_residual : float
         Root mean square distance from the circle [pixels].
+    offset_sigma : float
+        Standard deviation of what all angles have in common: gravity's direction and the hinge's
+        place [rad]; NaN if gravity's direction is unknown.
     warnings : list of str
         What the user should know.
     """
@@ -89,6 +99,7 @@ class Calibration:
     tilt_source: str
     arc: float
     circle_residual: float
+    offset_sigma: float
     warnings: list[str] = field(default_factory=list)
 
 
@@ -139,7 +150,8 @@ def calibrate(
             angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
                 :, 0
             ]
-    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, arm)
+    off = np.hypot(away[..., 0] - offset[0], away[..., 1] - offset[1]) - arm
+    sigmas = _honest(seen.times, angles, seen.sigmas, off, seen.spreads, is_clean, arm)
     tilt, source = _gravity(pivots, angles, is_clean)
     if source == "image":
         warnings.append(
@@ -157,6 +169,7 @@ def calibrate(
         source,
         arc,
         residual,
+        _offset_sigma(pivots, source, arc, residual, arm),
         warnings,
     )
 
@@ -216,19 +229,42 @@ def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndar
 
 
 def _honest(
-    times: np.ndarray, angles: np.ndarray, sigmas: np.ndarray, is_clean: np.ndarray, arm: float
+    times: np.ndarray,
+    angles: np.ndarray,
+    sigmas: np.ndarray,
+    off: np.ndarray,
+    spreads: np.ndarray,
+    is_clean: np.ndarray,
+    arm: float,
 ) -> np.ndarray:
-    """Return standard deviations that are not below the scatter seen from frame to frame [rad].
+    """Return standard deviations that are not below the scatter seen in the clip [rad].
 
     A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
-    nor of the pivot's. The scatter about the quintic through the six neighbours does; its median
-    raises all deviations by one factor.
+    nor of the pivot's. Two things do, and the larger raises all deviations by one factor: the
+    scatter about the quintic through the six neighbours, and the distances from the circle (`off`,
+    `spreads` as the fits say [pixels]), which also see what lasts for many frames. The quintic is
+    believed up to twice the other: fast swings between contacts are none. A ball that is far off
+    the circle is no better known along it.
     """
     raised: np.ndarray = np.hypot(sigmas, _SYSTEMATIC / arm)
+    stated = np.hypot(spreads, _SYSTEMATIC)
     for b in range(angles.shape[1]):
-        scatter = _scatter(times, np.where(is_clean[:, b], angles[:, b], np.nan))
+        clean = is_clean[:, b] & np.isfinite(off[:, b] / stated[:, b])
+        if not clean.any():
+            continue
+        factor = 1.0
+        rest = off[:, b] - float(np.median(off[clean, b]))
+        if clean.sum() >= _FEW:
+            pulls = np.abs(rest[clean] / stated[clean, b])
+            limit = _FAR_OFF * 1.4826 * float(np.median(pulls))
+            factor = max(factor, float(np.sqrt(np.mean(np.minimum(pulls, limit) ** 2))))
+        scatter = _scatter(times, np.where(clean, angles[:, b], np.nan))
         if math.isfinite(scatter):
-            raised[:, b] *= max(1.0, scatter / float(np.median(raised[is_clean[:, b], b])))
+            along = scatter / float(np.median(raised[clean, b]))
+            factor = max(factor, min(along, _ROUGH * factor))
+        raised[:, b] *= factor
+        far = clean & (np.abs(rest) > _FAR_OFF * factor * stated[:, b])
+        raised[far, b] = np.maximum(raised[far, b], np.abs(rest[far]) / arm)
     return raised
 
 
@@ -354,6 +390,42 @@ def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tu
         if rest is not None:
             return rest, "rest position"
     return 0.0, "image"
+
+
+def _offset_sigma(
+    pivots: np.ndarray, source: str, arc: float, residual: float, arm: float
+) -> float:
+    """Return the standard deviation of what all angles have in common [rad].
+
+    Where the pivot passes, the wall draws it aside by as much in every stroke: the means in parts
+    of its axis scatter about a straight line, and neighbouring parts alike, which doubles the
+    error of the line. About the rest position the hinge's place cancels.
+    """
+    if source == "rest position":
+        return 0.5 * _UNROUND / arm
+    if source == "image":
+        return math.nan
+    ok = np.isfinite(pivots).all(axis=1)
+    _, _, axes = np.linalg.svd(pivots[ok] - pivots[ok].mean(axis=0), full_matrices=False)
+    along, aside = (pivots[ok] @ axis for axis in axes)
+    part = np.floor((along - along.min()) / (np.ptp(along) + 1e-9) * _PARTS).astype(int)
+    count = np.bincount(part, minlength=_PARTS)
+    seen = count > 0
+    if seen.sum() < 4:
+        return math.nan
+    places = (np.bincount(part, along, _PARTS) / np.maximum(count, 1))[seen]
+    means = (np.bincount(part, aside, _PARTS) / np.maximum(count, 1))[seen]
+    line = np.polyfit(places, means, 1)
+    rest = means - np.polyval(line, places)
+    scatter = math.sqrt(float(np.sum(rest**2)) / (len(rest) - 2))
+    axis = 2.0 * scatter / math.sqrt(float(np.sum((places - places.mean()) ** 2)))
+    if arc >= _WIDE_ARC:
+        hinge = 0.5 * residual
+    elif arc >= _NARROW_ARC:
+        hinge = 1.0 / math.hypot(1.0 / _CLICK, arc / (2.0 * math.sqrt(2.0) * _UNROUND))
+    else:
+        hinge = _CLICK
+    return math.hypot(axis, hinge / arm)
 
 
 def _rest_position(angles: np.ndarray, is_clean: np.ndarray) -> float | None:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Luminance of linear light (BT.709), and the share of the contrast that must be in it.
+# Luminance of linear light (BT.709), and the share of the largest contrast that must be in it.
 _LUMA = np.array([0.2126, 0.7152, 0.0722])
-_BRIGHT = 0.35
+_BRIGHT = 0.17
 # Sectors around the ball that have colours of their own, and pixels that are enough.
-_SECTORS, _MOST = 16, 10000
+_SECTORS, _MOST = 16, 7000
+# Most places along the path of a smeared ball.
+_PLACES = 6
 # Half-width of the ring that is looked at: shares of the radius, nearby and far.
 _RING, _FAR_RING = 0.16, 0.32
 # Most steps towards the edge, when to stop [pixels], the steps of its slopes [pixels], and the
@@ -19,6 +21,8 @@ _RING, _FAR_RING = 0.16, 0.32
 _ROUNDS, _CONVERGED, _STEP, _OUTLYING = 8, 0.02, 0.05, 3.0
 # How firmly the wall about a ball is what was learned of it, and colours do not change outwards.
 _FIRM, _FLAT = 0.03, 1e-3
+# Error of the radius that no scatter shows, as a share of the softness.
+_UNSEEN = 0.25
 # Smallest softness, and largest as a share of the radius.
 _SHARP, _SOFT = 0.35, 0.25
 # Part of the ball's radius beyond which the rod is left out, and half-width of what is left out.
@@ -103,7 +107,9 @@ def measured_edge(shots: list[Shot], radius: float, blur: float, is_far: bool) -
         moved, at = float(np.max(np.abs(new - at))), new
         if moved < _CONVERGED:
             break
-    return Edge(float(at[0]), float(at[1]), _spread(ring, gradient, bend))
+    # What the colours do within the softness of the edge nobody sees.
+    sigma = math.hypot(_spread(ring, gradient, bend), _UNSEEN * float(at[1]))
+    return Edge(float(at[0]), float(at[1]), sigma)
 
 
 def _stepped(ring: _Ring, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -147,7 +153,7 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
     """Return the pixels of all shots near the edge."""
     lists: list[list[np.ndarray]] = [[] for _ in range(6)]
     direction = _direction(shots, radius)
-    longest = max(len(shot.path) for shot in shots)
+    places_each = min(max(len(shot.path) for shot in shots), _PLACES)
     for k, shot in enumerate(shots):
         j, i = np.indices(shot.image.shape[:2])
         places = np.stack([i, j], axis=-1).reshape(-1, 2)
@@ -167,8 +173,9 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
         use &= np.isfinite(value) & np.isfinite(wall)
         angle = np.arctan2(out[use, 0], out[use, 1]) - shot.turn
         sector = np.floor((angle / (2.0 * np.pi) % 1.0) * _SECTORS).astype(int) % _SECTORS
-        # All shots have as many places: those of shorter paths are taken more often.
-        path = shot.path[np.arange(longest) * len(shot.path) // longest]
+        # All shots have as many places: those between samples of the path's are interpolated.
+        at = (np.arange(places_each) + 0.5) / places_each * len(shot.path) - 0.5
+        path = np.stack([np.interp(at, range(len(shot.path)), one) for one in shot.path.T], axis=1)
         away = np.hypot(*(places[use][:, None] - path[None]).transpose(2, 0, 1))
         for parts, part in zip(
             lists,
@@ -195,7 +202,7 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
     gap = np.concatenate(gaps)
     gap = gap[np.isfinite(gap).all(axis=1)]
     size = np.sqrt(np.mean(gap**2, axis=0))
-    if math.sqrt(float(np.mean((gap @ _LUMA) ** 2))) > _BRIGHT * float(size.max()) * 0.5:
+    if math.sqrt(float(np.mean((gap @ _LUMA) ** 2))) > _BRIGHT * float(size.max()):
         return _LUMA
     _, _, axes = np.linalg.svd(gap, full_matrices=False)
     return np.asarray(axes[0])
@@ -204,7 +211,7 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
 def _residual(
     ring: _Ring, radius: float, blur: float, weight: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """Return what an edge does not explain, after colours on both sides were fitted, and its cost."""
+    """Return what an edge does not explain with the best colours on both sides, and the cost."""
     depth = np.clip((radius - ring.away) / blur, -2.0, 2.0)
     share = np.mean(0.5 + depth * (0.375 - depth * depth * 0.03125), axis=1)
     outwards = ring.middle / radius - 1.0
