@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.calibrate import Optics, _extremes, _hinge, _scatter, undistorted
+from latolato.experiment.calibrate import (
+    Optics,
+    _extremes,
+    _hinge,
+    _honest,
+    _offset_sigma,
+    _scatter,
+    undistorted,
+)
 from latolato.experiment.tracking import fitting, kernels, smears
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted
 from latolato.experiment.video import Frame
@@ -86,6 +95,41 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     centre, radius = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
     assert np.allclose(centre, [103.0, 98.0], atol=1.5)
     assert radius == pytest.approx(20.0, rel=0.06)
+
+
+def _shots(radius, blur, smear=0.0, metal=False):
+    """Return cut-outs of a shaded ball on texture, along paths, with their shadows."""
+    random = np.random.default_rng(3)
+    shots, j, i = [], *np.mgrid[:91, :91]
+    half = 40
+    v, u = np.mgrid[-half : half + 1, -half : half + 1] / radius
+    light = 0.35 + 0.65 * np.clip(0.7 - 0.4 * u - 0.5 * v, 0.0, 1.0)
+    if metal:
+        light = np.where(v < 0.1, 0.9, 0.35)
+    paint = light[..., None] * np.array([0.5, 0.12, 0.1])
+    for _ in range(6):
+        centre = 45.0 + random.uniform(-0.5, 0.5, 2)
+        path = centre + np.stack([np.linspace(-0.5, 0.5, 9) * smear, np.zeros(9)], axis=-1)
+        layer = np.zeros((91, 91, 4), np.float32)
+        kernels.cover(path, np.zeros(9), radius, blur, paint, 0, 0, layer)
+        waves = np.sin(0.3 * i + random.uniform(0, 6)) * np.sin(0.2 * j + random.uniform(0, 6))
+        wall = (0.4 + 0.08 * waves)[..., None] * np.array([1.0, 0.9, 0.8])
+        dark = 0.3 / (1.0 + np.exp((np.hypot(i - centre[0] - 9, j - centre[1] - 9) - radius) / 3))
+        image = wall * (1.0 - dark - layer[..., 3])[..., None] + layer[..., :3]
+        image += wall * (dark * layer[..., 3])[..., None]
+        image += random.normal(0.0, 0.004, image.shape)
+        shots.append(Shot(image, wall, path, np.array([45.0, -200.0]), 0.0, np.empty((0, 2))))
+    return shots
+
+
+@pytest.mark.parametrize("start", [0.87, 1.0, 1.14])
+@pytest.mark.parametrize("smear,metal", [(0.0, False), (6.0, False), (0.0, True)])
+def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
+    shots = _shots(22.0, 0.9, smear, metal)
+    edge = measured_edge(shots, start * 22.0, 0.6, is_far=True)
+    assert edge.radius == pytest.approx(22.0, rel=0.01)
+    assert edge.blur == pytest.approx(0.9, rel=0.35)
+    assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
 
 
 def test_contacts_are_told_at_their_time_also_after_the_middle_of_the_exposure():
@@ -213,6 +257,37 @@ def test_scatter_is_the_noise_and_not_the_swing():
     noise = 1e-3 * np.random.default_rng(2).standard_normal(2000)
     assert _scatter(times, swing) < 2e-5
     assert _scatter(times, swing + noise) == pytest.approx(1e-3, rel=0.08)
+
+
+def test_deviations_see_errors_that_last_for_many_frames():
+    random = np.random.default_rng(4)
+    times, arm = np.arange(600) / 60, 400.0
+    # Errors of 0.4 pixels that last for ten frames, along and across; the fits say 0.05.
+    lasting = np.convolve(random.standard_normal(629), np.hanning(30), "valid")[:600]
+    along, across = 0.4 * lasting / lasting.std(), -0.4 * np.roll(lasting, 200) / lasting.std()
+    angles = (0.7 * np.sin(6.0 * times) + along / arm)[:, None]
+    sigmas, spreads = np.full((600, 1), 0.05 / arm), np.full((600, 1), 0.05)
+    clean = np.ones((600, 1), bool)
+    found = _honest(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
+    across[100] = 5.0
+    found = _honest(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    assert found[100, 0] * arm > 3.0
+    assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
+
+
+def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
+    random = np.random.default_rng(5)
+    rows = 30.0 * np.sin(np.arange(600) * 0.7)
+    noise = 0.02 * random.standard_normal(600)
+    straight = np.stack([noise, rows], axis=-1)
+    bent = np.stack([noise + 0.05 * np.sin(rows / 6.0), rows], axis=-1)
+    told = [_offset_sigma(p, "drive axis", 3.0, 0.0, 400.0) for p in (straight, bent)]
+    assert told[0] < 2e-4
+    assert 3e-4 < told[1] < 3e-3
+    # A click of a narrow arc is a pixel uncertain.
+    assert _offset_sigma(straight, "drive axis", 0.1, 0.0, 400.0) > 1.0 / 400.0
+    assert math.isnan(_offset_sigma(straight, "image", 3.0, 0.0, 400.0))
 
 
 def test_extremes_give_the_rest_position_of_a_decay():

@@ -95,7 +95,8 @@ def measured_edge(shots: list[Shot], radius: float, blur: float, is_far: bool) -
     if is_far:
         trials = radius * np.linspace(0.8, 1.25, 19)
         ring = _ring(shots, radius, _FAR_RING * radius)
-        costs = [_residual(ring, trial, blur, np.ones(len(ring.value)))[1] for trial in trials]
+        one = np.ones(len(ring.value))
+        costs = [_residual(ring, np.array([trial, blur]), one)[1] for trial in trials]
         radius = float(trials[int(np.argmin(costs))])
     low, high = np.array([0.85 * radius, _SHARP]), np.array([1.15 * radius, _SOFT * radius])
     at = np.clip([radius, blur], low, high)
@@ -114,14 +115,14 @@ def measured_edge(shots: list[Shot], radius: float, blur: float, is_far: bool) -
 
 def _stepped(ring: _Ring, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return a better radius and softness (Gauss-Newton), each pixel's slope, and the curvature."""
-    rest, _ = _residual(ring, *at, np.ones(len(ring.value)))
+    rest, _ = _residual(ring, at, np.ones(len(ring.value)))
     for _ in range(2):
         scale = _OUTLYING * 1.4826 * float(np.median(np.abs(rest))) + 1e-6
         weight = 1.0 / (1.0 + (rest / scale) ** 2) ** 2
-        rest, _ = _residual(ring, *at, weight)
+        rest, _ = _residual(ring, at, weight)
     slopes = np.stack(
         [
-            (_residual(ring, *(at + one), weight)[0] - _residual(ring, *(at - one), weight)[0])
+            (_residual(ring, at + one, weight)[0] - _residual(ring, at - one, weight)[0])
             / (2.0 * _STEP)
             for one in _STEP * np.eye(2)
         ],
@@ -208,10 +209,9 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
     return np.asarray(axes[0])
 
 
-def _residual(
-    ring: _Ring, radius: float, blur: float, weight: np.ndarray
-) -> tuple[np.ndarray, float]:
+def _residual(ring: _Ring, at: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, float]:
     """Return what an edge does not explain with the best colours on both sides, and the cost."""
+    radius, blur = float(at[0]), float(at[1])
     depth = np.clip((radius - ring.away) / blur, -2.0, 2.0)
     share = np.mean(0.5 + depth * (0.375 - depth * depth * 0.03125), axis=1)
     outwards = ring.middle / radius - 1.0
