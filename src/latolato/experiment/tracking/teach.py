@@ -19,6 +19,11 @@ _OUTLYING = 0.3
 _TEACHES = 0.8
 # How many of the fastest balls tell the exposure.
 _FASTEST = 6
+# While the exposure is unknown: most pixels per frame over the radius, and how many such balls are
+# needed, for a ball to have an edge.
+_HARDLY, _FEWEST_SHOTS = 0.4, 3
+# How many of the slowest balls tell an edge otherwise, and shares by which the radius is varied.
+_SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 # Balls around which noise is learned.
 _RINGS = 16
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
@@ -97,7 +102,16 @@ def _learn_edge(
     arm: float,
     is_far: bool,
 ) -> None:
-    """Learn radius and softness of the edge from balls cut out of their frames."""
+    """Learn radius and softness of the edge from balls cut out of their frames.
+
+    While the exposure is unknown, only balls that hardly move have an edge to measure.
+    """
+    if look.exposure == 0.0:
+        slow = [one for one in teachers if not abs(one.speed) * arm > _HARDLY * look.radius]
+        if len(slow) < _FEWEST_SHOTS:
+            _vary_edge(look, frames, teachers[:_SLOWEST], arm)
+            return
+        teachers = slow
     shots = []
     for one in teachers:
         path = one.path(arm, look.exposure)
@@ -119,6 +133,28 @@ def _learn_edge(
         )
     edge = measured_edge(shots, look.radius, look.blur, is_far)
     look.radius, look.blur, look.radius_sigma = edge.radius, edge.blur, edge.sigma
+
+
+def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+    """Choose the radius and softness with which the colours learned so far explain most."""
+    paths = [one.path(arm, look.exposure) for one in teachers]
+
+    def cost() -> float:
+        return sum(
+            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
+            for one, path in zip(teachers, paths, strict=True)
+        )
+
+    for width in _WIDTHS:
+        for name, low, high in (("radius", 0.0, 1e9), ("blur", 0.35, 0.25 * look.radius)):
+            middle = getattr(look, name)
+            spread = 3.0 * width if name == "blur" else width
+            costs = {}
+            for trial in np.clip(middle * (1.0 + spread * np.linspace(-1.5, 1.5, 7)), low, high):
+                setattr(look, name, float(trial))
+                costs[float(trial)] = cost()
+            setattr(look, name, min(costs, key=costs.__getitem__))
+    look.radius_sigma = look.blur
 
 
 def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> None:
