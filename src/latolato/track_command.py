@@ -393,7 +393,14 @@ def summary(table: Any) -> dict[str, Any]:
     }
     amplitude, frequency = drive_of(table)
     found |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
-    for name in ("exposure", "circle_residual", "metres_per_pixel", "period", "period_sigma"):
+    for name in (
+        "exposure",
+        "circle_residual",
+        "metres_per_pixel",
+        "angle_offset_sigma",
+        "period",
+        "period_sigma",
+    ):
         if name in attrs:
             found[name] = attrs[name]
     found["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []

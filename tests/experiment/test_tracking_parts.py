@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.calibrate import Optics, _extremes, _hinge, _scatter, undistorted
+from latolato.experiment.calibrate import Optics, undistorted
+from latolato.experiment.deviations import honest_deviations, scatter_of
+from latolato.experiment.gravity import angle_offset_sigma, find_extremes
+from latolato.experiment.hinge import find_hinge
 from latolato.experiment.tracking import fitting, kernels, smears
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted
 from latolato.experiment.video import Frame
@@ -86,6 +90,41 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     centre, radius = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
     assert np.allclose(centre, [103.0, 98.0], atol=1.5)
     assert radius == pytest.approx(20.0, rel=0.06)
+
+
+def _shots(radius, blur, smear=0.0, metal=False):
+    """Return cut-outs of a shaded ball on texture, along paths, with their shadows."""
+    random = np.random.default_rng(3)
+    shots, j, i = [], *np.mgrid[:91, :91]
+    half = 40
+    v, u = np.mgrid[-half : half + 1, -half : half + 1] / radius
+    light = 0.35 + 0.65 * np.clip(0.7 - 0.4 * u - 0.5 * v, 0.0, 1.0)
+    if metal:
+        light = np.where(v < 0.1, 0.9, 0.35)
+    paint = light[..., None] * np.array([0.5, 0.12, 0.1])
+    for _ in range(6):
+        centre = 45.0 + random.uniform(-0.5, 0.5, 2)
+        path = centre + np.stack([np.linspace(-0.5, 0.5, 9) * smear, np.zeros(9)], axis=-1)
+        layer = np.zeros((91, 91, 4), np.float32)
+        kernels.cover(path, np.zeros(9), radius, blur, paint, 0, 0, layer)
+        waves = np.sin(0.3 * i + random.uniform(0, 6)) * np.sin(0.2 * j + random.uniform(0, 6))
+        wall = (0.4 + 0.08 * waves)[..., None] * np.array([1.0, 0.9, 0.8])
+        dark = 0.3 / (1.0 + np.exp((np.hypot(i - centre[0] - 9, j - centre[1] - 9) - radius) / 3))
+        image = wall * (1.0 - dark - layer[..., 3])[..., None] + layer[..., :3]
+        image += wall * (dark * layer[..., 3])[..., None]
+        image += random.normal(0.0, 0.004, image.shape)
+        shots.append(Shot(image, wall, path, np.array([45.0, -200.0]), 0.0, np.empty((0, 2))))
+    return shots
+
+
+@pytest.mark.parametrize("start", [0.87, 1.0, 1.14])
+@pytest.mark.parametrize("smear,metal", [(0.0, False), (6.0, False), (0.0, True)])
+def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
+    shots = _shots(22.0, 0.9, smear, metal)
+    edge = measured_edge(shots, start * 22.0, 0.6, is_far=True)
+    assert edge.radius == pytest.approx(22.0, rel=0.01)
+    assert edge.blur == pytest.approx(0.9, rel=0.35)
+    assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
 
 
 def test_contacts_are_told_at_their_time_also_after_the_middle_of_the_exposure():
@@ -167,7 +206,7 @@ def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):
 
 
 def test_the_hinge_is_the_middle_of_a_wide_arc():
-    found = _hinge(*_arc((1.5, -2.0)), noise=0.0)
+    found = find_hinge(*_arc((1.5, -2.0)), noise=0.0)
     assert np.allclose(found.offset, [1.5, -2.0], atol=1e-6)
     assert found.arm == pytest.approx(300.0)
     assert found.arc == pytest.approx(2.4, rel=0.01)
@@ -176,16 +215,16 @@ def test_the_hinge_is_the_middle_of_a_wide_arc():
 
 
 def test_the_hinge_is_known_the_worse_along_the_middle_the_narrower_the_arc():
-    wide = _hinge(*_arc((0.0, 0.0), wide=3.0), noise=0.0).sigma
-    less = _hinge(*_arc((0.0, 0.0), wide=0.55), noise=0.0).sigma
+    wide = find_hinge(*_arc((0.0, 0.0), wide=3.0), noise=0.0).sigma
+    less = find_hinge(*_arc((0.0, 0.0), wide=0.55), noise=0.0).sigma
     assert wide == pytest.approx([0.15, 0.15], rel=0.02)  # what all frames share
     assert less[0] < 0.16
     assert 0.17 < less[1] < 0.4
     # Below 60 degrees the click alone tells, to a pixel.
-    narrow = _hinge(*_arc((0.0, 0.0), wide=0.3), noise=0.0).sigma
+    narrow = find_hinge(*_arc((0.0, 0.0), wide=0.3), noise=0.0).sigma
     assert narrow[0] == pytest.approx(0.6, rel=0.1)
     assert narrow[1] == pytest.approx(1.0, rel=0.1)
-    far = _hinge(*_arc((0.0, 9.0)), noise=0.0).sigma
+    far = find_hinge(*_arc((0.0, 9.0)), noise=0.0).sigma
     assert far[1] == pytest.approx(9.0, rel=0.01)
 
 
@@ -193,13 +232,13 @@ def test_the_hinge_is_known_the_worse_along_the_middle_the_narrower_the_arc():
     "case", [{"offset": (0.0, 9.0)}, {"offset": (0.5, 0.0), "oval": 2.0}], ids=["far", "oval"]
 )
 def test_what_is_no_circle_about_the_click_is_told_and_left(case):
-    found = _hinge(*_arc(**case), noise=0.0)
+    found = find_hinge(*_arc(**case), noise=0.0)
     assert np.all(found.offset == 0.0)
     assert "lens, perspective or rolling shutter" in found.warnings[0]
 
 
 def test_a_narrow_arc_moves_the_hinge_across_only():
-    found = _hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
+    found = find_hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
     # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
     assert found.offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
     assert abs(found.offset[1]) < 0.05
@@ -207,7 +246,7 @@ def test_a_narrow_arc_moves_the_hinge_across_only():
 
 
 def test_a_very_narrow_arc_does_not_move_the_hinge():
-    assert np.all(_hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0).offset == 0.0)
+    assert np.all(find_hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0).offset == 0.0)
 
 
 def test_undistorting_undoes_the_lens():
@@ -224,14 +263,45 @@ def test_scatter_is_the_noise_and_not_the_swing():
     times = np.cumsum(np.random.default_rng(1).uniform(0.8, 1.2, 2000)) / 60
     swing = 0.7 * np.sin(6.0 * times)
     noise = 1e-3 * np.random.default_rng(2).standard_normal(2000)
-    assert _scatter(times, swing) < 2e-5
-    assert _scatter(times, swing + noise) == pytest.approx(1e-3, rel=0.08)
+    assert scatter_of(times, swing) < 2e-5
+    assert scatter_of(times, swing + noise) == pytest.approx(1e-3, rel=0.08)
+
+
+def test_deviations_see_errors_that_last_for_many_frames():
+    random = np.random.default_rng(4)
+    times, arm = np.arange(600) / 60, 400.0
+    # Errors of 0.4 pixels that last for ten frames, along and across; the fits say 0.05.
+    lasting = np.convolve(random.standard_normal(629), np.hanning(30), "valid")[:600]
+    along, across = 0.4 * lasting / lasting.std(), -0.4 * np.roll(lasting, 200) / lasting.std()
+    angles = (0.7 * np.sin(6.0 * times) + along / arm)[:, None]
+    sigmas, spreads = np.full((600, 1), 0.05 / arm), np.full((600, 1), 0.05)
+    clean = np.ones((600, 1), bool)
+    found = honest_deviations(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
+    across[100] = 5.0
+    found = honest_deviations(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    assert found[100, 0] * arm > 3.0
+    assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
+
+
+def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
+    random = np.random.default_rng(5)
+    rows = 30.0 * np.sin(np.arange(600) * 0.7)
+    noise = 0.02 * random.standard_normal(600)
+    straight = np.stack([noise, rows], axis=-1)
+    bent = np.stack([noise + 0.05 * np.sin(rows / 6.0), rows], axis=-1)
+    told = [angle_offset_sigma(p, "drive axis", 3.0, 0.0, 400.0) for p in (straight, bent)]
+    assert told[0] < 2e-4
+    assert 3e-4 < told[1] < 3e-3
+    # A click of a narrow arc is a pixel uncertain.
+    assert angle_offset_sigma(straight, "drive axis", 0.1, 0.0, 400.0) > 1.0 / 400.0
+    assert math.isnan(angle_offset_sigma(straight, "image", 3.0, 0.0, 400.0))
 
 
 def test_extremes_give_the_rest_position_of_a_decay():
     times = np.arange(900) / 60
     swing = 0.02 + 0.6 * np.exp(-0.1 * times) * np.cos(5.2 * times)
-    found = _extremes(swing)
+    found = find_extremes(swing)
     middles = 0.25 * (found[:-2] + 2.0 * found[1:-1] + found[2:])
     # Second order of the decrement: (k T / 2)^2 / 4 of the amplitude.
     assert np.median(middles) == pytest.approx(0.02, abs=6e-4)

@@ -9,30 +9,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
+from latolato.experiment.deviations import honest_deviations, scatter_of
+from latolato.experiment.gravity import angle_offset_sigma, find_gravity
+from latolato.experiment.hinge import find_hinge
 from latolato.experiment.tracking.follow import Followed
 
-# Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
-_WIDE_ARC = math.radians(60.0)
-_NEAR, _NEAR_SHARE = 5.0, 0.01
-# Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
-# on the whole [pixels].
-_NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
-# Error of the pivot against the ball that all frames share, from shading and edges, and of the
-# distances that changes along the arc [pixels].
-_SHARED, _UNEVEN = 0.15, 0.01
-# Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
-_ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
 # may scatter about an axis as a share of its stroke.
 _JUMP, _ASIDE = 4.0, 0.02
-# Lean from which a motion of the pivot is no drive [rad].
-_LEAN = math.radians(40.0)
 # Error of positions that no scatter shows [pixels].
 _SYSTEMATIC = 0.05
 
@@ -78,6 +67,9 @@ class Calibration:
         Range of angles seen [rad].
     circle_residual : float
         Root mean square distance from the circle [pixels].
+    angle_offset_sigma : float
+        Standard deviation of what all angles have in common: gravity's direction and the hinge's
+        place [rad]; NaN if gravity's direction is unknown.
     warnings : list of str
         What the user should know.
     """
@@ -93,6 +85,7 @@ class Calibration:
     tilt_source: str
     arc: float
     circle_residual: float
+    angle_offset_sigma: float
     warnings: list[str] = field(default_factory=list)
 
 
@@ -134,8 +127,8 @@ def calibrate(
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
     reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
-    noise = float(np.nanmin([_scatter(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
-    hinge = _hinge(away[use], seen.angles[use], noise)
+    noise = float(np.nanmin([scatter_of(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
+    hinge = find_hinge(away[use], seen.angles[use], noise)
     offset, warnings = hinge.offset, hinge.warnings
     raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
     angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
@@ -144,8 +137,11 @@ def calibrate(
             angles[:, b] = _moved(seen.times + delay_ball[:, b], angles[:, b : b + 1], seen.times)[
                 :, 0
             ]
-    sigmas = _honest(seen.times, angles, seen.sigmas, is_clean, hinge.arm)
-    tilt, source = _gravity(pivots, angles, is_clean)
+    off = np.hypot(away[..., 0] - offset[0], away[..., 1] - offset[1]) - hinge.arm
+    sigmas = honest_deviations(
+        seen.times, angles, seen.sigmas, off, seen.spreads, is_clean, hinge.arm
+    )
+    tilt, source = find_gravity(pivots, angles, is_clean)
     if source == "image":
         warnings.append(
             "gravity's direction is unknown (the pivot rests and no free decay was seen): "
@@ -163,6 +159,7 @@ def calibrate(
         source,
         hinge.arc,
         hinge.residual,
+        angle_offset_sigma(pivots, source, hinge.arc, hinge.residual, hinge.arm),
         warnings,
     )
 
@@ -221,128 +218,6 @@ def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndar
     return out
 
 
-def _honest(
-    times: np.ndarray, angles: np.ndarray, sigmas: np.ndarray, is_clean: np.ndarray, arm: float
-) -> np.ndarray:
-    """Return standard deviations that are not below the scatter seen from frame to frame [rad].
-
-    A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
-    nor of the pivot's. The scatter about the quintic through the six neighbours does; its median
-    raises all deviations by one factor.
-    """
-    raised: np.ndarray = np.hypot(sigmas, _SYSTEMATIC / arm)
-    for b in range(angles.shape[1]):
-        scatter = _scatter(times, np.where(is_clean[:, b], angles[:, b], np.nan))
-        if math.isfinite(scatter):
-            raised[:, b] *= max(1.0, scatter / float(np.median(raised[is_clean[:, b], b])))
-    return raised
-
-
-def _scatter(times: np.ndarray, values: np.ndarray) -> float:
-    """Return the noise of a smooth series: what neighbours do not foretell (robust)."""
-    if len(values) < 20:
-        return math.nan
-    others = np.array([-3, -2, -1, 1, 2, 3])
-    at = np.arange(3, len(values) - 3)
-    apart = times[at[:, None] + others] - times[at][:, None]
-    weights = np.ones_like(apart)
-    for j in range(6):
-        for k in range(6):
-            if j != k:
-                weights[:, j] *= apart[:, k] / (apart[:, k] - apart[:, j])
-    rest = values[at] - np.sum(weights * values[at[:, None] + others], axis=1)
-    rest = rest / np.sqrt(1.0 + np.sum(weights**2, axis=1))
-    rest = rest[np.isfinite(rest)]
-    return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
-
-
-@dataclass
-class _Hinge:
-    """The circle's centre from the click, as `Calibration` tells it."""
-
-    offset: np.ndarray
-    sigma: np.ndarray
-    arm: float
-    arc: float
-    residual: float
-    warnings: list[str] = field(default_factory=list)
-
-
-def _hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> _Hinge:
-    """Return the hinge from positions about the click.
-
-    `noise` is the scatter of the distances [pixels], which is no fault of the circle.
-    """
-    from scipy.optimize import least_squares
-
-    distance = np.hypot(away[:, 0], away[:, 1])
-    arm = float(np.median(distance)) if len(distance) else math.nan
-    turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
-    arc = float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
-    none, clicked = np.zeros(2), np.full(2, math.hypot(_CLICK, _SHARED))
-    if len(away) < 20:
-        return _Hinge(none, clicked, arm, arc, math.nan)
-
-    def rest(p: np.ndarray) -> np.ndarray:
-        return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
-
-    fit = least_squares(rest, [0.0, 0.0, arm], loss="soft_l1", f_scale=0.3)
-    offset, found = fit.x[:2], float(fit.x[2])
-    residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
-    as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
-    if arc < _WIDE_ARC:
-        return _Hinge(*_across(away, angles, arc, arm), arm, arc, as_clicked)
-    # Lenses and perspective make an oval: its second harmonic beside the circle.
-    direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
-    waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
-    oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
-    limit = max(_ROUND, _ROUND_SHARE * found, 2.0 * noise)
-    too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
-    bent = math.sqrt(max(residual**2 - noise**2, 0.0))
-    if bent > limit or oval > 1.5 * limit or too_far:
-        told = (
-            f"the ball does not run on a circle about the pivot (centre off by "
-            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens, "
-            "perspective or rolling shutter; the pivot is used as clicked"
-        )
-        sigma = np.maximum(clicked, np.abs(offset))
-        return _Hinge(none, sigma, arm, arc, as_clicked, [told])
-    # What distances get wrong along the arc moves the centre the more, the narrower it is.
-    design = np.stack([np.sin(direction), np.cos(direction), np.ones_like(direction)], axis=-1)
-    spread = np.diag(np.linalg.pinv(design.T @ design / len(design)))[:2]
-    sigma = np.sqrt(_SHARED**2 + (_UNEVEN**2 + noise**2 / len(design)) * spread)
-    return _Hinge(offset, sigma, found, arc, residual)
-
-
-def _across(
-    away: np.ndarray, angles: np.ndarray, arc: float, arm: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the hinge's offset across the middle of a narrow arc, and its standard deviations.
-
-    Along the middle such an arc tells nothing.
-
-    Distances grow along the arc when the hinge lies aside; the click is believed to `_CLICK`, the
-    distances on the whole to `_UNROUND`.
-    """
-    clicked = math.hypot(_CLICK, _SHARED)
-    if arc < _NARROW_ARC:
-        return np.zeros(2), np.full(2, clicked)
-    middle = 0.5 * float(np.sum(np.quantile(angles, [0.005, 0.995])))
-    lean = np.sin(np.mod(angles - middle + math.pi, 2.0 * math.pi) - math.pi)
-    distance = np.hypot(away[:, 0], away[:, 1])
-    # distance = arm + offset * lean, with the offset drawn to zero.
-    centred = lean - lean.mean()
-    fitted = float(np.sum(centred * distance) / np.sum(centred**2))
-    error = _UNROUND / float(np.std(lean))
-    offset = fitted / (1.0 + (error / _CLICK) ** 2)
-    across = np.array([math.cos(middle), -math.sin(middle)])
-    along = np.array([math.sin(middle), math.cos(middle)])
-    if abs(offset) > max(_NEAR, _NEAR_SHARE * arm):
-        return np.zeros(2), np.maximum(clicked, np.abs(fitted * across))
-    left = math.hypot(error / math.hypot(1.0, error / _CLICK), _SHARED)
-    return offset * across, np.hypot(left * across, clicked * along)
-
-
 def _on_rail(pivots: np.ndarray) -> np.ndarray:
     """Return pivots with those on their axis that jump aside, where a rod or the wall misled.
 
@@ -365,65 +240,3 @@ def _on_rail(pivots: np.ndarray) -> np.ndarray:
     jumps = ok & ~keep
     out[jumps] -= np.outer(aside[jumps], axes[1])
     return out
-
-
-def _gravity(pivots: np.ndarray, angles: np.ndarray, is_clean: np.ndarray) -> tuple[float, str]:
-    """Return gravity's direction from straight down in the image, and where it comes from."""
-    ok = np.isfinite(pivots).all(axis=1)
-    centred = pivots[ok] - pivots[ok].mean(axis=0)
-    _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
-    stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
-    is_upright = abs(float(axes[0][1])) > math.cos(_LEAN)
-    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0] and is_upright:
-        axis = axes[0] * np.sign(axes[0][1])
-        return float(math.atan2(axis[0], axis[1])), "drive axis"
-    if stroke < 0.25 * _STROKE or not is_upright:
-        rest = _rest_position(angles, is_clean)
-        if rest is not None:
-            return rest, "rest position"
-    return 0.0, "image"
-
-
-def _rest_position(angles: np.ndarray, is_clean: np.ndarray) -> float | None:
-    """Return the angle about which free swings decay, from three successive extremes each.
-
-    ``(a1 + 2 a2 + a3)/4`` of successive extremes is the rest position up to second order of the
-    decrement, whatever the amplitude. Two balls of equal frequency have it in the mean of their
-    angles, which impacts between equal balls do not change.
-    """
-    swings = [angles[:, b] for b in range(angles.shape[1])]
-    clean = [is_clean[:, b] for b in range(angles.shape[1])]
-    moves = [np.nanstd(s) > 0.01 for s in swings]
-    if len(swings) == 2 and all(moves):
-        swing, ok = 0.5 * (swings[0] + swings[1]), np.isfinite(swings[0] + swings[1])
-        if np.nanstd(swing) < 0.02:
-            return float(np.nanmedian(swing))
-    elif any(moves):
-        b = moves.index(True)
-        swing, ok = swings[b], clean[b] & np.isfinite(swings[b])
-    else:
-        return None
-    extremes = _extremes(swing[ok])
-    if len(extremes) < 4:
-        return None
-    middles = 0.25 * (extremes[:-2] + 2.0 * extremes[1:-1] + extremes[2:])
-    # Only swings below a right angle all the way have no other rest position beside.
-    return float(np.median(middles)) if np.max(np.abs(extremes)) < 2.0 else None
-
-
-def _extremes(swing: np.ndarray) -> np.ndarray:
-    """Return successive extremes of a swing, each from a parabola through its top."""
-    middle = float(np.median(swing))
-    side = np.sign(swing - middle)
-    changes = np.flatnonzero(np.diff(side) != 0) + 1
-    found = []
-    for begin, end in pairwise(changes):
-        part = swing[begin:end] - middle
-        if len(part) < 5:
-            continue
-        k = int(np.argmax(np.abs(part)))
-        a, b = max(0, k - max(2, len(part) // 6)), min(len(part), k + max(2, len(part) // 6) + 1)
-        t = np.arange(a, b) - k
-        c2, c1, c0 = np.polyfit(t, part[a:b], 2)
-        found.append(middle + (c0 - c1 * c1 / (4.0 * c2) if c2 != 0.0 else part[k]))
-    return np.array(found)

@@ -370,11 +370,15 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
         "measured_radius": found_radius if length else None,
+        "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
         "gravity_direction": measured.tilt,
         "gravity_source": measured.tilt_source,
+        "angle_offset_sigma": None
+        if math.isnan(measured.angle_offset_sigma)
+        else measured.angle_offset_sigma,
         "exposure": scene.look.exposure,
         "pivot_offset_x": float(measured.offset[0]),
         "pivot_offset_y": float(measured.offset[1]),

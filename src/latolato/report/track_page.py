@@ -286,6 +286,9 @@ def _numbers(table: xr.Dataset) -> str:
     sigma = typical_sigma(table)
     if sigma is not None:
         rows.append(("typical sigma of an angle", f"{1e3 * sigma:.3g} mrad"))
+    if "angle_offset_sigma" in attrs:
+        common = 1e3 * attrs["angle_offset_sigma"]
+        rows.append(("sigma of what all angles have in common", f"{common:.3g} mrad"))
     amplitude, frequency = drive_of(table)
     if amplitude is not None and frequency is not None:
         size = f"{1e3 * amplitude:.4g} mm" if attrs["geometry"] == "metric" else (

@@ -75,6 +75,8 @@ class Appearance:
         Whitened residual beyond which a pixel belongs to something else.
     exposure : float
         Share of the frame interval in which light is collected.
+    radius_sigma : float
+        Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
     whiten, white_paint, white_behind : numpy.ndarray
@@ -90,6 +92,7 @@ class Appearance:
     weight: np.ndarray
     scale: float
     exposure: float = 0.0
+    radius_sigma: float = 0.0
     is_spinning: bool = False
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
@@ -103,11 +106,6 @@ class Appearance:
         self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
         self.white_paint = np.asarray(self.paint @ self.whiten.T)
         self.white_behind = np.asarray(self.behind @ self.whiten.T)
-
-    @property
-    def radius_sigma(self) -> float:
-        """Uncertainty of the radius [pixels]: half the softness of the edge."""
-        return 0.5 * self.blur
 
     def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """Return by how much the paint is turned at centres (sample, 2) [rad]."""

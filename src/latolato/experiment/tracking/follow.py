@@ -25,6 +25,9 @@ _MEASURED, _WHOLE = 0.4, 0.82
 # The same for a ball whose pattern turns through the light, or that no one template describes
 # because it looks otherwise from frame to frame: less than this share typically looks like it.
 _WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
+# A ball that moved by this many standard deviations more than was expected, long after a contact
+# [s], and of which less than this share is seen, is drawn aside by what hides it.
+_SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
 # Time after which a ball that was not seen is lost [s].
 _PATIENCE = 0.3
 # Least gain at which a ball that was lost is believed to be found.
@@ -57,6 +60,8 @@ class Followed:
         Unwrapped angles from straight down in the image [rad].
     sigmas : numpy.ndarray, shape (frame, ball)
         Standard deviations of the angles [rad].
+    spreads : numpy.ndarray, shape (frame, ball)
+        Standard deviations of the distances from the pivot [pixels].
     flags : numpy.ndarray of str, shape (frame, ball)
         ok, collision, occluded, predicted or lost.
     """
@@ -66,6 +71,7 @@ class Followed:
     centres: np.ndarray
     angles: np.ndarray
     sigmas: np.ndarray
+    spreads: np.ndarray
     flags: np.ndarray
 
 
@@ -97,6 +103,7 @@ def follow(
         np.full((count, balls, 2), np.nan),
         np.full((count, balls), np.nan),
         np.full((count, balls), np.nan),
+        np.full((count, balls), np.nan),
         np.full((count, balls), "lost", "U9"),
     )
     follower = _Follower(scene, interval, stiffness)
@@ -107,6 +114,7 @@ def follow(
         out.times[n] = frame.time
         out.pivots[n] = follower.pivot_in(frame)
         out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = follower.balls_in(frame)
+        out.spreads[n] = follower.spreads
         if progress and n % 16 == 0:
             progress(n / count)
     return out
@@ -123,6 +131,9 @@ class _Follower:
         self.unseen = np.zeros(scene.balls)
         self.is_begun = False
         self.pivot_cost = 0.0
+        self.last_contact = -math.inf
+        # Standard deviations of the last distances from the pivot [pixels].
+        self.spreads = np.full(scene.balls, np.nan)
         # Contacts this close to the middle of an exposure [s] belong to it.
         self.near = (0.5 * scene.look.exposure + _UNSURE_EXPOSURE) * interval
 
@@ -214,7 +225,7 @@ class _Follower:
         places: np.ndarray,
         expected: Prediction,
         tolerant: int,
-    ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float, float]]]:
+    ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float]]]:
         """Fit the balls from where they are expected."""
         scene, balls = self.scene, self.scene.balls
         paths = [arc(places, expected.path[:, b], scene.arm) for b in range(balls)]
@@ -224,7 +235,7 @@ class _Follower:
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
         angles, sigmas = np.empty(balls), np.empty(balls)
-        fits: list[tuple[np.ndarray, float, float]] = [(np.zeros(2), 0.0, 0.0)] * balls
+        fits: list[tuple[np.ndarray, float]] = [(np.zeros(2), 0.0)] * balls
         for group in groups:
             fit: Fit = fit_balls(
                 scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
@@ -242,21 +253,23 @@ class _Follower:
                 across = np.array([away[1], -away[0]]) / np.hypot(*away)
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
                 sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
-                fits[b] = (centre, float(fit.explained[k]), float(fit.hidden[k]))
+                out = away / np.hypot(*away)
+                self.spreads[b] = math.sqrt(out @ own @ out + _FLOOR**2)
+                fits[b] = (centre, float(fit.explained[k]))
         return angles, sigmas, fits
 
     def _is_bad(
         self,
         angles: np.ndarray,
         sigmas: np.ndarray,
-        fits: list[tuple[np.ndarray, float, float]],
+        fits: list[tuple[np.ndarray, float]],
         expected: Prediction,
     ) -> np.ndarray:
         """Return which balls were not measured: hidden, off the circle, or where none can be."""
         scene = self.scene
         pivot = scene.pivot.place(self.pivots[-1][1])
         bad = np.zeros(scene.balls, bool)
-        for b, (centre, explained, _) in enumerate(fits):
+        for b, (centre, explained) in enumerate(fits):
             off = abs(np.hypot(*(centre - pivot)) - scene.arm)
             spread = math.sqrt(expected.covariance[b, 0, 0])
             jump = abs(angles[b] - expected.angles[b])
@@ -344,7 +357,7 @@ class _Follower:
         pivot: np.ndarray,
         angles: np.ndarray,
         sigmas: np.ndarray,
-        fits: list[tuple[np.ndarray, float, float]],
+        fits: list[tuple[np.ndarray, float]],
         bad: np.ndarray,
         expected: Prediction,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -353,15 +366,26 @@ class _Follower:
         balls = scene.balls
         centres, flags = np.full((balls, 2), np.nan), np.full(balls, "lost", "U9")
         early = max(self.near, _BEFORE * self.interval)
+        self.last_contact = max([self.last_contact, *expected.contact_times])
         is_contact = any(-early <= t - frame.time <= self.near for t in expected.contact_times)
-        for b, (centre, explained, _) in enumerate(fits):
+        for b, (centre, explained) in enumerate(fits):
             if not bad[b]:
                 self.unseen[b] = 0.0
                 centres[b] = centre
-                predictor.correct(b, float(angles[b]), float(sigmas[b]))
+                off = abs(float(angles[b] - expected.angles[b]))
+                spread = math.hypot(math.sqrt(expected.covariance[b, 0, 0]), float(sigmas[b]))
                 is_varied = scene.look.is_spinning or scene.explained < _DESCRIBED
+                is_drawn = (
+                    not is_varied
+                    and off > _SURPRISING * spread
+                    and explained < _UNTOUCHED * scene.explained
+                    and frame.time - self.last_contact > _CALM
+                )
+                if is_drawn:  # what hides a part of it has drawn it aside
+                    sigmas[b] = max(float(sigmas[b]), off)
+                predictor.correct(b, float(angles[b]), float(sigmas[b]))
                 whole = _WHOLE_TURNING if is_varied else _WHOLE
-                if explained < whole * scene.explained:
+                if is_drawn or explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"

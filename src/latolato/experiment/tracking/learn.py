@@ -33,8 +33,8 @@ from latolato.experiment.video import Frame, Video
 _NOISE, _BLUR = 0.03, 0.8
 # In poor light the noise is less: a share of the contrast, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
-# Shares by which the radius is varied in each round of learning.
-_WIDTHS = ((0.08,), (0.08, 0.03), (0.03, 0.01))
+# How often balls are fitted and their look is learned anew.
+_ROUNDS = 3
 # How much more a paint that turns must explain than one that stays.
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
@@ -123,7 +123,7 @@ def learn_scene(
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
     found: list[Found] = []
-    for round_ in range(len(_WIDTHS)):
+    for round_ in range(_ROUNDS):
         if round_ == 0:
             found = find_balls(scene, frames, pivots, centres)
         found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
@@ -132,7 +132,7 @@ def learn_scene(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
                 "found in other frames; point at the ball's centre in the first frame"
             )
-        scene.arm = learn_look(look, frames, found, _WIDTHS[round_])
+        scene.arm = learn_look(look, frames, found, is_first=round_ == 0)
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in found]
             learn_background(look, frames, covered)
@@ -146,7 +146,7 @@ def learn_scene(
                 tracker.anchor = shifts[0].copy()
                 pivots = tracker.place(shifts)
         if progress:
-            progress((round_ + 1) / len(_WIDTHS))
+            progress((round_ + 1) / _ROUNDS)
     scene.explained = float(np.median([one.explained for one in found]))
     for b, start in enumerate(starts):
         own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]

@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.experiment.tracking import kernels
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
+from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.paint import painted
 from latolato.experiment.video import Frame
 
@@ -16,11 +17,13 @@ from latolato.experiment.video import Frame
 _OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
 _TEACHES = 0.8
-# Luminance of linear light (BT.709), its noise, and the difference that shows an edge.
-_LUMA = np.array([0.2126, 0.7152, 0.0722])
-_FAINT, _DIFFERS = 0.01, 0.06
-# How many of the fastest balls tell the exposure, and how many of the slowest the edge.
-_FASTEST, _SLOWEST = 6, 6
+# How many of the fastest balls tell the exposure.
+_FASTEST = 6
+# While the exposure is unknown: most pixels per frame over the radius, and how many such balls are
+# needed, for a ball to have an edge.
+_HARDLY, _FEWEST_SHOTS = 0.4, 3
+# How many of the slowest balls tell an edge otherwise, and shares by which the radius is varied.
+_SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 # Balls around which noise is learned.
 _RINGS = 16
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
@@ -49,20 +52,15 @@ class Found:
         return np.asarray(path + (self.centre - path.mean(axis=0)))
 
 
-def learn_look(
-    look: Appearance, frames: list[Frame], found: list[Found], widths: tuple[float, ...]
-) -> float:
-    """Learn colours, radius, softness and noise anew from the balls found; return their arm.
-
-    `widths` are the shares of the radius by which it is varied, one after the other.
-    """
+def learn_look(look: Appearance, frames: list[Frame], found: list[Found], is_first: bool) -> float:
+    """Learn radius, softness, colours and noise anew from the balls found; return their arm."""
     good = [one for one in found if one.explained > _TEACHES] or found
     arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
+    _learn_edge(look, frames, teachers, found, arm, is_first)
     _learn_paint(look, frames, teachers, arm)
-    _learn_edge(look, frames, teachers[:_SLOWEST], arm, widths)
     _learn_noise(look, frames, good)
     return arm
 
@@ -100,22 +98,45 @@ def _learn_edge(
     look: Appearance,
     frames: list[Frame],
     teachers: list[Found],
+    found: list[Found],
     arm: float,
-    widths: tuple[float, ...],
+    is_far: bool,
 ) -> None:
-    """Learn radius and softness of the edge: those that explain the frames best.
+    """Learn radius and softness of the edge from balls cut out of their frames.
 
-    Colour is stored at half the resolution and suffers first from compression: where the ball
-    differs in brightness, that alone tells where its edge is.
+    While the exposure is unknown, only balls that hardly move have an edge to measure.
     """
-    weight, scale = look.weight, look.scale
-    middle = (look.paint.shape[0] - 1) // 2
-    walls = [look.wall(np.rint(one.centre).astype(int), (1, 1))[0, 0] for one in teachers]
-    contrast = abs(float((look.paint[middle, middle] - np.nanmedian(walls, axis=0)) @ _LUMA))
-    if contrast > _DIFFERS:
-        look.weight = np.outer(_LUMA, _LUMA) / _FAINT**2 + np.eye(3)
-        look.scale = max(3.0, _OUTLYING * contrast / _FAINT)
-        look.whitened()
+    if look.exposure == 0.0:
+        slow = [one for one in teachers if not abs(one.speed) * arm > _HARDLY * look.radius]
+        if len(slow) < _FEWEST_SHOTS:
+            _vary_edge(look, frames, teachers[:_SLOWEST], arm)
+            return
+        teachers = slow
+    shots = []
+    for one in teachers:
+        path = one.path(arm, look.exposure)
+        half = int(1.6 * look.radius + 0.5 * float(np.ptp(path, axis=0).max())) + 6
+        corner, side = np.rint(one.centre).astype(int) - half, 2 * half + 1
+        image = look.colours.window(
+            frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
+        )
+        others = [o.centre - corner for o in found if o.frame == one.frame and o is not one]
+        shots.append(
+            Shot(
+                image,
+                look.wall(corner, (side, side)),
+                path - corner,
+                one.pivot - corner,
+                one.angle if look.is_spinning else 0.0,
+                np.reshape(others, (-1, 2)),
+            )
+        )
+    edge = measured_edge(shots, look.radius, look.blur, is_far)
+    look.radius, look.blur, look.radius_sigma = edge.radius, edge.blur, edge.sigma
+
+
+def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+    """Choose the radius and softness with which the colours learned so far explain most."""
     paths = [one.path(arm, look.exposure) for one in teachers]
 
     def cost() -> float:
@@ -124,19 +145,16 @@ def _learn_edge(
             for one, path in zip(teachers, paths, strict=True)
         )
 
-    for width in widths:
+    for width in _WIDTHS:
         for name, low, high in (("radius", 0.0, 1e9), ("blur", 0.35, 0.25 * look.radius)):
             middle = getattr(look, name)
             spread = 3.0 * width if name == "blur" else width
-            trials = middle * (1.0 + spread * np.linspace(-1.5, 1.5, 7))
-            trials = np.unique(np.clip(trials, low, high))
-            costs = []
-            for trial in trials:
+            costs = {}
+            for trial in np.clip(middle * (1.0 + spread * np.linspace(-1.5, 1.5, 7)), low, high):
                 setattr(look, name, float(trial))
-                costs.append(cost())
-            setattr(look, name, float(trials[int(np.argmin(costs))]))
-    look.weight, look.scale = weight, scale
-    look.whitened()
+                costs[float(trial)] = cost()
+            setattr(look, name, min(costs, key=costs.__getitem__))
+    look.radius_sigma = look.blur
 
 
 def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> None:
