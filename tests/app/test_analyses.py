@@ -280,7 +280,7 @@ def test_a_page_that_goes_ends_the_computation(client):
 
 
 def test_a_worker_ends_with_its_input():
-    from latolato.app.jobs import Worker
+    from latolato.app.processes import Worker
 
     worker = Worker()
     worker.process.stdin.close()
