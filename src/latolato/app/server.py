@@ -149,6 +149,7 @@ async def json_of(request: Request) -> Any:
 
 def refusal(status: int, message: str) -> JSONResponse:
     """Return one line that says why, and the option that it is about."""
+    message = " ".join(message.split())
     return JSONResponse({"error": message, "field": field_of(message)}, status_code=status)
 
 
