@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from latolato.analyse_options import options_of
 from latolato.analysis import analyses
 from latolato.app import analyses as app
+from latolato.app.analysis_forms import about_asked, forms
 from latolato.app.blocks import unpack
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.runs import simulate_asked
@@ -54,7 +55,7 @@ CLOSED = {"scenario": "fig02", "analysis": "tongue_edges", "given": {"order": "1
 
 def small(name):
     """Return small sizes for an analysis."""
-    fields = app.forms()[name]["options"]
+    fields = forms()[name]["options"]
     return {
         n: v
         for n, v in SMALL.items()
@@ -81,7 +82,7 @@ def ask(client, given):
 
 
 def test_every_analysis_has_a_form_with_all_its_options():
-    found = app.forms()
+    found = forms()
     assert set(found) == set(analyses)
     for name, form in found.items():
         own = options_of(analyses[name])
@@ -95,8 +96,8 @@ def test_every_analysis_has_a_form_with_all_its_options():
 
 @pytest.mark.parametrize("name", analyses)
 def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
-    about = app.about_asked(Asked("fig04a_push", {}))
-    form = app.forms()[name]["options"]
+    about = about_asked(Asked("fig04a_push", {}))
+    form = forms()[name]["options"]
     quick = {
         n: about["quick"][n]
         for n, field in form.items()
@@ -280,7 +281,7 @@ def test_a_page_that_goes_ends_the_computation(client):
 
 
 def test_a_worker_ends_with_its_input():
-    from latolato.app.jobs import Worker
+    from latolato.app.processes import Worker
 
     worker = Worker()
     worker.process.stdin.close()
@@ -293,7 +294,7 @@ def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
         "parameter": "frequency_ratio", "low": "1.8", "high": "2.2", "points": "5",
         "transient_periods": "10", "longest": "4"}}  # fmt: skip
     given["given"] = {n: v for n, v in given["given"].items()
-                      if n in app.forms()["bifurcation_diagram"]["options"]}  # fmt: skip
+                      if n in forms()["bifurcation_diagram"]["options"]}  # fmt: skip
     panels = app.compute(given, tmp_path, print)["panels"]
     assert len(panels) == 2  # stroboscopic angles and largest angles, over one axis
     for panel in panels:

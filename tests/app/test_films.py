@@ -114,7 +114,8 @@ def workers(parent=None):
         with contextlib.suppress(OSError):
             fields = status.read_text().rpartition(")")[2].split()
             command = (status.parent / "cmdline").read_bytes()
-            if int(fields[1]) == parent and b"film_worker" in command and fields[0] != "Z":
+            is_limited = b"latolato.app.worker" in command and b"cpu_time" in command
+            if int(fields[1]) == parent and is_limited and fields[0] != "Z":
                 found.append(int(status.parent.name))
     return found
 

@@ -1,4 +1,4 @@
-"""Analyses for the pages: forms made from their options, computed in a process of their own."""
+"""Analyses for the pages: asked as a form says, computed in a process of their own."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import inspect
 import math
 import re
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,9 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from latolato.app.analysis_forms import about_asked, forms
 from latolato.app.blocks import pack
-from latolato.app.given import MOST_LISTED, Asked, TooLargeError, options_of
+from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
 from latolato.app.server import answered, json_of
@@ -28,34 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from latolato.analyse_options import AnalysisOption
-    from latolato.scenario import Scenario
 
-# What a list of analyses begins with; the others follow by name.
-FIRST = (
-    "response_period",
-    "lyapunov_spectrum",
-    "poincare_section",
-    "bifurcation_diagram",
-    "basins",
-    "first_push",
-)
-# What forms begin with: sizes that take seconds, where defaults are for a machine left alone.
-QUICK = {
-    "points": "41",
-    "angle_points": "40",
-    "velocity_points": "40",
-    "trajectories": "100",
-    "scan_points": "30",
-    "noise_strength": "0.5 rad/s^(3/2)",
-    "drive_amplitude": "{low:.3g} : {high:.3g} : 16 m",
-    "frequency_ratio": "1.4 : 3.2 : 16",
-    "parameter": "frequency_ratio",
-}
-# Shares of the length between which amplitudes are scanned.
-_AMPLITUDES = (0.02, 0.4)
-# A parameter is scanned between these shares of its value; a frequency where resonances are.
-_AROUND = (0.5, 1.5)
-_RATIOS = ("1.5", "3")
 # Options that multiply the work.
 _COUNTS = ("points", "angle_points", "velocity_points", "trajectories", "scan_points", "phases")
 # Most steps of all motions together: minutes of work on two cores.
@@ -63,9 +36,7 @@ MOST_STEPS = 1e10
 _STEPS_PER_PERIOD = 40.0
 # Periods that are looked at after the transient, where no option says how many.
 _WATCHED = 48.0
-_CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
-_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
 _PICTURE_DPI = 150
 
 
@@ -90,134 +61,6 @@ async def _asked(request: Request) -> Response:
 
 async def _analyse(websocket: WebSocket) -> None:
     await serve_job(websocket, prepare)
-
-
-@lru_cache(maxsize=1)
-def forms() -> dict[str, Any]:
-    """Return what the form of each analysis is made from, by name."""
-    from latolato.analyse_options import options_of, plain_text, summary_of
-    from latolato.analysis import analyses
-    from latolato.summary import plain
-
-    rest = sorted(name for name in analyses if name not in FIRST)
-    found = {}
-    for name in [*FIRST, *rest]:
-        function = analyses[name]
-        choices = choices_of(function)
-        notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
-        found[name] = {
-            "title": name.replace("_", " ").capitalize(),
-            "summary": shown(summary_of(function)),
-            "notes": shown(" ".join(map(plain_text, notes))),
-            "options": {
-                option.name: _option(option, choices.get(option.name, ()))
-                for option in options_of(function).values()
-                if not option.is_of_run
-            },
-            "run": [o.name for o in options_of(function).values() if o.is_of_run],
-        }
-    result: dict[str, Any] = plain(found)
-    return result
-
-
-def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
-    """Return how an option of an analysis is shown."""
-    from latolato.figures.style import pretty_unit
-
-    default = "" if option.is_required or option.default is None else option.default
-    if isinstance(default, (tuple, list)):
-        default = ", ".join(f"{value:g}" for value in default)
-    return {
-        "label": option.name.replace("_", " "),
-        "description": shown(option.description),
-        "unit": "" if option.unit in ("", "1") else option.unit and pretty_unit(option.unit),
-        "kind": option.kind.__name__,
-        "several": option.is_sequence,
-        "required": option.is_required,
-        "default": f"{default:g}" if isinstance(default, float) else str(default),
-        "choices": list(choices),
-    }
-
-
-def shown(text: str) -> str:
-    """Return a text of a docstring with frequencies and amplitudes as a page writes them.
-
-    Examples
-    --------
-    >>> shown("w/w0 of A0, by default 3 w0")
-    'ω/ω₀ of A₀, by default 3 ω₀'
-    """
-    for plain, pretty in _LETTERS.items():
-        text = re.sub(rf"(?<![\w/]){plain}(?!\w)", pretty, text)
-    return text
-
-
-def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
-    r"""Return the texts that parameters may be, by the type in their docstring.
-
-    Examples
-    --------
-    >>> from latolato.analysis import growth_rate
-    >>> choices_of(growth_rate)["position"]
-    ['hanging', 'inverted']
-    """
-    found: dict[str, list[str]] = {}
-    for match in _CHOICES.finditer(inspect.getdoc(function) or ""):
-        choices = [part.strip().strip("\"'") for part in match["choices"].split(",")]
-        found |= dict.fromkeys([name.strip() for name in match["names"].split(",")], choices)
-    return found
-
-
-def about_asked(asked: Asked) -> dict[str, Any]:
-    """Return the options of what a page asks for, and what analyses may vary of it."""
-    from latolato.summary import plain
-
-    scenario = asked.to_scenario()
-    l = scenario.system.balls[0].length
-    low, high = (share * l for share in _AMPLITUDES)
-    quick = {name: text.format(low=low, high=high) for name, text in QUICK.items()}
-    found: dict[str, Any] = plain(
-        {
-            "options": options_of(scenario),
-            "title": scenario.title,
-            "quick": quick,
-            "parameters": parameters_of(scenario),
-        }
-    )
-    return found
-
-
-def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
-    """Return the numbers that a diagram can vary: what they are, their unit, and usual limits."""
-    from latolato.analysis.flow import value_of
-    from latolato.figures.style import pretty_unit
-    from latolato.physics.drives import Static
-    from latolato.sweep import axes
-
-    if isinstance(scenario.drive, Static):
-        return {}
-    found = {}
-    for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():
-        if parameter.owner not in ("system", "drive"):
-            continue
-        try:
-            value = float(value_of(scenario.system, scenario.drive, name))
-        except (TypeError, ValueError, AttributeError):
-            continue
-        unit = parameter.quantity.unit
-        allowed = parameter.allowed
-        ends = (min(max(share * value, allowed.low), allowed.high) for share in _AROUND)
-        low, high = (f"{end:.4g}" for end in ends)
-        if name == "frequency_ratio":
-            low, high = _RATIOS
-        tail = "" if unit in ("", "1") else f" {unit}"
-        found[name] = {
-            "label": parameter.quantity.long_name,
-            "unit": "" if unit == "1" else pretty_unit(unit),
-            "low": "0" if value == 0.0 else f"{low}{tail}",
-            "high": f"0.1{tail}" if value == 0.0 else f"{high}{tail}",
-        }
-    return found
 
 
 @dataclass(frozen=True)

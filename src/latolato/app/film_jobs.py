@@ -1,100 +1,89 @@
-"""Work on uploaded videos in processes of their own, which end with whoever waits for them."""
+"""Work on uploaded videos, in limited processes of their own (see `processes`)."""
 
 from __future__ import annotations
 
-import asyncio
-import json
 import signal
-import sys
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
-from typing import Any
+from collections.abc import Callable, Coroutine, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
 
-from latolato.app.film_store import Allowance, Film
+if TYPE_CHECKING:
+    from latolato.app.film_store import Allowance, Film
+    from latolato.app.processes import Workers
 
-_LINE = 4_000_000  # bytes of one answer
-# How long a process may take to end by itself after its answer [s].
-_GRACE = 2.0
-Told = Callable[[str, float], Awaitable[None]]
+Told = Callable[[str, float], Coroutine[Any, Any, None]]
 
 
-class FilmError(ValueError):
-    """Why work on a film failed, in one line."""
+class Progress(Protocol):
+    """What a job is given to say how far it is."""
+
+    def __call__(self, share: float, stage: str | None = None) -> None:
+        """Tell the part of a stage that is done."""
 
 
-async def work(film: Film, job: dict[str, Any], allowance: Allowance, told: Told) -> dict[str, Any]:
-    """Return what a job on a film found; the process is killed if this is cancelled.
+def film_workers_of(state: Any) -> Workers:
+    """Return the processes of the server with this state that read videos."""
+    import anyio
+
+    from latolato.app.processes import Limits, Workers
+
+    if state.film_jobs is None:
+        allowance: Allowance = state.films.allowance
+        limits = Limits(memory=allowance.memory, cpu_time=allowance.cpu_time)
+        state.film_jobs = Workers(anyio.CapacityLimiter(allowance.jobs), limits)
+    found: Workers = state.film_jobs
+    return found
+
+
+async def work(
+    workers: Workers, film: Film, job: Mapping[str, Any], allowance: Allowance, told: Told
+) -> dict[str, Any]:
+    """Return what a job on a film found; its process is killed if this is cancelled.
 
     Parameters
     ----------
+    workers : Workers
+        The processes that read videos.
     film : Film
         What it is about.
-    job : dict
+    job : mapping
         What to ``do``, and how.
     allowance : Allowance
-        What the process may take.
+        What the work may take.
     told : coroutine function of (str, float)
         Called with the stage and the part of it that is done.
 
     Raises
     ------
-    FilmError
+    JobError
         With the reason.
     """
+    import anyio
+
+    from latolato.app.processes import EndedError, JobError
+
     limits = allowance.limits
-    message = {
+    given = {
         **job,
         "path": str(film.upload),
-        "folder": str(film.folder),
         "name": film.name,
-        "memory": allowance.memory,
-        "cpu_time": allowance.cpu_time,
         "limits": {name: getattr(limits, name) for name in limits.__dataclass_fields__},
     }
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "latolato.app.film_worker",
-        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.DEVNULL, limit=_LINE, start_new_session=True,
-    )  # fmt: skip
+
+    def hear(message: Mapping[str, Any]) -> None:
+        if "stage" in message:
+            anyio.from_thread.run(told, message["stage"], message["progress"])
+
     try:
-        async with asyncio.timeout(allowance.wall_time):
-            assert process.stdin is not None
-            process.stdin.write(json.dumps(message).encode() + b"\n")
-            await process.stdin.drain()
-            return await _answer(process, film, told)
+        done = await workers.do("film", given, film.folder, hear, seconds=allowance.wall_time)
     except TimeoutError:
-        raise FilmError(
+        raise JobError(
             f"work on {film.name} took more than {allowance.wall_time:g} s: cut the video"
         ) from None
-    except (ConnectionError, ValueError) as error:
-        if isinstance(error, FilmError):
-            raise
-        raise FilmError(f"work on {film.name} broke off") from None
-    finally:
-        await asyncio.shield(_ended(process))
-
-
-async def _answer(process: Any, film: Film, told: Told) -> dict[str, Any]:
-    """Return what a process found, or raise its reason; tell how far it is."""
-    async for line in process.stdout:
-        message = json.loads(line)
-        if "error" in message:
-            raise FilmError(message["error"])
-        if "done" in message:
-            found: dict[str, Any] = message["done"]
-            return found
-        await told(message["stage"], message["progress"])
-    raise FilmError(_reason(await process.wait(), film))
-
-
-async def _ended(process: Any) -> None:
-    """See that a process has ended: by itself soon, or killed."""
-    if process.returncode is None:
-        process.stdin.close()
-        with suppress(ProcessLookupError):
-            process.kill()
-        async with asyncio.timeout(_GRACE):
-            await process.wait()
+    except EndedError as error:
+        raise JobError(_reason(error.code, film)) from None
+    found: dict[str, Any] = done["found"]
+    return found
 
 
 def _reason(code: int, film: Film) -> str:
@@ -108,3 +97,36 @@ def _reason(code: int, film: Film) -> str:
     if code < 0:
         return f"reading {film.name} broke the decoder: is the file whole? Convert it to MP4"
     return f"work on {film.name} ended without an answer: is the file whole?"
+
+
+def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
+    """Do what a page wants of a film: what the job `film` does in its process.
+
+    Raises
+    ------
+    ValueError
+        With the reason, whatever a broken file does to a decoder.
+    """
+    job = {**given, "folder": str(folder)}
+    try:
+        # Here: with little memory it fails, which is told as any other failure.
+        from latolato.app.film_work import WORK
+
+        return {"found": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
+    except MemoryError:
+        raise ValueError("this video needs more memory than it may take: scale it down") from None
+    except Exception as error:
+        raise ValueError(one_line(error, job)) from None
+
+
+def one_line(error: Exception, job: Mapping[str, Any]) -> str:
+    """Return why a job failed, in one line about the film's name instead of its path."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    for quoted in (f"'{job['path']}'", str(job["path"])):
+        text = text.replace(quoted, job["name"])
+    # How to say it on the command line is no help here.
+    for hint in (": --pivot", ": --ball", " (in Python"):
+        text = text.partition(hint)[0]
+    if not isinstance(error, (ValueError, TypeError, RuntimeError, OSError, ImportError)):
+        return f"{job['name']} could not be worked on: {type(error).__name__}: {text}"
+    return text

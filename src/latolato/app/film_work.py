@@ -1,4 +1,4 @@
-"""What is done with an uploaded video, in a process of its own (see `film_worker`)."""
+"""What is done with an uploaded video, in a process of its own (see `film_jobs`)."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.film_jobs import FilmError, work
+from latolato.app.film_jobs import film_workers_of, work
 from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
 
@@ -274,7 +274,7 @@ class _Clerk:
                 await self.tell({"job": number, "done": found})
             except asyncio.CancelledError:
                 await self.tell({"job": number, "cancelled": True})
-            except (FilmError, *_REFUSALS, OSError) as error:
+            except (*_REFUSALS, OSError) as error:
                 await self.refuse(number, str(error))
             finally:
                 self._jobs.pop(number, None)
@@ -303,8 +303,8 @@ class _Clerk:
             is_new = job["do"] == "example"
             try:
                 await told("waiting", 0.0)
-                async with self._turns():
-                    found = await work(film, job, self._store.allowance, told)
+                workers = film_workers_of(self._socket.app.state)
+                found = await work(workers, film, job, self._store.allowance, told)
             except BaseException:
                 if is_new:
                     self._desk.remove(film.key)
@@ -321,14 +321,6 @@ class _Clerk:
             return found
 
         return answer
-
-    def _turns(self) -> asyncio.Semaphore:
-        """Return what lets a few jobs of the whole server run at a time."""
-        state = self._socket.app.state
-        if state.film_turns is None:
-            state.film_turns = asyncio.Semaphore(self._store.allowance.jobs)
-        found: asyncio.Semaphore = state.film_turns
-        return found
 
 
 def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Film, dict[str, Any]]:

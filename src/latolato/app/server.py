@@ -82,7 +82,7 @@ def make_app(settings: Settings) -> Starlette:
     app.state.jobs = None
     app.state.report = settings.report
     app.state.films = Store(settings.films)
-    app.state.film_turns = None
+    app.state.film_jobs = None
     app.state.maps = None
     app.state.stored = dict(settings.stored)
     return app
@@ -92,9 +92,10 @@ def make_app(settings: Settings) -> Starlette:
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
     """Leave neither processes nor files behind when the server stops."""
     yield
+    for workers in (app.state.jobs, app.state.film_jobs):
+        if workers is not None:
+            workers.close()
     app.state.films.close()
-    if app.state.jobs is not None:
-        app.state.jobs.close()
 
 
 def _views() -> list[BaseRoute]:
@@ -148,6 +149,7 @@ async def json_of(request: Request) -> Any:
 
 def refusal(status: int, message: str) -> JSONResponse:
     """Return one line that says why, and the option that it is about."""
+    message = " ".join(message.split())
     return JSONResponse({"error": message, "field": field_of(message)}, status_code=status)
 
 

@@ -5,6 +5,10 @@ folder. Answers are lines of JSON as well: ``{"ready": true}`` once, then for ea
 ``{"progress": share}`` and ``{"compiling": true}``, and at last ``{"done": {...}}`` or
 ``{"error": text}``. The process ends when its input does, in the middle of a job too: whoever
 wanted the answer is gone.
+
+A process that gets limits as its argument, ``{"memory": bytes, "cpu_time": s, "file_size": bytes,
+"files": number}``, keeps them and imports nothing before its job is there. Limits are for all that
+it does: it is for one job.
 """
 
 from __future__ import annotations
@@ -20,37 +24,43 @@ import traceback
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from latolato.progress import compiling
 from latolato.summary import plain
 
-# Where the functions ``(given, folder, progress) -> dict`` are.
+# Where the functions ``(given, folder, progress) -> dict`` are. They call
+# ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
     "analyse": ("latolato.app.analyses", "compute"),
     "animate": ("latolato.app.downloads", "film"),
+    "film": ("latolato.app.film_jobs", "compute"),
     "figure": ("latolato.app.paper", "compute"),
 }
 # Imported before a job is there, so that it begins at once.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")
 _NICENESS = 5
+# Between the signal that ends a process for its processor time and the one that kills it [s].
+_SPARED = 10
 
 Tell = Callable[[Mapping[str, Any]], None]
 
 
 def run(job: Mapping[str, Any], tell: Tell) -> None:
     """Do one job and tell its end."""
-    module, name = JOBS[job["job"]]
-    function = getattr(importlib.import_module(module), name)
+
+    def progress(share: float, stage: str | None = None) -> None:
+        tell({"progress": share} if stage is None else {"stage": stage, "progress": share})
+
     try:
+        module, name = JOBS[job["job"]]
+        function = getattr(importlib.import_module(module), name)
         with (
             warnings.catch_warnings(record=True) as caught,
             compiling(lambda: tell({"compiling": True}), lambda: tell({"compiling": False})),
         ):
             warnings.simplefilter("always", RuntimeWarning)
-            found = function(
-                job["given"], Path(job["folder"]), lambda share: tell({"progress": share})
-            )
+            found = function(job["given"], Path(job["folder"]), progress)
     except (ArithmeticError, OSError, TypeError, ValueError, ModuleNotFoundError) as error:
         tell({"error": " ".join(str(error).split())})
     except MemoryError:
@@ -63,15 +73,43 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
         tell({"done": {**found, "warnings": list(dict.fromkeys(told))}})
 
 
+def limit(limits: Mapping[str, float]) -> None:
+    """Let this process take no more than it may."""
+    try:
+        import resource
+    except ModuleNotFoundError:  # Windows has wall time only
+        return
+    for name, most in (
+        ("RLIMIT_AS", limits["memory"]),
+        ("RLIMIT_CPU", limits["cpu_time"]),
+        ("RLIMIT_FSIZE", limits["file_size"]),
+        ("RLIMIT_NOFILE", limits["files"]),
+        ("RLIMIT_CORE", 0),
+    ):
+        kind = getattr(resource, name, None)
+        if kind is None:
+            continue
+        _, hard = resource.getrlimit(kind)
+        wanted = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)
+        # Beyond the hard limit of time the reason is lost.
+        spared = wanted + _SPARED if name == "RLIMIT_CPU" else wanted
+        try:
+            resource.setrlimit(kind, (wanted, spared if hard == resource.RLIM_INFINITY else hard))
+        except (ValueError, OSError):  # macOS refuses some
+            continue
+
+
 def main() -> None:
     """Do jobs until the input ends."""
     # Ctrl-C in the terminal is meant for the server, whose end closes our input.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    limits = json.loads(sys.argv[1]) if len(sys.argv) > 1 else None
+    if limits is not None:
+        limit(limits)
     if hasattr(os, "nice"):
         os.nice(_NICENESS)  # live pages go first
     os.environ["MPLBACKEND"] = "Agg"
-    answers = sys.stdout
-    sys.stdout = sys.stderr  # what others print is no answer
+    answers = own_output()
     lock = threading.Lock()
 
     def tell(message: Mapping[str, Any]) -> None:
@@ -86,11 +124,18 @@ def main() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    for name in _HEAVY:
+    for name in _HEAVY if limits is None else ():
         importlib.import_module(name)
     tell({"ready": True})
     while True:
         run(json.loads(jobs.get()), tell)
+
+
+def own_output() -> TextIO:
+    """Return the standard output; what others print from now on is no answer."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    return answers
 
 
 if __name__ == "__main__":

@@ -82,9 +82,12 @@ function startViews(page) {
       /** @type {any} */ (window).latolato = { views: made };
     }
     if (page.store.state.view !== view) return;
-    main.replaceChildren(made[view].root);
+    const title = t(`view_${view}`);
+    // A view that shows no title of its own has one for those who hear the page.
+    const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
+    main.replaceChildren(...head, made[view].root);
     made[view].show();
-    document.title = `${t(`view_${view}`)} · latolato`;
+    document.title = `${title} · latolato`;
   };
   page.store.subscribe(() => void show());
   void show();

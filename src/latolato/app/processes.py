@@ -1,0 +1,270 @@
+"""Worker processes: started, limited, fed with jobs, ended when nobody waits for the answer.
+
+Each process runs `latolato.app.worker`, which says what is written to it and what it answers.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import anyio
+
+# Longest line of an answer [characters].
+_LONGEST = 4_000_000
+# How long a process that has been killed may take to end [s].
+_GRACE = 2.0
+
+Hear = Callable[[dict[str, Any]], None]
+
+
+class JobError(ValueError):
+    """A job that gave no answer, with the line that says why."""
+
+
+class EndedError(JobError):
+    """A process that ended in the middle of its job.
+
+    Attributes
+    ----------
+    code : int
+        Its exit status, the negative number of a signal if that ended it.
+    """
+
+    def __init__(self, code: int) -> None:
+        super().__init__("the computation ended by itself; it may have needed too much memory")
+        self.code = code
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one process may take, for all that it does.
+
+    Attributes
+    ----------
+    memory : float
+        Address space [bytes].
+    cpu_time : float
+        Processor time [s].
+    file_size : float
+        Size of the largest file that it writes [bytes].
+    files : int
+        Files that are open at the same time.
+    """
+
+    memory: float
+    cpu_time: float
+    file_size: float = 1e9
+    files: int = 256
+
+
+class Worker:
+    """A process that does one job after the other.
+
+    Parameters
+    ----------
+    limits : Limits, optional
+        What it may take. A process with limits is for one job: it imports nothing before that is
+        there, and what it prints is not shown.
+    """
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.limits = limits
+        self.process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "latolato.app.worker"),
+                *([] if limits is None else [json.dumps(asdict(limits))]),
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=None if limits is None else subprocess.DEVNULL,
+            encoding="utf-8",
+            # Signals of the terminal are for the server, whose end closes the process' input.
+            start_new_session=True,
+        )
+        self.is_ready = self.is_busy = False
+
+    def run(self, job: str, given: Mapping[str, Any], folder: Path, hear: Hear) -> dict[str, Any]:
+        """Return what a job found; its files are in `folder`.
+
+        Raises
+        ------
+        JobError
+            With the reason in one line.
+        """
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.is_busy = True
+        request = {"job": job, "given": given, "folder": str(folder)}
+        with suppress(OSError):  # a process that is gone: reading tells
+            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.flush()
+        while line := self.process.stdout.readline(_LONGEST):
+            try:
+                message = json.loads(line)
+            except ValueError:
+                raise JobError("the computation gave an answer that nobody understands") from None
+            self.is_busy = not ("done" in message or "error" in message)
+            if "done" in message:
+                found: dict[str, Any] = message["done"]
+                return found
+            if "error" in message:
+                raise JobError(message["error"])
+            self.is_ready = True
+            hear(message)
+        raise EndedError(self.process.wait())
+
+    @property
+    def can_go_on(self) -> bool:
+        """Whether it can take one more job."""
+        return self.limits is None and not self.is_busy and self.process.poll() is None
+
+    def kill(self) -> None:
+        """End the process, whatever it does."""
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                with suppress(OSError):
+                    pipe.close()
+
+
+@dataclass(eq=False)
+class _Errand:
+    """A job on its way: the process that does it, and whether anybody still waits."""
+
+    worker: Worker | None = None
+    is_dropped: bool = False
+    over: threading.Event = field(default_factory=threading.Event)
+
+
+@dataclass
+class Workers:
+    """Processes of one server, all with the same limits.
+
+    Attributes
+    ----------
+    limiter : anyio.CapacityLimiter
+        How many jobs run at the same time; others wait.
+    limits : Limits, optional
+        What each process may take. Without limits, one that is idle is kept for the next job.
+    """
+
+    limiter: anyio.CapacityLimiter
+    limits: Limits | None = None
+    idle: list[Worker] = field(default_factory=list)
+    busy: set[Worker] = field(default_factory=set)
+    is_closed: bool = False
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    async def do(
+        self, job: str, given: Mapping[str, Any], folder: Path, hear: Hear, *, seconds: float
+    ) -> dict[str, Any]:
+        """Return what a job found, when it is its turn; its process ends if this is cancelled.
+
+        Parameters
+        ----------
+        job : str
+            One of `latolato.app.worker.JOBS`.
+        given : mapping
+            What the job gets, as JSON knows it.
+        folder : Path
+            Where its files go.
+        hear : callable
+            Called, in another thread, with ``{"begun": whether its process is ready}`` and then
+            with what the job tells.
+        seconds : float
+            Longest time from its turn to its answer [s].
+
+        Raises
+        ------
+        JobError
+            With the reason in one line.
+        TimeoutError
+            If it takes too long.
+        """
+        async with self.limiter:
+            errand = _Errand()
+            try:
+                with anyio.fail_after(seconds):
+                    return await anyio.to_thread.run_sync(
+                        self._run, errand, job, given, folder, hear, abandon_on_cancel=True
+                    )
+            finally:
+                if self._drop(errand):
+                    with anyio.CancelScope(shield=True):
+                        await anyio.to_thread.run_sync(errand.over.wait, _GRACE)
+
+    def _run(
+        self, errand: _Errand, job: str, given: Mapping[str, Any], folder: Path, hear: Hear
+    ) -> dict[str, Any]:
+        """Return what a process of ours found."""
+        try:
+            worker = self._take(errand)
+            try:
+                hear({"begun": worker.is_ready})
+                return worker.run(job, given, folder, hear)
+            finally:
+                self._give(worker)
+        finally:
+            errand.over.set()
+
+    def _take(self, errand: _Errand) -> Worker:
+        """Return a process that has no job."""
+        with self.lock:
+            if errand.is_dropped or self.is_closed:
+                raise JobError("nobody waits for this any more")
+            while self.idle:
+                worker = self.idle.pop()
+                if worker.can_go_on:
+                    break
+                worker.kill()
+            else:
+                worker = Worker(self.limits)
+            self.busy.add(worker)
+            errand.worker = worker
+            return worker
+
+    def _give(self, worker: Worker) -> None:
+        """Take back a process; end it if another one is idle or it may still have work."""
+        with self.lock:
+            self.busy.discard(worker)
+            if not self.is_closed and not self.idle and worker.can_go_on:
+                self.idle.append(worker)
+                return
+        worker.kill()
+
+    def _drop(self, errand: _Errand) -> bool:
+        """End an errand's process if it is still at work; return whether it was."""
+        # Quick, and must happen when the task is cancelled: no thread.
+        with self.lock:
+            errand.is_dropped = True
+            worker = errand.worker
+            if worker is None or errand.over.is_set():
+                return False
+            if worker in self.busy:
+                self.busy.discard(worker)
+                worker.process.kill()
+            return True
+
+    def warm(self) -> None:
+        """Start a process for the job that will soon be there."""
+        with self.lock:
+            if not self.is_closed and not self.idle and not self.busy:
+                self.idle.append(Worker(self.limits))
+
+    def close(self) -> None:
+        """End all of them."""
+        with self.lock:
+            self.is_closed = True
+            workers = [*self.idle, *self.busy]
+            self.idle.clear()
+        for worker in workers:
+            worker.kill()
