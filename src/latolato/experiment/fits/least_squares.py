@@ -169,11 +169,14 @@ def solve(
     Raises
     ------
     ValueError
-        If there are fewer samples than parameters, or the fit does not end.
+        If there are fewer samples than twice the parameters without a prior, or if the fit does
+        not end.
     """
     lmfit = lmfit_module()
     free = tuple(name for name, guess in guesses.items() if guess.free)
-    if len(data) < 2 * len(free):
+    # What is believed beforehand needs no samples: a prior is one more of them.
+    loose = sum(math.isinf(guesses[name].prior) for name in free)
+    if len(data) < 2 * loose:
         raise ValueError(f"{len(data)} samples are too few to fit {', '.join(free)}")
     parameters = lmfit.Parameters()
     for name, guess in guesses.items():
@@ -203,13 +206,13 @@ def solve(
         if turn < rounds - 1:
             rho = _correlation(data, mask, residuals)
             errors = whitened(data, mask, rho)(residuals / data.sigmas)
-            spread = float(errors @ errors) / max(len(errors) - len(free), 1)
+            spread = float(errors @ errors) / max(len(errors) - loose, 1)
     values = parameters.valuesdict()
     slopes = jacobian(values, free) if jacobian else _slopes(model, values, free)
     white = whitened(data, mask, rho)
     scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(free))])
     errors = white(residuals / data.sigmas)
-    freedom = max(len(errors) - len(free), 1)
+    freedom = max(len(errors) - loose, 1)
     spread = float(errors @ errors) / freedom
     known = _beliefs(guesses, spread)
     stiffness = np.array([known.get(name, 0.0) ** 2 for name in free])
