@@ -29,6 +29,7 @@ MODULES = (
     "js/later.js",
     "js/band.js",
     "js/scene.js",
+    "js/shades.js",
     "js/plane.js",
     "js/curves.js",
     "js/player.js",

@@ -12,7 +12,7 @@ from latolato.experiment.synthetic import synthesise_video
 from latolato.experiment.table import read_table
 
 # How long work on a video may take [ms].
-PATIENCE = 120_000
+PATIENCE = 240_000
 BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
 
 

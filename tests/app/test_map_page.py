@@ -11,7 +11,7 @@ import latolato as ll
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
-PATIENCE = 60_000  # ms
+PATIENCE = 240_000
 # Short runs, few points; a map whose boundary is known.
 QUERY = "&map.scenario=fig05_push&map.duration=20&map.size=24&map.observable=largest_angle"
 

@@ -10,7 +10,7 @@ from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
 # How long a page may take to show its first run [ms].
-PATIENCE = 60_000
+PATIENCE = 240_000
 
 
 def open_play(page, query=""):

@@ -2,12 +2,14 @@
 
 import base64
 import math
+import re
 
 import numpy as np
 import pytest
 
 import latolato as ll
 from latolato.app.blocks import unpack
+from latolato.app.files import STATIC
 from latolato.widget import MODULES, bundle, style_sheet
 
 # What anywidget is to a widget: a model that holds its values.
@@ -53,6 +55,15 @@ def test_a_file_is_played_like_the_run_that_it_holds(run, tmp_path):
     np.testing.assert_array_equal(
         unpack(loaded.block)[1]["angle"], unpack(ll.play(run).block)[1]["angle"]
     )
+
+
+def test_every_module_of_the_bundle_comes_after_those_that_it_imports():
+    known: set[str] = set()
+    for path in MODULES:
+        source = (STATIC / path).read_text(encoding="utf-8")
+        wanted = set(re.findall(r'^import .* from "[^"]*?([\w.]+)";$', source, re.MULTILINE))
+        assert wanted <= known, path
+        known.add(path.rpartition("/")[2])
 
 
 def test_the_bundle_holds_every_module_and_asks_for_none():
