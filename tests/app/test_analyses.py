@@ -311,7 +311,7 @@ def test_a_question_is_asked_and_its_answer_is_shown(page, tmp_path):
     page.get_by_label("Question").select_option("tongue_edges")
     page.get_by_role("button", name="Compute").click()
     picture = page.get_by_role("img", name="Picture of tongue edges")
-    picture.wait_for(timeout=60_000)
+    picture.wait_for(timeout=240_000)
     assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
     given = {**CLOSED, "options": {}}
     question = app.Question.from_json(given)
@@ -335,12 +335,12 @@ def test_a_point_of_the_picture_opens_in_play(page):
     )
     page.get_by_role("button", name="Compute").click()
     picture = page.get_by_role("application", name="Picture of bifurcation diagram")
-    picture.wait_for(timeout=120_000)
+    picture.wait_for(timeout=240_000)
     picture.press("ArrowRight")
     picture.press("Enter")
     page.get_by_text("Loaded frequency ratio 2.004").wait_for()
     page.get_by_role("link", name="Open in Play").click()
-    page.wait_for_selector("[data-runs]", timeout=60_000)
+    page.wait_for_selector("[data-runs]", timeout=240_000)
     found = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
     _, run = simulate_asked(Asked("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}), 5)
     assert found["drive_frequency"] == run.attrs["drive_frequency"]

@@ -189,12 +189,12 @@ def test_claims_stand_beside_their_figure_and_lead_to_play(page):
     page.goto("/?view=paper&paper.figure=fig03")
     plate = page.locator("#paper-fig03")
     picture = plate.get_by_role("img", name="Figure 3: On either side of the edge of resonance")
-    picture.wait_for(timeout=60_000)
+    picture.wait_for(timeout=240_000)
     size = picture.evaluate("async i => { await i.decode(); return [i.naturalWidth, i.width]; }")
     assert min(size) > 300
     assert plate.get_by_text("△ reproduced with an assumption").is_visible()
     plate.get_by_role("link", name="Open in Play: Resonance at 6 rad/s").click()
-    page.wait_for_selector("[data-runs]", timeout=60_000)
+    page.wait_for_selector("[data-runs]", timeout=240_000)
     assert "scenario=fig03a" in page.url
     page.go_back()
     plate.get_by_label("Runs behind it (3):").select_option(index=1)
