@@ -192,6 +192,43 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
         )
 
 
+@pytest.mark.parametrize("scenario", [None, "fig02", "fig12"])
+def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
+    open_play(page, f"&scenario={scenario}" if scenario else "")
+    options = "() => window.latolato.views.play.player.motion.about.options"
+    before = page.evaluate(options)
+    page.get_by_label("Drive", exact=True).select_option("chirp")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive === 'chirp'"
+    )
+    after = page.evaluate(options)
+    for name in ("length", "mass", "damping", "radius", "initial_angle", "duration"):
+        assert after.get(name) == (pytest.approx(before[name]) if name in before else None), name
+
+
+def test_the_editor_of_schedules_opens_from_the_first_page(page):
+    open_play(page)
+    page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
+    page.get_by_role("button", name="Add a row").click()
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
+    )
+    page.get_by_label("angular frequency of each stage 3").fill("12")
+    page.get_by_label("angular frequency of each stage 3").press("Enter")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_frequencies[2] === 12"
+    )
+
+
+def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
+    open_play(page)
+    field = page.get_by_label("duration", exact=False).first
+    field.fill("100000")
+    field.press("Enter")
+    page.get_by_text("shorten the duration").wait_for()
+    watch.faults[:] = [f for f in watch.faults if "413" not in f]
+
+
 def test_the_keyboard_plays_steps_and_zooms(page):
     open_play(page, "&scenario=fig04b_push&duration=20%20s")
     chart = page.get_by_role("img", name="angle [°]", exact=False).first
@@ -270,6 +307,28 @@ def test_a_page_goes_on_when_its_server_comes_back(browser):
             ".drive_amplitude - 0.031) < 1e-12"
         )
         assert page.get_by_text("The server does not answer").count() == 0
+    finally:
+        stop_server(second)
+        context.close()
+
+
+def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
+    first = start_server()
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    page = context.new_page()
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(first.address)
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    stop_server(first)
+    page.get_by_role("link", name="Paper", exact=True).click()
+    page.get_by_text("The server does not answer").wait_for()
+    second = start_server("--port", str(first.port))
+    try:
+        page.get_by_role("heading", name="The paper’s claims, recalculated").wait_for()
+        page.get_by_role("link", name="Play", exact=True).click()
+        page.get_by_label("Begin with").wait_for()
+        assert errors == []
     finally:
         stop_server(second)
         context.close()

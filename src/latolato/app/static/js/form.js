@@ -126,6 +126,9 @@ export class Form {
     this.build();
     for (const [name, each] of this.fields) each.error(name === field ? text : null);
     const own = text !== null && !(field && this.fields.has(field));
+    if (text !== null && !own)
+      for (const place of this.root.querySelectorAll("details"))
+        if (place.querySelector(".error:not([hidden])")) place.open = true;
     this.general.hidden = !own;
     this.general.textContent = own ? text : "";
   }
@@ -179,6 +182,34 @@ export class Form {
     }, el("summary", {}, title), body);
   }
 
+  /**
+   * Return the options given, and beside them what the run on show had of what other laws know:
+   * a scenario's values do not come along by themselves.
+   * @param {string} system
+   * @param {string} drive
+   */
+  held(system, drive) {
+    const given = this.store.state.options;
+    const { systems } = this.registry;
+    // Where balls begin to touch, a start near the bottom would have them overlap.
+    const start = systems[system].contacts && !systems[this.kinds.system]?.contacts
+      ? ["duration"] : START;
+    const wanted = [...optionsFor(this.registry, system, drive), ...start, "tolerance"];
+    /** @type {Record<string, string>} */
+    const found = {};
+    for (const name of wanted) {
+      const value = this.resolved[name];
+      const twin = { drive_frequency: "frequency_ratio", initial_angle: "initial_offset",
+        initial_offset: "initial_angle" }[name] ?? "";
+      if (value === undefined || value === null || twin in given) continue;
+      const option = this.registry.options[name];
+      const unit = option.units[0] ?? { name: option.unit, size: 1 };
+      found[name] = typeof value === "number" && unit.name !== "1"
+        ? `${short(value / unit.size, 12)} ${unit.name}`.trim() : textOf(option, value);
+    }
+    return { ...found, ...given };
+  }
+
   /** @param {"system" | "drive"} part */
   choice(part) {
     // Measured heights come from an experiment, not from a form.
@@ -188,8 +219,8 @@ export class Form {
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
-      this.store.set({ options: withLaws(this.registry, this.store.state.options, this.resolved,
-        kinds.system, kinds.drive) });
+      this.store.set({ options: withLaws(this.registry, this.held(kinds.system, kinds.drive),
+        this.resolved, kinds.system, kinds.drive) });
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
         /** @type {any} */ (law).title)));
