@@ -325,10 +325,42 @@ def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
     page.get_by_text("The server does not answer").wait_for()
     second = start_server("--port", str(first.port))
     try:
-        page.get_by_role("heading", name="The paper’s claims, recalculated").wait_for()
+        page.get_by_role("heading", name="claims, recalculated").wait_for()
         page.get_by_role("link", name="Play", exact=True).click()
         page.get_by_label("Begin with").wait_for()
         assert errors == []
     finally:
         stop_server(second)
         context.close()
+
+
+@pytest.mark.parametrize("width", [360, 390])
+def test_the_header_of_a_phone_leaves_room_for_the_page(page, width):
+    page.set_viewport_size({"width": width, "height": 844})
+    open_play(page)
+    assert page.locator("header.top").bounding_box()["height"] < 100
+    for link in page.get_by_role("navigation", name="Views").get_by_role("link").all():
+        box = link.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
+
+
+def test_a_decimal_comma_is_told_and_no_list(page):
+    open_play(page)
+    field = page.get_by_label("pivot to ball centre l", exact=True)
+    field.fill("24,5")
+    field.press("Enter")
+    page.get_by_text("Decimals follow a point: 24.5").wait_for()
+    field.fill("24.5")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('length=24.5+cm')")
+    assert page.get_by_text("Decimals follow a point").is_hidden()
+
+
+def test_a_stage_that_is_no_number_is_told(page):
+    open_play(page, "&scenario=fig12&duration=8%20s")
+    cell = page.get_by_label("angular frequency of each stage 2")
+    cell.fill("slow")
+    cell.press("Enter")
+    page.get_by_text("“slow” is no number").wait_for()
+    assert "drive_frequencies" not in page.url

@@ -1,78 +1,15 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
 import { el, freshId } from "./dom.js";
+import { heldOptions, START, textOf, withLaws } from "./laws.js";
 import { t } from "./strings.js";
 import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
-/** @typedef {{label: string, symbol: string, description: string, unit: string,
- *   units: {name: string, size: number}[], several: boolean, choices: string[], switch: boolean,
- *   whole: boolean, default: any, usual: any, low: number | null, high: number | null,
- *   suggested: [number, number] | null}} Option */
+/** @typedef {import("./laws.js").Option} Option */
 
-// Entries of a run that stand in the form, in this order.
-const START = ["initial_angle", "initial_offset", "initial_angular_velocity", "duration"];
 // A slider moves in so many steps.
 const STEPS = 400;
-
-/**
- * Return the options that belong to a choice of system and drive.
- * @param {any} registry
- * @param {string} system
- * @param {string} drive
- * @returns {string[]}
- */
-export function optionsFor(registry, system, drive) {
-  return [...registry.systems[system].options, ...registry.drives[drive].options];
-}
-
-/**
- * Return the options of a state that a choice of laws still knows, and a start for those it needs.
- * @param {any} registry
- * @param {Record<string, any>} options
- * @param {Record<string, any>} resolved what the last run had, in SI units
- * @param {string} system
- * @param {string} drive
- * @returns {Record<string, string>}
- */
-export function withLaws(registry, options, resolved, system, drive) {
-  const known = optionsFor(registry, system, drive);
-  const laws = new Set([
-    ...Object.values(registry.systems).flatMap((/** @type {any} */ law) => law.options),
-    ...Object.values(registry.drives).flatMap((/** @type {any} */ law) => law.options),
-    "frequency_ratio", "frequency_ratios", "frequency_ratio_final"]);
-  /** @type {Record<string, string>} */
-  const found = { system, drive };
-  for (const [name, value] of Object.entries(options))
-    if (name !== "system" && name !== "drive" && (known.includes(name) || !laws.has(name)))
-      found[name] = value;
-  for (const name of known) {
-    const option = registry.options[name];
-    if (name in found || name in resolved || option.default !== null) continue;
-    found[name] = textOf(option, option.usual ?? option.low ?? 0);
-  }
-  const two = registry.systems[system].angles === 2;
-  const before = found.initial_angle ?? resolved.initial_angle;
-  const isTwo = Array.isArray(before) || String(before ?? "").includes(",");
-  if (two && !isTwo) Object.assign(found, { initial_angle: "0.4 rad, -0.3 rad" });
-  if (two || !registry.systems[system].contacts) delete found.initial_offset;
-  if (two !== isTwo) delete found.initial_angular_velocity;
-  if (!two && (isTwo || (before === undefined && !("initial_offset" in found))))
-    found.initial_angle = "20 deg";
-  return found;
-}
-
-/**
- * Return a value in SI units as the text of an option.
- * @param {Option} option
- * @param {any} value
- * @returns {string}
- */
-export function textOf(option, value) {
-  const unit = option.unit && option.unit !== "1" ? ` ${option.unit}` : "";
-  if (Array.isArray(value)) return value.map((v) => `${v}${unit}`).join(", ");
-  return typeof value === "number" ? `${value}${unit}` : String(value);
-}
 
 export class Form {
   /**
@@ -182,34 +119,6 @@ export class Form {
     }, el("summary", {}, title), body);
   }
 
-  /**
-   * Return the options given, and beside them what the run on show had of what other laws know:
-   * a scenario's values do not come along by themselves.
-   * @param {string} system
-   * @param {string} drive
-   */
-  held(system, drive) {
-    const given = this.store.state.options;
-    const { systems } = this.registry;
-    // Where balls begin to touch, a start near the bottom would have them overlap.
-    const start = systems[system].contacts && !systems[this.kinds.system]?.contacts
-      ? ["duration"] : START;
-    const wanted = [...optionsFor(this.registry, system, drive), ...start, "tolerance"];
-    /** @type {Record<string, string>} */
-    const found = {};
-    for (const name of wanted) {
-      const value = this.resolved[name];
-      const twin = { drive_frequency: "frequency_ratio", initial_angle: "initial_offset",
-        initial_offset: "initial_angle" }[name] ?? "";
-      if (value === undefined || value === null || twin in given) continue;
-      const option = this.registry.options[name];
-      const unit = option.units[0] ?? { name: option.unit, size: 1 };
-      found[name] = typeof value === "number" && unit.name !== "1"
-        ? `${short(value / unit.size, 12)} ${unit.name}`.trim() : textOf(option, value);
-    }
-    return { ...found, ...given };
-  }
-
   /** @param {"system" | "drive"} part */
   choice(part) {
     // Measured heights come from an experiment, not from a form.
@@ -219,8 +128,9 @@ export class Form {
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
-      this.store.set({ options: withLaws(this.registry, this.held(kinds.system, kinds.drive),
-        this.resolved, kinds.system, kinds.drive) });
+      this.store.set({ options: withLaws(this.registry, heldOptions(this.registry,
+        this.store.state.options, this.resolved, this.kinds, kinds), this.resolved, kinds.system,
+      kinds.drive) });
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
         /** @type {any} */ (law).title)));
@@ -284,7 +194,12 @@ export class Form {
     const write = () => {
       const parsed = parseQuantity(input.value);
       const several = input.value.includes(",");
-      if (several) {
+      const two = START.includes(name) && this.registry.systems[this.kinds.system].angles === 2;
+      if (several && !option.several && !two) {
+        error.hidden = false;
+        error.textContent = t("oneNumber", { text: input.value.replace(",", ".").trim() });
+        input.setAttribute("aria-invalid", "true");
+      } else if (several) {
         const parts = input.value.split(",").map((part) => part.trim());
         const unit = parts.every((p) => Number.isFinite(Number(p))) ? ` ${unitOf().name}` : "";
         this.store.option(name, parts.map((p) => `${p}${unit}`).join(", "));
@@ -406,7 +321,14 @@ export class Form {
           value: short((columns[k][i] ?? NaN) / unit(k).size),
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
-            columns[k][i] = Number(input.value.replace("−", "-")) * unit(k).size;
+            const value = Number(input.value.trim().replace("−", "-") || NaN) * unit(k).size;
+            input.setAttribute("aria-invalid", String(!Number.isFinite(value)));
+            if (!Number.isFinite(value)) {
+              error.hidden = false;
+              error.textContent = t("noNumber", { text: input.value });
+              return;
+            }
+            columns[k][i] = value;
             write();
           } },
         }))),
