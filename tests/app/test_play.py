@@ -364,3 +364,12 @@ def test_a_stage_that_is_no_number_is_told(page):
     cell.press("Enter")
     page.get_by_text("“slow” is no number").wait_for()
     assert "drive_frequencies" not in page.url
+
+
+@pytest.mark.parametrize("query", ["system=rocket", "drive=rocket", "scenario=fig02&system=rocket"])
+def test_an_address_with_an_unknown_law_is_told(page, watch, query):
+    page.goto(f"/?view=play&{query}")
+    page.get_by_text("unknown").first.wait_for()
+    page.get_by_label("Begin with").select_option("fig02")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    watch.faults[:] = [f for f in watch.faults if "422" not in f]

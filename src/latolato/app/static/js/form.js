@@ -37,9 +37,11 @@ export class Form {
   /** Return the kinds of system and drive on show. */
   get kinds() {
     const { options } = this.store.state;
+    const { systems, drives } = this.registry;
+    const { system, drive } = options;
     return {
-      system: options.system ?? this.resolved.system ?? "latolato",
-      drive: options.drive ?? this.resolved.drive ?? "static",
+      system: system in systems ? system : this.resolved.system ?? "latolato",
+      drive: drive in drives ? drive : this.resolved.drive ?? "static",
     };
   }
 
@@ -62,7 +64,7 @@ export class Form {
   error(text, field = null) {
     this.build();
     for (const [name, each] of this.fields) each.error(name === field ? text : null);
-    const own = text !== null && !(field && this.fields.has(field));
+    const own = text !== null && !this.root.querySelector(".field .error:not([hidden])");
     if (text !== null && !own)
       for (const place of this.root.querySelectorAll("details"))
         if (place.querySelector(".error:not([hidden])")) place.open = true;

@@ -31,6 +31,9 @@ export function optionsFor(registry, system, drive) {
  * @returns {Record<string, string>}
  */
 export function withLaws(registry, options, resolved, system, drive) {
+  // An address may name what is not there: the server says so.
+  if (!(system in registry.systems && drive in registry.drives))
+    return /** @type {Record<string, string>} */ ({ ...options });
   const known = optionsFor(registry, system, drive);
   const laws = new Set([
     ...Object.values(registry.systems).flatMap((/** @type {any} */ law) => law.options),
