@@ -231,3 +231,15 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     page.wait_for_function("() => window.latolato.views.live.motion.frame.flags & 1")
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_function("() => !(window.latolato.views.live.motion.frame.flags & 1)")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_pressed_button_is_readable(page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    open_live(page)
+    pressed = page.locator(".trick button[aria-pressed=true]").first
+    ground, ink = pressed.evaluate(
+        "e => [getComputedStyle(e).backgroundColor, getComputedStyle(e).color]"
+        ".map(c => c.match(/\\d+/g).slice(0, 3).reduce((a, b) => a + Number(b), 0))"
+    )
+    assert abs(ground - ink) > 250

@@ -192,6 +192,43 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
         )
 
 
+@pytest.mark.parametrize("scenario", [None, "fig02", "fig12"])
+def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
+    open_play(page, f"&scenario={scenario}" if scenario else "")
+    options = "() => window.latolato.views.play.player.motion.about.options"
+    before = page.evaluate(options)
+    page.get_by_label("Drive", exact=True).select_option("chirp")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive === 'chirp'"
+    )
+    after = page.evaluate(options)
+    for name in ("length", "mass", "damping", "radius", "initial_angle", "duration"):
+        assert after.get(name) == (pytest.approx(before[name]) if name in before else None), name
+
+
+def test_the_editor_of_schedules_opens_from_the_first_page(page):
+    open_play(page)
+    page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
+    page.get_by_role("button", name="Add a row").click()
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
+    )
+    page.get_by_label("angular frequency of each stage 3").fill("12")
+    page.get_by_label("angular frequency of each stage 3").press("Enter")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_frequencies[2] === 12"
+    )
+
+
+def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
+    open_play(page)
+    field = page.get_by_label("duration", exact=False).first
+    field.fill("100000")
+    field.press("Enter")
+    page.get_by_text("shorten the duration").wait_for()
+    watch.faults[:] = [f for f in watch.faults if "413" not in f]
+
+
 def test_the_keyboard_plays_steps_and_zooms(page):
     open_play(page, "&scenario=fig04b_push&duration=20%20s")
     chart = page.get_by_role("img", name="angle [°]", exact=False).first
@@ -273,3 +310,66 @@ def test_a_page_goes_on_when_its_server_comes_back(browser):
     finally:
         stop_server(second)
         context.close()
+
+
+def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
+    first = start_server()
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    page = context.new_page()
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(first.address)
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    stop_server(first)
+    page.get_by_role("link", name="Paper", exact=True).click()
+    page.get_by_text("The server does not answer").wait_for()
+    second = start_server("--port", str(first.port))
+    try:
+        page.get_by_role("heading", name="claims, recalculated").wait_for()
+        page.get_by_role("link", name="Play", exact=True).click()
+        page.get_by_label("Begin with").wait_for()
+        assert errors == []
+    finally:
+        stop_server(second)
+        context.close()
+
+
+@pytest.mark.parametrize("width", [360, 390])
+def test_the_header_of_a_phone_leaves_room_for_the_page(page, width):
+    page.set_viewport_size({"width": width, "height": 844})
+    open_play(page)
+    assert page.locator("header.top").bounding_box()["height"] < 100
+    for link in page.get_by_role("navigation", name="Views").get_by_role("link").all():
+        box = link.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
+
+
+def test_a_decimal_comma_is_told_and_no_list(page):
+    open_play(page)
+    field = page.get_by_label("pivot to ball centre l", exact=True)
+    field.fill("24,5")
+    field.press("Enter")
+    page.get_by_text("Decimals follow a point: 24.5").wait_for()
+    field.fill("24.5")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('length=24.5+cm')")
+    assert page.get_by_text("Decimals follow a point").is_hidden()
+
+
+def test_a_stage_that_is_no_number_is_told(page):
+    open_play(page, "&scenario=fig12&duration=8%20s")
+    cell = page.get_by_label("angular frequency of each stage 2")
+    cell.fill("slow")
+    cell.press("Enter")
+    page.get_by_text("“slow” is no number").wait_for()
+    assert "drive_frequencies" not in page.url
+
+
+@pytest.mark.parametrize("query", ["system=rocket", "drive=rocket", "scenario=fig02&system=rocket"])
+def test_an_address_with_an_unknown_law_is_told(page, watch, query):
+    page.goto(f"/?view=play&{query}")
+    page.get_by_text("unknown").first.wait_for()
+    page.get_by_label("Begin with").select_option("fig02")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    watch.faults[:] = [f for f in watch.faults if "422" not in f]

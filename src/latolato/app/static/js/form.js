@@ -1,78 +1,15 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
 import { el, freshId } from "./dom.js";
+import { heldOptions, START, textOf, withLaws } from "./laws.js";
 import { t } from "./strings.js";
 import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
-/** @typedef {{label: string, symbol: string, description: string, unit: string,
- *   units: {name: string, size: number}[], several: boolean, choices: string[], switch: boolean,
- *   whole: boolean, default: any, usual: any, low: number | null, high: number | null,
- *   suggested: [number, number] | null}} Option */
+/** @typedef {import("./laws.js").Option} Option */
 
-// Entries of a run that stand in the form, in this order.
-const START = ["initial_angle", "initial_offset", "initial_angular_velocity", "duration"];
 // A slider moves in so many steps.
 const STEPS = 400;
-
-/**
- * Return the options that belong to a choice of system and drive.
- * @param {any} registry
- * @param {string} system
- * @param {string} drive
- * @returns {string[]}
- */
-export function optionsFor(registry, system, drive) {
-  return [...registry.systems[system].options, ...registry.drives[drive].options];
-}
-
-/**
- * Return the options of a state that a choice of laws still knows, and a start for those it needs.
- * @param {any} registry
- * @param {Record<string, any>} options
- * @param {Record<string, any>} resolved what the last run had, in SI units
- * @param {string} system
- * @param {string} drive
- * @returns {Record<string, string>}
- */
-export function withLaws(registry, options, resolved, system, drive) {
-  const known = optionsFor(registry, system, drive);
-  const laws = new Set([
-    ...Object.values(registry.systems).flatMap((/** @type {any} */ law) => law.options),
-    ...Object.values(registry.drives).flatMap((/** @type {any} */ law) => law.options),
-    "frequency_ratio", "frequency_ratios", "frequency_ratio_final"]);
-  /** @type {Record<string, string>} */
-  const found = { system, drive };
-  for (const [name, value] of Object.entries(options))
-    if (name !== "system" && name !== "drive" && (known.includes(name) || !laws.has(name)))
-      found[name] = value;
-  for (const name of known) {
-    const option = registry.options[name];
-    if (name in found || name in resolved || option.default !== null) continue;
-    found[name] = textOf(option, option.usual ?? option.low ?? 0);
-  }
-  const two = registry.systems[system].angles === 2;
-  const before = found.initial_angle ?? resolved.initial_angle;
-  const isTwo = Array.isArray(before) || String(before ?? "").includes(",");
-  if (two && !isTwo) Object.assign(found, { initial_angle: "0.4 rad, -0.3 rad" });
-  if (two || !registry.systems[system].contacts) delete found.initial_offset;
-  if (two !== isTwo) delete found.initial_angular_velocity;
-  if (!two && (isTwo || (before === undefined && !("initial_offset" in found))))
-    found.initial_angle = "20 deg";
-  return found;
-}
-
-/**
- * Return a value in SI units as the text of an option.
- * @param {Option} option
- * @param {any} value
- * @returns {string}
- */
-export function textOf(option, value) {
-  const unit = option.unit && option.unit !== "1" ? ` ${option.unit}` : "";
-  if (Array.isArray(value)) return value.map((v) => `${v}${unit}`).join(", ");
-  return typeof value === "number" ? `${value}${unit}` : String(value);
-}
 
 export class Form {
   /**
@@ -100,9 +37,11 @@ export class Form {
   /** Return the kinds of system and drive on show. */
   get kinds() {
     const { options } = this.store.state;
+    const { systems, drives } = this.registry;
+    const { system, drive } = options;
     return {
-      system: options.system ?? this.resolved.system ?? "latolato",
-      drive: options.drive ?? this.resolved.drive ?? "static",
+      system: system in systems ? system : this.resolved.system ?? "latolato",
+      drive: drive in drives ? drive : this.resolved.drive ?? "static",
     };
   }
 
@@ -125,7 +64,10 @@ export class Form {
   error(text, field = null) {
     this.build();
     for (const [name, each] of this.fields) each.error(name === field ? text : null);
-    const own = text !== null && !(field && this.fields.has(field));
+    const own = text !== null && !this.root.querySelector(".field .error:not([hidden])");
+    if (text !== null && !own)
+      for (const place of this.root.querySelectorAll("details"))
+        if (place.querySelector(".error:not([hidden])")) place.open = true;
     this.general.hidden = !own;
     this.general.textContent = own ? text : "";
   }
@@ -188,8 +130,9 @@ export class Form {
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
-      this.store.set({ options: withLaws(this.registry, this.store.state.options, this.resolved,
-        kinds.system, kinds.drive) });
+      this.store.set({ options: withLaws(this.registry, heldOptions(this.registry,
+        this.store.state.options, this.resolved, this.kinds, kinds), this.resolved, kinds.system,
+      kinds.drive) });
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
         /** @type {any} */ (law).title)));
@@ -253,7 +196,12 @@ export class Form {
     const write = () => {
       const parsed = parseQuantity(input.value);
       const several = input.value.includes(",");
-      if (several) {
+      const two = START.includes(name) && this.registry.systems[this.kinds.system].angles === 2;
+      if (several && !option.several && !two) {
+        error.hidden = false;
+        error.textContent = t("oneNumber", { text: input.value.replace(",", ".").trim() });
+        input.setAttribute("aria-invalid", "true");
+      } else if (several) {
         const parts = input.value.split(",").map((part) => part.trim());
         const unit = parts.every((p) => Number.isFinite(Number(p))) ? ` ${unitOf().name}` : "";
         this.store.option(name, parts.map((p) => `${p}${unit}`).join(", "));
@@ -375,7 +323,14 @@ export class Form {
           value: short((columns[k][i] ?? NaN) / unit(k).size),
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
-            columns[k][i] = Number(input.value.replace("−", "-")) * unit(k).size;
+            const value = Number(input.value.trim().replace("−", "-") || NaN) * unit(k).size;
+            input.setAttribute("aria-invalid", String(!Number.isFinite(value)));
+            if (!Number.isFinite(value)) {
+              error.hidden = false;
+              error.textContent = t("noNumber", { text: input.value });
+              return;
+            }
+            columns[k][i] = value;
             write();
           } },
         }))),

@@ -1,7 +1,7 @@
 /** Links that lead to another view with other parameters. */
 
 import { el } from "./dom.js";
-import { textOf } from "./form.js";
+import { textOf } from "./laws.js";
 import { format } from "./state.js";
 
 /** @typedef {import("./main.js").Page} Page */

@@ -19,6 +19,8 @@ const VIEWS = {
   analyse: async () => (await import("./views/analyse.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];
+// A view that the server did not give is asked for again after this time.
+const RETRY = 1000; // ms
 
 /** Show the theme that was chosen and tell those that draw. */
 function applyTheme(/** @type {string} */ theme) {
@@ -51,6 +53,7 @@ function startViews(page) {
   const made = {};
   /** @type {string | null} */
   let shown = null;
+  let again = 0;
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
       if (e.ctrlKey || e.metaKey || e.shiftKey) return;
@@ -75,17 +78,28 @@ function startViews(page) {
       return;
     }
     if (shown) made[shown].hide();
-    shown = view;
+    shown = null;
     if (!made[view]) {
-      const View = await VIEWS[view]();
+      const View = await VIEWS[view]().catch((error) => {
+        if (error instanceof TypeError) return null; // not fetched
+        throw error;
+      });
+      if (page.store.state.view !== view) return;
+      if (!View) {
+        tell(t("offline"));
+        clearTimeout(again);
+        again = window.setTimeout(() => void show(), RETRY);
+        return;
+      }
       made[view] ??= new View(page);
       /** @type {any} */ (window).latolato = { views: made };
     }
-    if (page.store.state.view !== view) return;
-    const title = t(`view_${view}`);
-    // A view that shows no title of its own has one for those who hear the page.
-    const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
-    main.replaceChildren(...head, made[view].root);
+      if (shown === view) return;
+      shown = view;
+      const title = t(`view_${view}`);
+      // A view that shows no title of its own has one for those who hear the page.
+      const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
+      main.replaceChildren(...head, made[view].root);
     made[view].show();
     document.title = `${title} · latolato`;
   };

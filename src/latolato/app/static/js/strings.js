@@ -26,6 +26,7 @@ export const STRINGS = {
   more: "More",
   unitOf: "unit of {name}",
   sliderOf: "{name}, slider",
+  oneNumber: "One number belongs here. Decimals follow a point: {text}",
   addRow: "Add a row",
   removeRow: "Remove row {number}",
   // player
@@ -43,8 +44,8 @@ export const STRINGS = {
   timeText: "t = {time} s",
   speedText: "{speed}×",
   curveAngle: "angle [°]",
-  curveEnergy: "energy [J]",
-  curvePower: "power [W]",
+  curveEnergy: "energy, all balls [J]",
+  curvePower: "power, all balls [W]",
   time: "time [s]",
   resetZoom: "Whole run",
   phase: "Phase portrait",

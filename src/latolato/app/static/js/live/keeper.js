@@ -3,7 +3,7 @@
 import { unpack } from "../block.js";
 import { ask } from "../api.js";
 import { el, tell } from "../dom.js";
-import { textOf } from "../form.js";
+import { textOf } from "../laws.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */

@@ -1,6 +1,7 @@
 /** Small fields of the Map view: a number with its unit, a choice, a switch. */
 
-import { el, freshId } from "../dom.js";
+import { el, freshId, tell } from "../dom.js";
+import { t } from "../strings.js";
 import { short, shownUnit, toSi, parseQuantity } from "../units.js";
 
 /** @typedef {{name: string, size: number}} Unit */
@@ -47,7 +48,8 @@ export class QuantityField {
     const value = parsed && parsed.unit === "" ? parsed.number * (this.units[0]?.size ?? 1)
       : toSi(text, this.units);
     this.input.setAttribute("aria-invalid", String(value === null));
-    if (value !== null) change(value);
+    if (value === null) tell(t("noNumber", { text }));
+    else change(value);
   }
 }
 

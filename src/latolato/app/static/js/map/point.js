@@ -2,7 +2,7 @@
 
 import { askBlock } from "../api.js";
 import { el } from "../dom.js";
-import { textOf } from "../form.js";
+import { textOf } from "../laws.js";
 import { Motion } from "../motion.js";
 import { Preview } from "../preview.js";
 import { t } from "../strings.js";

@@ -9,7 +9,7 @@ import { Screen } from "../film/screen.js";
 import { Session } from "../film/session.js";
 import { Setup } from "../film/setup.js";
 import { panelsOf } from "../film/track.js";
-import { textOf } from "../form.js";
+import { textOf } from "../laws.js";
 import { t } from "../strings.js";
 import { short } from "../units.js";
 

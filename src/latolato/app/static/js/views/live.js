@@ -2,7 +2,7 @@
 
 import { Clack } from "../clack.js";
 import { tell } from "../dom.js";
-import { withLaws } from "../form.js";
+import { withLaws } from "../laws.js";
 import { withControls } from "../live/address.js";
 import { followHand } from "../live/hand.js";
 import { followKeys } from "../live/keys.js";
