@@ -34,6 +34,9 @@ test("quantities are read with their unit", () => {
 test("numbers are short but exact enough", () => {
   assert.equal(short(0.1 + 0.2), "0.3");
   assert.equal(short(1e-7), "1e-7");
+  assert.equal(short(0.00000392), "3.92e-6");
+  assert.equal(short(-0.00002), "-2e-5");
+  assert.equal(short(0.0002), "0.0002");
   assert.equal(short(100), "100");
   assert.equal(short(123456789, 4), "123500000");
   assert.equal(short(NaN), "");

@@ -94,12 +94,12 @@ function startViews(page) {
       made[view] ??= new View(page);
       /** @type {any} */ (window).latolato = { views: made };
     }
-      if (shown === view) return;
-      shown = view;
-      const title = t(`view_${view}`);
-      // A view that shows no title of its own has one for those who hear the page.
-      const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
-      main.replaceChildren(...head, made[view].root);
+    if (shown === view) return;
+    shown = view;
+    const title = t(`view_${view}`);
+    // A view that shows no title of its own has one for those who hear the page.
+    const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
+    main.replaceChildren(...head, made[view].root);
     made[view].show();
     document.title = `${title} · latolato`;
   };

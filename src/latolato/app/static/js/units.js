@@ -14,6 +14,9 @@ export function shownUnit(unit) {
   return /** @type {Record<string, string>} */ (SHOWN)[unit] ?? unit.replace("^2", "²");
 }
 
+// Below this numbers are written as powers of ten.
+const SMALL = 1e-4;
+
 /**
  * Return a number with so many digits, without trailing zeros.
  * @param {number} value
@@ -22,6 +25,8 @@ export function shownUnit(unit) {
  */
 export function short(value, digits = 6) {
   if (!Number.isFinite(value)) return "";
+  if (value !== 0 && Math.abs(value) < SMALL)
+    return value.toExponential(digits - 1).replace(/\.?0*e/, "e");
   const text = value.toPrecision(digits);
   if (text.includes("e")) return String(Number(text));
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
