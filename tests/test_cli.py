@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 import latolato as ll
-from latolato import progress
+from latolato import cli, progress
 from latolato.cli import app, main
 from latolato.options import law_options
 from latolato.physics.drives import drives
@@ -263,6 +263,15 @@ def test_an_interrupted_process_leaves_no_file(number, code):
     assert process.returncode == code
     assert printed == ""
     assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize("cause, code", [(SystemExit(143), 143), (KeyboardInterrupt(), 130)])
+def test_a_signal_that_python_wraps_in_an_error_ends_as_that_signal(monkeypatch, cause, code):
+    def app(**_):
+        raise RuntimeError("error calling __set_name__") from cause
+
+    monkeypatch.setattr(cli, "app", app)
+    assert cli.main([]) == code
 
 
 def test_plain_options_run_the_toy_of_the_experiment():

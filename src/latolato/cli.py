@@ -396,15 +396,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     except UsageError as error:
         return _refuse(error.format_message())
-    except OSError as error:
-        has_cause = error.strerror and error.filename
-        return _refuse(f"{error.strerror}: {error.filename}" if has_cause else str(error))
-    except MemoryError as error:
-        return _refuse(f"not enough memory: {error}; ask for fewer samples or a shorter duration")
-    except (ValueError, TypeError, RuntimeError, ImportError) as error:
-        return _refuse(str(error))
+    except Exception as error:
+        ending = _ending(error)
+        return _refused(error) if ending is None else ending
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+def _ending(error: BaseException) -> int | None:
+    """Return the exit code of a signal that an error stands for, None if there was none.
+
+    A signal may come where Python itself turns any exception into another, as while a class is
+    made.
+    """
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, KeyboardInterrupt):
+            return 130
+        if isinstance(cause, SystemExit) and isinstance(cause.code, int):
+            return cause.code
+        cause = cause.__cause__ or cause.__context__
+    return None
+
+
+def _refused(error: Exception) -> int:
+    """Print what is wrong with the input; an error that is none of the user's goes on."""
+    if isinstance(error, OSError):
+        has_cause = error.strerror and error.filename
+        return _refuse(f"{error.strerror}: {error.filename}" if has_cause else str(error))
+    if isinstance(error, MemoryError):
+        return _refuse(f"not enough memory: {error}; ask for fewer samples or a shorter duration")
+    if isinstance(error, (ValueError, TypeError, RuntimeError, ImportError)):
+        return _refuse(str(error))
+    raise error
 
 
 def _terminate(number: int, _frame: Any) -> None:

@@ -97,3 +97,14 @@ export function newest(work) {
 export function socketAddress(path) {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 }
+
+/**
+ * End a WebSocket, also one that has only been asked for: browsers complain of closing those.
+ * @param {WebSocket | null | undefined} socket
+ */
+export function hangUp(socket) {
+  if (!socket) return;
+  if (socket.readyState === WebSocket.CONNECTING)
+    socket.addEventListener("open", () => socket.close(), { once: true });
+  else socket.close();
+}

@@ -1,6 +1,6 @@
 /** Long work on the server: how far it is, how it is cancelled, and what comes of it. */
 
-import { Refusal, socketAddress } from "./api.js";
+import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
 import { t } from "./strings.js";
@@ -26,10 +26,12 @@ export function doJob(path, given, { tell, signal } = {}) {
     socket.binaryType = "arraybuffer";
     const abort = () => {
       reject(new DOMException("", "AbortError"));
-      socket.close();
+      hangUp(socket);
     };
     signal?.addEventListener("abort", abort, { once: true });
-    socket.addEventListener("open", () => socket.send(JSON.stringify(given)));
+    socket.addEventListener("open", () => {
+      if (!signal?.aborted) socket.send(JSON.stringify(given));
+    });
     socket.addEventListener("message", ({ data }) => {
       if (data instanceof ArrayBuffer) resolve(unpack(data));
       else {

@@ -1,6 +1,6 @@
 /** The way to a toy on the server: messages with numbers, frames, and coming back after a break. */
 
-import { socketAddress } from "../api.js";
+import { hangUp, socketAddress } from "../api.js";
 
 /**
  * One frame by the names that the server announced.
@@ -37,7 +37,9 @@ export class Link {
     const socket = new WebSocket(socketAddress("/ws/live"));
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    socket.onopen = () => socket.send(JSON.stringify({ hello: this.on.hello() }));
+    socket.onopen = () => {
+      if (socket === this.socket) socket.send(JSON.stringify({ hello: this.on.hello() }));
+    };
     socket.onmessage = ({ data }) => {
       if (socket !== this.socket) return;
       if (typeof data === "string") this.read(JSON.parse(data));
@@ -93,7 +95,7 @@ export class Link {
     clearTimeout(this.timer);
     this.closed = true;
     this.isReady = false;
-    this.socket?.close();
+    hangUp(this.socket);
     this.socket = null;
   }
 }

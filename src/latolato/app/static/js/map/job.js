@@ -1,6 +1,6 @@
 /** One map on its way from the server: the socket is the job, closing it ends the work. */
 
-import { socketAddress } from "../api.js";
+import { hangUp, socketAddress } from "../api.js";
 import { unpack } from "../block.js";
 
 /** @typedef {import("../block.js").Block} Block */
@@ -19,7 +19,9 @@ export class MapJob {
     this.ended = false;
     this.socket = new WebSocket(socketAddress("/ws/map"));
     this.socket.binaryType = "arraybuffer";
-    this.socket.addEventListener("open", () => this.socket.send(JSON.stringify(request)));
+    this.socket.addEventListener("open", () => {
+      if (!this.ended) this.socket.send(JSON.stringify(request));
+    });
     this.socket.addEventListener("message", ({ data }) => this.take(data));
     this.socket.addEventListener("close", () => {
       if (this.ended) return;
@@ -51,6 +53,6 @@ export class MapJob {
   /** End the work; the server stops its kernels at once. */
   cancel() {
     this.ended = true;
-    this.socket.close();
+    hangUp(this.socket);
   }
 }
