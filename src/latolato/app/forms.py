@@ -6,6 +6,7 @@ parameter, observable or scenario appears in the forms by itself.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from functools import lru_cache
@@ -63,10 +64,17 @@ USUAL: dict[str, Any] = {
     "initial_angle": 0.35,
 }
 
+_making = threading.Lock()
 
-@lru_cache(maxsize=1)
+
 def registry() -> dict[str, Any]:
     """Return what every page needs to know once, ready for JSON."""
+    with _making:  # the first page need not make again what is being made
+        return _registry()
+
+
+@lru_cache(maxsize=1)
+def _registry() -> dict[str, Any]:
     found = {
         "version": version(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},

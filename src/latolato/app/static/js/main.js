@@ -108,5 +108,7 @@ function startViews(page) {
 }
 
 startTheme();
-const registry = await askJson("/api/registry");
-startViews({ registry, store: new Store(window) });
+const store = new Store(window);
+// The first view's modules come while the server makes the registry.
+VIEWS[store.state.view]?.().catch(() => {});
+startViews({ registry: await askJson("/api/registry"), store });

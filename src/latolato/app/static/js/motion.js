@@ -8,6 +8,7 @@ import { row } from "./block.js";
 
 // A ball of unknown or zero radius is drawn with this share of the length.
 export const SHOWN_RADIUS = 0.04;
+const BOX_SAMPLES = 4000;
 
 /**
  * Return the last index whose value does not exceed `x`, 0 if there is none.
@@ -144,14 +145,15 @@ export class Motion {
     };
   }
 
-  /** Return the box that holds the whole motion [m]. */
+  /** Return the box that holds the motion, of long runs as some thousand instants see it [m]. */
   box() {
+    const stride = Math.max(1, Math.floor(this.time.length / BOX_SAMPLES));
     const pivot = /** @type {Float32Array} */ (this.values("pivot_height"));
     let [left, right, low, high] = [0, 0, 0, 0];
     for (const ball of this.balls) {
       const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
       const r = this.radius(ball);
-      for (let i = 0; i < angles.length; i += 1) {
+      for (let i = 0; i < angles.length; i += stride) {
         if (Number.isNaN(angles[i])) continue;
         const x = ball.sign * ball.length * Math.sin(angles[i]);
         const y = pivot[i] - ball.length * Math.cos(angles[i]);
