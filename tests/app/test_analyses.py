@@ -11,6 +11,7 @@ import xarray as xr
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
+from app_server import frames_of
 from latolato.analyse_options import options_of
 from latolato.analysis import analyses
 from latolato.app import analyses as app
@@ -73,12 +74,7 @@ def client():
 
 def ask(client, given):
     """Return all frames of the socket."""
-    with client.websocket_connect(SOCKET) as socket:
-        socket.send_text(given if isinstance(given, str) else json.dumps(given))
-        found = [socket.receive()]
-        while found[-1]["type"] != "websocket.close":
-            found.append(socket.receive())
-    return found
+    return frames_of(client, SOCKET, given)
 
 
 def test_every_analysis_has_a_form_with_all_its_options():

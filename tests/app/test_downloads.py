@@ -9,6 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import latolato as ll
+from app_server import frames_of
 from latolato.app.blocks import unpack
 from latolato.app.downloads import FPS, MOST_FRAMES, asked_of, to_toml, without_none
 from latolato.app.given import Asked
@@ -121,12 +122,7 @@ def test_parts_of_the_address_that_belong_to_views_are_no_options():
 
 def film(client, given):
     """Return all frames of the socket that makes an animation."""
-    with client.websocket_connect(SOCKET) as socket:
-        socket.send_text(given if isinstance(given, str) else json.dumps(given))
-        found = [socket.receive()]
-        while found[-1]["type"] != "websocket.close":
-            found.append(socket.receive())
-    return found
+    return frames_of(client, SOCKET, given)
 
 
 def test_the_animation_is_a_film_of_the_run_at_the_speed_asked_for(client, tmp_path):

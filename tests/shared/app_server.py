@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 from dataclasses import dataclass
+from typing import Any
 from urllib.parse import urlsplit
 
 
@@ -42,3 +44,13 @@ def stop_server(server: Server) -> None:
     server.process.wait(timeout=20)
     assert server.process.stdout is not None
     server.process.stdout.close()
+
+
+def frames_of(client: Any, path: str, given: Any) -> list[Any]:
+    """Return all frames of a job's socket, from the test client, to its end."""
+    with client.websocket_connect(path) as socket:
+        socket.send_text(given if isinstance(given, str) else json.dumps(given))
+        found = [socket.receive()]
+        while found[-1]["type"] != "websocket.close":
+            found.append(socket.receive())
+    return found
