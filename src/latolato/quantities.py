@@ -241,3 +241,8 @@ def quantity_field(
         "suggested": suggested,
     }
     return field(metadata=metadata, **options)
+
+
+def array_field(name: str, description: str) -> Any:
+    """Return a required dataclass field that carries a list of one quantity of `QUANTITIES`."""
+    return field(metadata={"quantity": QUANTITIES[name], "array": True, "description": description})

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from latolato.physics.drives import FrequencySchedule
-from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, quantity_field
+from latolato.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
 from latolato.registry import check_fields, checked_number
 
 if TYPE_CHECKING:
@@ -39,20 +39,10 @@ class Protocol:
     (19.8, 15.1)
     """
 
-    drive_frequencies: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["drive_frequencies"],
-            "array": True,
-            "description": "angular frequency of each stage",
-        }
+    drive_frequencies: Sequence[float] = array_field(
+        "drive_frequencies", "angular frequency of each stage"
     )
-    dwells: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["dwell_time"],
-            "array": True,
-            "description": "how long each stage but the last is held",
-        }
-    )
+    dwells: Sequence[float] = array_field("dwell_time", "how long each stage but the last is held")
     ramp: float = quantity_field("ramp", NON_NEGATIVE, default=0.0, suggested=(0.0, 2.0))
 
     def __post_init__(self) -> None:

@@ -14,7 +14,7 @@ from latolato.physics.drives.base import (
     checked_array,
     drives,
 )
-from latolato.quantities import ANY, NON_NEGATIVE, QUANTITIES, quantity_field
+from latolato.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
 from latolato.scalar import formula
 
 
@@ -61,15 +61,9 @@ class MeasuredPivot(Drive):
     velocity: ClassVar[Any] = staticmethod(_polynomial_velocity)
     acceleration: ClassVar[Any] = staticmethod(_polynomial_acceleration)
 
-    times: Sequence[float] = field(
-        metadata={"quantity": QUANTITIES["times"], "array": True, "description": "sample instants"}
-    )
-    pivot_heights: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["pivot_height"],
-            "array": True,
-            "description": "height of the pivot at each instant",
-        }
+    times: Sequence[float] = array_field("times", "sample instants")
+    pivot_heights: Sequence[float] = array_field(
+        "pivot_height", "height of the pivot at each instant"
     )
     height_sigma: float = quantity_field(
         "pivot_height", NON_NEGATIVE, description="standard deviation of the heights", default=0.0

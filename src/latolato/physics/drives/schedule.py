@@ -15,7 +15,7 @@ from latolato.physics.drives.base import (
     checked_array,
     drives,
 )
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, quantity_field
+from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
 from latolato.scalar import cosine, formula, sine
 
 # A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
@@ -110,15 +110,9 @@ class FrequencySchedule(_Swept):
     that a vanishing ramp would give them, ``-jump sin(angle)/length``, booked as drive work.
     """
 
-    times: Sequence[float] = field(
-        metadata={"quantity": QUANTITIES["times"], "array": True, "description": "stage starts"}
-    )
-    drive_frequencies: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["drive_frequencies"],
-            "array": True,
-            "description": "angular frequency of each stage",
-        }
+    times: Sequence[float] = array_field("times", "stage starts")
+    drive_frequencies: Sequence[float] = array_field(
+        "drive_frequencies", "angular frequency of each stage"
     )
     ramp: float = quantity_field("ramp", NON_NEGATIVE, default=0.0, suggested=(0.0, 2.0))
     step_impulse: bool = field(

@@ -14,7 +14,7 @@ from latolato.physics.drives.base import (
     checked_array,
     drives,
 )
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, quantity_field
+from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
 from latolato.scalar import cosine, formula, sine
 
 
@@ -139,30 +139,14 @@ class Stages(Drive):
     velocity: ClassVar[Any] = staticmethod(_staged_velocity)
     acceleration: ClassVar[Any] = staticmethod(_staged_acceleration)
 
-    times: Sequence[float] = field(
-        metadata={"quantity": QUANTITIES["times"], "array": True, "description": "stage starts"}
+    times: Sequence[float] = array_field("times", "stage starts")
+    drive_amplitudes: Sequence[float] = array_field(
+        "drive_amplitudes", "driving amplitude of each stage"
     )
-    drive_amplitudes: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["drive_amplitudes"],
-            "array": True,
-            "description": "driving amplitude of each stage",
-        }
+    drive_frequencies: Sequence[float] = array_field(
+        "drive_frequencies", "angular frequency of each stage"
     )
-    drive_frequencies: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["drive_frequencies"],
-            "array": True,
-            "description": "angular frequency of each stage",
-        }
-    )
-    ramps: Sequence[float] = field(
-        metadata={
-            "quantity": QUANTITIES["ramps"],
-            "array": True,
-            "description": "time of the change into each stage",
-        }
-    )
+    ramps: Sequence[float] = array_field("ramps", "time of the change into each stage")
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
     _stages: tuple[Stage, ...] = field(init=False, repr=False, compare=False)
 
