@@ -152,9 +152,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import a late name."""
     if name == "__version__":
-        from importlib.metadata import version
+        from latolato.versions import version_of
 
-        return version("latolato")
+        return version_of()
     if name not in _LATE:
         raise AttributeError(f"module 'latolato' has no attribute '{name}'")
     import importlib

@@ -36,6 +36,7 @@ from latolato.tables import (
 if TYPE_CHECKING:
     import xarray as xr
 
+    from latolato.record import Record
     from latolato.sweep.plan import Plan
 
 # Entries of ``[run]`` that say how one run is sampled.
@@ -155,14 +156,30 @@ class Scenario:
         """
         from latolato.simulate import simulate
 
+        return simulate(**self._run_arguments(overrides))
+
+    def record(self, **overrides: Any) -> Record:
+        """Return the run as plain arrays; `overrides` as for `simulate`.
+
+        Examples
+        --------
+        >>> import latolato as ll
+        >>> float(ll.load_scenario("fig02").record(duration=2.0)["time"][-1])
+        2.0
+        """
+        from latolato.simulate import record
+
+        return record(**self._run_arguments(overrides))
+
+    def _run_arguments(self, overrides: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the arguments of `latolato.simulate`."""
         if self.varied:
             name = self.name or "this scenario"
             raise ValueError(
                 f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
                 f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python"
             )
-        given = {"system": self.system, "drive": self.drive, **self.run}
-        return simulate(**_replaced(given, overrides))
+        return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
 
     def sweep(self, **overrides: Any) -> xr.Dataset:
         """Return the map as a dataset; `overrides` replace arguments of `latolato.sweep`.

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from importlib.metadata import version as package_version
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from latolato.numerics import records
 from latolato.numerics.integrate import (
     TOLERANCES,
     Floats,
-    Start,
     Trajectory,
     choose_step,
     choose_stepper,
@@ -23,12 +21,13 @@ from latolato.numerics.integrate import (
     kernel,
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
-from latolato.physics.contacts import CONTACT_KINDS, Clamp, Exact, NoContact, contact_laws
-from latolato.physics.drives import Drive, drives
+from latolato.physics.contacts import Clamp, Exact, NoContact
+from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
-from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Range
-from latolato.registry import checked_count, checked_number, describe
+from latolato.physics.pendulum import System, systems
+from latolato.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.record import Record, attributes_of, record_of
+from latolato.registry import checked_count, checked_number
 from latolato.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
@@ -144,6 +143,56 @@ def simulate(
     >>> [str(kind) for kind in run.contact_kind.values]
     ['bottom', 'bottom']
     """
+    return _recorded(
+        system=system,
+        drive=drive,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        duration=duration,
+        times=times,
+        tolerance=tolerance,
+        contact=contact,
+        rest_speed=rest_speed,
+        frame=frame,
+        noise=noise,
+        contact_limit=contact_limit,
+        progress=progress,
+    ).to_dataset()
+
+
+def record(*args: Any, **options: Any) -> Record:
+    """Return what `simulate` returns for the same arguments, as plain arrays.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> float(record(ll.Pendulum(length=1.0), initial_angle=0.1, duration=2.0)["time"][-1])
+    2.0
+    """
+    given = signature(simulate).bind(*args, **options)
+    given.apply_defaults()
+    return _recorded(**given.arguments)
+
+
+def _recorded(
+    *,
+    system: System,
+    drive: Drive | None,
+    initial_angle: float | Sequence[float] | None,
+    initial_angular_velocity: float | Sequence[float],
+    initial_offset: float | None,
+    duration: float | None,
+    times: Sequence[float] | Floats | None,
+    tolerance: float,
+    contact: str | Exact | Clamp | NoContact | None,
+    rest_speed: float,
+    frame: str,
+    noise: VelocityKicks | None,
+    contact_limit: int,
+    progress: Callable[[float], None] | None,
+) -> Record:
+    """Return the record of a run; arguments as of `simulate`."""
     drive = checked_drive(drive)
     if not isinstance(system, System):
         raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
@@ -208,24 +257,23 @@ def simulate(
                 f"the largest energy: tolerance {tolerance:g} was not reached with step "
                 f"{step:.3g} s",
                 RuntimeWarning,
-                stacklevel=2,
+                stacklevel=3,
             )
             break
         step *= 0.5
         halvings += 1
     if trajectory.status != "complete":
         warnings.warn(
-            f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=2
+            f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )
-    dataset = dataset_of(system, trajectory, seen, instants, frame)
     run = {
         "tolerance": tolerance,
         "rest_speed": rest_speed,
         "frame": frame,
         "contact_limit": contact_limit,
     }
-    dataset.attrs.update(attributes_of(system, drive, law, noise, start, end, run))
-    dataset.attrs.update(
+    attrs = attributes_of(system, drive, law, noise, start, end, run)
+    attrs.update(
         energy_residual=max(residual, _sampled_residual(trajectory, seen)),
         status=trajectory.status,
         step=trajectory.step,
@@ -234,19 +282,15 @@ def simulate(
         grazing_contacts=int(trajectory.counters[records.GRAZES]),
         contacts=len(trajectory.contact_times),
     )
-    if "tension" in dataset:
+    found = record_of(system, trajectory, seen, instants, frame, attrs)
+    if "tension" in found:
         first = trajectory.state[[records.SLACK_FIRST, records.SLACK_FIRST_2]]
         total = trajectory.state[[records.SLACK_TOTAL, records.SLACK_TOTAL_2]]
         share = total / trajectory.reached
         two = system.angles == 2
-        dataset.attrs["slack_time"] = first if two else float(first[0])
-        dataset.attrs["slack_fraction"] = share if two else float(share[0])
-    return dataset
-
-
-def version() -> str:
-    """Return the version of latolato."""
-    return package_version("latolato")
+        attrs["slack_time"] = first if two else float(first[0])
+        attrs["slack_fraction"] = share if two else float(share[0])
+    return found
 
 
 def _checked_times(
@@ -339,121 +383,3 @@ def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.abs(total - first - gained + gone)
     return float(np.nanmax(error, initial=0.0))
-
-
-def dataset_of(
-    system: System, trajectory: Trajectory, seen: dict[str, Floats], times: Floats, frame: str
-) -> xr.Dataset:
-    """Return the labelled variables."""
-    import xarray as xr
-
-    rows = trajectory.samples
-    two = system.angles == 2
-    per_ball = ("ball", "time") if two else ("time",)
-    per_contact = ("ball", "contact") if two else ("contact",)
-
-    def per_angle(values: Floats) -> Floats:
-        return values if two else values[0]
-
-    variables: dict[str, tuple[tuple[str, ...], Any]] = {
-        "angle": (per_ball, per_angle(rows[0 : 2 * system.angles : 2])),
-        "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
-    }
-    for name in PIVOT_ROWS:
-        variables[name] = (("time",), seen[name])
-    left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
-    if system.restoring is restoring_linear:  # the small-angle model has no such quantities
-        left_out |= {"tension", "lab_energy", "rod_power"}
-    for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
-        if name not in left_out:
-            variables[name] = (per_ball, per_angle(seen[name]))
-    ledger = {
-        "drive_work": records.S_WORK,
-        "damping_loss": records.S_DAMPED,
-        "impact_loss": records.S_IMPACT,
-        "capture_loss": records.S_CAPTURED,
-        "noise_work": records.S_NOISE,
-    }
-    for name, row in ledger.items():
-        if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
-            variables[name] = (("time",), rows[row])
-    kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
-    values = trajectory.contact_values
-    variables["contact_time"] = (("contact",), trajectory.contact_times)
-    variables["contact_kind"] = (("contact",), kinds)
-    before, after = (values[:2], values[2:]) if two else (values[:1], values[1:2])
-    variables["angular_velocity_before"] = (per_contact, per_angle(before))
-    variables["angular_velocity_after"] = (per_contact, per_angle(after))
-    coordinates: dict[str, Any] = {"time": times}
-    if two:
-        about = {"units": "1", "long_name": "ball", "symbol": ""}
-        coordinates["ball"] = ("ball", ["right", "left"], about)
-    dataset = xr.Dataset(variables, coords=coordinates)
-    for key, variable in dataset.variables.items():
-        if key in QUANTITIES:
-            quantity = QUANTITIES[str(key)]
-            variable.attrs.update(
-                units=quantity.unit, long_name=quantity.long_name, symbol=quantity.symbol
-            )
-    mirrored = isinstance(system, LatoLato)
-    for name in (*BALL_ROWS, "total_energy", *ledger):
-        if name in dataset and (mirrored or two):
-            of_both = two and name in ledger
-            dataset[name].attrs["long_name"] += ", both balls" if of_both else ", per ball"
-    return dataset
-
-
-def attributes_of(
-    system: System,
-    drive: Drive,
-    law: Exact | Clamp | NoContact,
-    noise: VelocityKicks | None,
-    start: Start,
-    end: float,
-    run: dict[str, Any],
-) -> dict[str, Any]:
-    """Return the run's parameters, flat for reading and as JSON for running it again."""
-    many = system.angles == 2
-    scenario: dict[str, Any] = {
-        "system": {"kind": systems.name_of(system), **describe(system)},
-        "drive": {"kind": drives.name_of(drive), **describe(drive)},
-        "run": {
-            "initial_angle": list(start.angles) if many else start.angles[0],
-            "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],
-            "duration": end,
-            "contact": contact_laws.name_of(law),
-            **run,
-        },
-    }
-    if isinstance(law, Clamp):
-        scenario["run"]["clamp_step"] = law.step
-    if noise is not None:
-        scenario["noise"] = describe(noise)
-    attributes: dict[str, Any] = {
-        "title": f"latolato run of {systems.name_of(system)}",
-        "latolato_version": version(),
-        "numpy_version": np.__version__,
-        "numba_version": package_version("numba"),
-        "system": systems.name_of(system),
-        "drive": drives.name_of(drive),
-    }
-    for part in ("system", "drive", "run"):
-        for name, value in scenario[part].items():
-            if isinstance(value, dict):
-                attributes.update({f"{name}_{inner}": v for inner, v in value.items()})
-            elif name != "kind" and value is not None:
-                attributes[name] = int(value) if isinstance(value, bool) else value
-    for name in ("natural_frequency", "contact_angle_low", "contact_angle_high"):
-        if hasattr(system, name):
-            attributes[name] = getattr(system, name)
-    if isinstance(system, BallPair):
-        attributes["contact_separation"] = system.contact_separation
-    if noise is not None:
-        attributes.update(
-            noise_strength=noise.strength,
-            noise_interval=noise.spacing(system),
-            noise_seed=noise.seed,
-            noise_stream=noise.stream,
-        )
-    attributes["scenario"] = json.dumps(scenario)
-    return attributes

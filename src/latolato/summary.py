@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
+    from latolato.record import Record
     from latolato.sweep.plan import Plan
 
 _COPIED = (
@@ -23,7 +24,7 @@ _COPIED = (
 )
 
 
-def summarise(run: xr.Dataset) -> dict[str, Any]:
+def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     """Return a run's largest angle, contacts by kind, energy residual, slack time and status.
 
     Values are as JSON knows them: None for a slack time that never came, lists for two balls.
@@ -37,13 +38,13 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
     """
     import numpy as np
 
-    kinds, counts = np.unique(run["contact_kind"].values, return_counts=True)
+    kinds, counts = np.unique(np.asarray(run["contact_kind"]), return_counts=True)
     found = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
     return found | {
-        "largest_angle": plain(np.nanmax(np.abs(run["angle"].values))),
-        "largest_energy": plain(np.nanmax(run["total_energy"].values)),
+        "largest_angle": plain(np.nanmax(np.abs(np.asarray(run["angle"])))),
+        "largest_energy": plain(np.nanmax(np.asarray(run["total_energy"]))),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
-        "samples": run.sizes["time"],
+        "samples": len(run["time"]),
     }
 
 

@@ -33,7 +33,7 @@ def test_the_python_lines_on_show_make_the_same_run(name):
     names: dict = {}
     exec(python_line(scenario), names)
     last = names["run"]["angle"].values[..., -1]
-    np.testing.assert_allclose(last, run["angle"].values[..., -1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(last, run["angle"][..., -1], rtol=0, atol=1e-12)
 
 
 def test_the_command_on_show_asks_for_the_same_run():
@@ -79,9 +79,9 @@ def test_a_run_that_is_too_large_is_refused_before_any_work(options):
 def test_a_block_holds_what_the_run_holds():
     _, run = simulate_asked(Asked("fig04a_push", {"duration": "3 s"}), 400)
     about, arrays = unpack(run_block(Asked("fig04a_push", {"duration": "3 s"}), samples=400))
-    np.testing.assert_array_equal(arrays["time"], run["time"].values)
-    np.testing.assert_array_equal(arrays["angle"][0], run["angle"].values.astype(np.float32))
-    np.testing.assert_array_equal(arrays["contact_time"], run["contact_time"].values)
+    np.testing.assert_array_equal(arrays["time"], run["time"])
+    np.testing.assert_array_equal(arrays["angle"][0], run["angle"].astype(np.float32))
+    np.testing.assert_array_equal(arrays["contact_time"], run["contact_time"])
     assert about["balls"][1] == {**about["balls"][0], "name": "left", "sign": -1}
     assert about["summary"]["status"] == "complete"
 

@@ -145,8 +145,10 @@ def test_closing_the_socket_stops_the_kernels(client):
     # The whole map takes a minute of two cores, so the next one would wait for the first.
     _, blocks = asked(client, SMALL)
     assert blocks[-1][0]["kind"] == "done"
-    assert client.app.state.maps.borrowed_tokens == 0
     assert time.perf_counter() - begun < 30.0
+    while client.app.state.maps.borrowed_tokens:  # given back after the last message
+        assert time.perf_counter() - begun < 60.0
+        time.sleep(0.01)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from importlib.metadata import version as package_version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System, systems
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import Registry, describe
+from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +66,7 @@ def labelled(
     attributes: dict[str, Any] = {
         "title": f"latolato analysis {name}",
         "analysis": name,
-        "latolato_version": package_version("latolato"),
+        "latolato_version": version_of(),
         "numpy_version": np.__version__,
     }
     for part, registry in ((system, systems), (drive, drives)):

@@ -22,9 +22,10 @@ from latolato.physics.pendulum import systems
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import types_of
 from latolato.scenario import Scenario, scenarios
-from latolato.simulate import simulate, version
+from latolato.simulate import simulate
 from latolato.summary import plain
 from latolato.units import to_si
+from latolato.versions import version_of
 
 # Units offered for an SI unit, the first being the one that a form begins with.
 UNITS: dict[str, tuple[str, ...]] = {
@@ -76,7 +77,7 @@ def registry() -> dict[str, Any]:
 @lru_cache(maxsize=1)
 def _registry() -> dict[str, Any]:
     found = {
-        "version": version(),
+        "version": version_of(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
         "contacts": list(contact_laws),

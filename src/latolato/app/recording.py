@@ -16,8 +16,8 @@ from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, Harmonic, Stages
 from latolato.physics.drives.stages import Stage
 from latolato.physics.pendulum import System
+from latolato.record import attributes_of, record_of
 from latolato.scenario import Scenario
-from latolato.simulate import attributes_of, dataset_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -137,21 +137,19 @@ class Recording:
             status="complete",
             slots=np.empty((0, 1)),
         )
-        dataset = dataset_of(self.system, trajectory, found, times, "pivot")
-        if "noise_work" in dataset:
-            dataset["noise_work"].attrs["long_name"] = "work of the hand"
         angles, velocities = self.run["initial_angle"], self.run["initial_angular_velocity"]
         if self.system.angles == 1:
             angles, velocities = (angles,), (velocities,)
         law = contact_laws[self.run["contact"]]()
         start = Start(tuple(angles), tuple(velocities))
         run = {"rest_speed": self.run["rest_speed"]}
-        dataset.attrs.update(
-            attributes_of(self.system, self.drive(), law, None, start, float(times[-1]), run)
-        )
+        attrs = attributes_of(self.system, self.drive(), law, None, start, float(times[-1]), run)
         # It would make another motion: hands are no part of a scenario.
-        del dataset.attrs["scenario"]
-        dataset.attrs.update(status="complete", contacts=len(trajectory.contact_times))
+        del attrs["scenario"]
+        attrs.update(status="complete", contacts=len(trajectory.contact_times))
+        dataset = record_of(self.system, trajectory, found, times, "pivot", attrs).to_dataset()
+        if "noise_work" in dataset:
+            dataset["noise_work"].attrs["long_name"] = "work of the hand"
         return dataset
 
 

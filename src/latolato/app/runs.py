@@ -32,6 +32,8 @@ from latolato.summary import summarise
 if TYPE_CHECKING:
     import xarray as xr
 
+    from latolato.record import Record
+
 # Samples of a run that is shown: by default as many as files have, up to this number.
 USUAL_SAMPLES = 30_000
 MOST_STROBES = 20_000
@@ -72,7 +74,7 @@ _ATTRIBUTES = (
 )
 
 
-def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, xr.Dataset]:
+def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, Record]:
     """Return the scenario that a page asks for and its run, sampled evenly for the screen.
 
     Parameters
@@ -94,7 +96,7 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
     return scenario, simulate_shown(scenario, samples)
 
 
-def simulate_shown(scenario: Scenario, samples: int | None = None) -> xr.Dataset:
+def simulate_shown(scenario: Scenario, samples: int | None = None) -> Record:
     """Return the run of a scenario as `simulate_asked` does."""
     if scenario.varied:
         raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
@@ -107,7 +109,7 @@ def simulate_shown(scenario: Scenario, samples: int | None = None) -> xr.Dataset
         count = max(samples or min(usual, USUAL_SAMPLES), 2)
         if end > 0.0:
             times = np.linspace(0.0, end, count)
-    return scenario.simulate(**({} if times is None else {"times": times}))
+    return scenario.record(**({} if times is None else {"times": times}))
 
 
 def run_block(
@@ -122,7 +124,7 @@ def block_of(scenario: Scenario, columns: Sequence[str] = USUAL_COLUMNS) -> byte
     return _block(lambda: (scenario, simulate_shown(scenario)), columns)
 
 
-def _block(run_it: Callable[[], tuple[Scenario, xr.Dataset]], columns: Sequence[str]) -> bytes:
+def _block(run_it: Callable[[], tuple[Scenario, Record]], columns: Sequence[str]) -> bytes:
     for name in columns:
         if name not in COLUMNS:
             raise ValueError(f"unknown column '{name}': {suggest(name, list(COLUMNS))}")
@@ -137,7 +139,7 @@ def _block(run_it: Callable[[], tuple[Scenario, xr.Dataset]], columns: Sequence[
     return pack({**about(scenario, run), **told}, arrays_of(scenario, run, columns))
 
 
-def about(scenario: Scenario, run: xr.Dataset) -> dict[str, Any]:
+def about(scenario: Scenario, run: Record | xr.Dataset) -> dict[str, Any]:
     """Return all that the pages tell of a run beside its numbers."""
     return {
         "summary": summarise(run),
@@ -200,16 +202,18 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
     return np.unique(np.concatenate(found)) if found else np.empty(0)
 
 
-def arrays_of(scenario: Scenario, run: xr.Dataset, columns: Sequence[str]) -> dict[str, Any]:
+def arrays_of(
+    scenario: Scenario, run: Record | xr.Dataset, columns: Sequence[str]
+) -> dict[str, Any]:
     """Return instants, motion, columns as rows of balls, the drive's periods and the contacts."""
-    found: dict[str, Any] = {"time": run["time"].values.astype(np.float64)}
+    found: dict[str, Any] = {"time": np.asarray(run["time"], dtype=np.float64)}
     found["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
     for name in dict.fromkeys((*_MOTION, *columns)):
         if name in run:
-            found[name] = np.atleast_2d(run[name].values).astype(np.float32)
-    kinds = run["contact_kind"].values
-    found["contact_time"] = run["contact_time"].values.astype(np.float64)
+            found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
+    kinds = np.asarray(run["contact_kind"])
+    found["contact_time"] = np.asarray(run["contact_time"], dtype=np.float64)
     found["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)
     for name in ("angular_velocity_before", "angular_velocity_after"):
-        found[name] = np.atleast_2d(run[name].values).astype(np.float32)
+        found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
     return found

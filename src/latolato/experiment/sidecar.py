@@ -7,7 +7,6 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from latolato.experiment.calibrate import Optics
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 from latolato.registry import suggest
+from latolato.versions import version_of
 
 SUFFIX = ".track.toml"
 Place = tuple[float, float]
@@ -90,7 +90,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     head = {
         "video": Path(video).name,
         "sha256": digest_of(video),
-        "latolato": version("latolato"),
+        "latolato": version_of(),
     }
     lines = [
         "# How this video was tracked: latolato track reads this file and makes the same table.",

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -21,6 +20,7 @@ from latolato.figures.claim import Claim, Verdict
 from latolato.figures.style import pretty_unit
 from latolato.quantities import QUANTITIES
 from latolato.report.powers import rewritten_powers
+from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,7 +111,7 @@ def render(
     return template.substitute(
         style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
         title=_text(TITLE),
-        version=escape(version("latolato")),
+        version=escape(version_of()),
         lead=_text(
             f"What {PAPER_AUTHORS[0]} and others, “{PAPER_TITLE}”, state about a driven "
             "pendulum and a colliding pair of pendulums, beside what an accurate calculation "
@@ -119,7 +119,7 @@ def render(
             "follows from the numbers and the limits shown with them."
         ),
         meta=_text(
-            f"latolato {version('latolato')}, {datetime.now(UTC):%Y-%m-%d}. {kind} "
+            f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. {kind} "
             "SI units; angles from the downward vertical; g = 9.8 m/s² as in the paper."
         ),
         tally=_tally(claims),
@@ -137,7 +137,7 @@ def render(
         rerun=_rerun(parts),
         cite=escape(cite()),
         footer=_text(
-            f"Written by latolato {version('latolato')}. This file holds everything it shows; the "
+            f"Written by latolato {version_of()}. This file holds everything it shows; the "
             "pictures and data beside it are for further use."
         ),
     )
@@ -423,7 +423,7 @@ def _method(parts: Sequence[Part]) -> str:
         )
         rows.append("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
     heads = ("part", "", "exact runs", "tolerance [rad]", "step [ms]", "contacts", "worst residual")
-    versions = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
     told = [f"{part.name}: {text}" for part in parts for text in part.warnings]
     return (
         "<p>"

@@ -7,7 +7,6 @@ import io
 import math
 from datetime import UTC, datetime
 from html import escape
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -27,6 +26,7 @@ from latolato.experiment.quality import (
 from latolato.experiment.table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
 from latolato.figures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, THIN, new_figure, use_style
+from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,11 +99,11 @@ def render(table: xr.Dataset, video: Video) -> str:
     template = Template(files("latolato.report").joinpath("track.html").read_text("utf-8"))
     source = str(table.attrs["source"])
     return template.substitute(
-        version=escape(version("latolato")),
+        version=escape(version_of()),
         style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
         title=escape(f"Tracked: {source}"),
         meta=escape(
-            f"latolato {version('latolato')}, {datetime.now(UTC):%Y-%m-%d}. "
+            f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. "
             f"{video.width} x {video.height} pixels, {table.sizes['frame']} frames, "
             f"{float(table.time[-1] - table.time[0]):.4g} s. SHA-256 "
             f"{table.attrs['source_sha256'][:16]}…"

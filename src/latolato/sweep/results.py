@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping
-from importlib.metadata import version as package_version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +12,10 @@ import numpy as np
 from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
-from latolato.simulate import version
 from latolato.sweep.axes import DERIVED, parameters_of
 from latolato.sweep.chunk import STATUS, Values, status_counts
 from latolato.sweep.plan import Plan
+from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -106,9 +105,9 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     described = plan.describe()
     flat: dict[str, Any] = {
         "title": f"latolato sweep of {systems.name_of(plan.system)}",
-        "latolato_version": version(),
+        "latolato_version": version_of(),
         "numpy_version": np.__version__,
-        "numba_version": package_version("numba"),
+        "numba_version": version_of("numba"),
         "kernel_sources": sources_hash(),
         "system": systems.name_of(plan.system),
         "drive": drives.name_of(plan.drive),
