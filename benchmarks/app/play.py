@@ -24,7 +24,11 @@ SLIDE = """async ({ label, count }) => {
     slider.dispatchEvent(new Event("input", { bubbles: true }));
     await new Promise((resolve) => {
       const look = () => {
-        if (view.dataset.runs !== runs) requestAnimationFrame(() => setTimeout(resolve));
+        if (view.dataset.runs !== runs) requestAnimationFrame(() => {
+          const after = new MessageChannel(); // its message comes when the frame is painted
+          after.port1.onmessage = resolve;
+          after.port2.postMessage(0);
+        });
         else setTimeout(look, 1);
       };
       look();

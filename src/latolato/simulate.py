@@ -375,11 +375,9 @@ def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
     """Return the largest error of the closed ledger at the samples [J]."""
     first = trajectory.state[records.FIRST_ENERGY]
     rows = trajectory.samples
-    known = np.isfinite(rows[0] + rows[1])
-    rows = rows[:, known]
-    total = seen["total_energy"][:, known].sum(axis=0)
+    total = seen["total_energy"].sum(axis=0)
     gained = rows[records.S_WORK] + rows[records.S_NOISE]
     gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.abs(total - first - gained + gone)
-    return float(np.nanmax(error, initial=0.0))
+    return float(np.nanmax(error[np.isfinite(rows[0] + rows[1])], initial=0.0))

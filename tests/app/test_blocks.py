@@ -1,5 +1,7 @@
 """Blocks of arrays survive the way to the page."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -27,6 +29,25 @@ def test_what_is_packed_is_unpacked(arrays, about):
     for name, values in arrays.items():
         assert found[name].dtype == values.dtype
         np.testing.assert_array_equal(found[name], values)
+
+
+@given(
+    st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.integers(3, 3000), st.sampled_from([0, 1, -1])
+)
+def test_evenly_spaced_numbers_are_sent_as_their_ends(first, width, count, broken):
+    times = np.linspace(first, first + width, count)
+    if broken:
+        times[1] = np.nextafter(times[1], broken * np.inf)
+    block = pack({}, {"time": times})
+    np.testing.assert_array_equal(unpack(block)[1]["time"], times)
+    assert (b'"even"' in block) == (not broken)
+
+
+def test_a_claim_of_very_many_numbers_is_no_block():
+    entry = {"name": "time", "type": "even", "shape": [10**13], "first": 0.0, "last": 1.0}
+    header = json.dumps({"arrays": [entry]}).encode()
+    with pytest.raises(ValueError, match="no block of arrays: 10000000000000 evenly"):
+        unpack(len(header).to_bytes(4, "little") + header)
 
 
 def test_numbers_that_json_lacks_become_null():

@@ -23,6 +23,7 @@ def test_modules_do_what_their_unit_tests_say(path, tmp_path):
     arrays = {
         "time": np.array([0.0, 0.5, 1.0]),
         "angle": np.array([[1, 2, 3], [4, 5, 6]], np.float32),
+        "strobe": np.array([0.25, 0.75]),
         "kind": np.array([0, 255], np.uint8),
     }
     block.write_bytes(pack({"unit": "rad, θ"}, arrays))

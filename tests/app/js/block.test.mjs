@@ -12,6 +12,7 @@ test("a block holds the header and the arrays that Python packed", () => {
   const block = unpack(buffer);
   assert.equal(block.about.unit, "rad, θ");
   assert.deepEqual([...block.arrays.time], [0, 0.5, 1]);
+  assert.deepEqual([...block.arrays.strobe], [0.25, 0.75]);
   assert.deepEqual(block.shapes.angle, [2, 3]);
   assert.deepEqual([...row(block, "angle", 1)], [4, 5, 6]);
   assert.deepEqual([...block.arrays.kind], [0, 255]);

@@ -21,12 +21,30 @@ export function unpack(buffer) {
   const { arrays: entries, ...about } = JSON.parse(text);
   /** @type {Block} */
   const found = { about, arrays: {}, shapes: {} };
-  for (const { name, type, shape, offset } of entries) {
+  for (const { name, type, shape, offset, first, last } of entries) {
+    found.shapes[name] = shape;
+    if (type === "even") {
+      found.arrays[name] = even(first, last, shape[0]);
+      continue;
+    }
     const count = shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1);
     found.arrays[name] = new TYPES[/** @type {keyof typeof TYPES} */ (type)](
       buffer, begin + offset, count);
-    found.shapes[name] = shape;
   }
+  return found;
+}
+
+/**
+ * Return evenly spaced numbers, the very ones of `numpy.linspace`.
+ * @param {number} first
+ * @param {number} last
+ * @param {number} count
+ */
+function even(first, last, count) {
+  const found = new Float64Array(count);
+  const step = (last - first) / (count - 1);
+  for (let i = 0; i < count; i += 1) found[i] = i * step + first;
+  found[count - 1] = last;
   return found;
 }
 

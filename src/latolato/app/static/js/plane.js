@@ -90,15 +90,26 @@ export class Plane {
     };
   }
 
+  /** Return what turns a quantity into a place on the canvas, in its own pixels, for each axis. */
+  places() {
+    const { left, top, width, height } = this.frame();
+    const { x: [x0, x1], y: [y0, y1] } = this.limits;
+    const across = width / (x1 - x0);
+    const down = height / (y1 - y0);
+    return {
+      x: (/** @type {number} */ x) => left + (x - x0) * across,
+      y: (/** @type {number} */ y) => top + (y1 - y) * down,
+    };
+  }
+
   /**
    * Return where a point lies on the canvas, in its own pixels.
    * @param {number} x
    * @param {number} y
    */
   place(x, y) {
-    const { left, top, width, height } = this.frame();
-    const { x: [x0, x1], y: [y0, y1] } = this.limits;
-    return [left + ((x - x0) / (x1 - x0)) * width, top + ((y1 - y) / (y1 - y0)) * height];
+    const to = this.places();
+    return [to.x(x), to.y(y)];
   }
 
   /**
@@ -179,9 +190,10 @@ export class Plane {
   drawLine(context, { xs, ys }, ratio) {
     context.lineWidth = ratio;
     context.beginPath();
+    const to = this.places();
     let open = false;
     for (let i = 0; i < xs.length; i += 1) {
-      const [x, y] = this.place(xs[i], ys[i]);
+      const [x, y] = [to.x(xs[i]), to.y(ys[i])];
       if (Number.isNaN(x + y)) open = false;
       else if (open) context.lineTo(x, y);
       else {
@@ -198,8 +210,9 @@ export class Plane {
    * @param {number} size
    */
   drawDots(context, { xs, ys }, size) {
+    const to = this.places();
     for (let i = 0; i < xs.length; i += 1) {
-      const [x, y] = this.place(xs[i], ys[i]);
+      const [x, y] = [to.x(xs[i]), to.y(ys[i])];
       if (!Number.isNaN(x + y)) context.fillRect(x - size / 2, y - size / 2, size, size);
     }
   }
