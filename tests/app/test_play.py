@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import pytest
@@ -373,3 +374,23 @@ def test_an_address_with_an_unknown_law_is_told(page, watch, query):
     page.get_by_label("Begin with").select_option("fig02")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     watch.faults[:] = [f for f in watch.faults if "422" not in f]
+
+
+def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
+    open_play(page, "&scenario=fig02&duration=2%20s")
+    page.get_by_label("unit of angular driving frequency").select_option("Hz")
+    field = page.get_by_label("angular driving frequency ω", exact=True)
+    in_hertz = float(field.input_value())
+    page.reload()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert float(field.input_value()) == in_hertz
+    open_play(page, "&scenario=fig02&duration=2%20s&drive_frequency=60%20rpm")
+    assert float(field.input_value()) == 60.0
+
+
+@pytest.mark.parametrize("kept", ["{", "3", '{"drive_frequency": "parsec"}', "null"])
+def test_spoiled_choices_of_units_are_left_aside(page, kept):
+    page.add_init_script(f"localStorage.setItem('latolato.units', {json.dumps(kept)})")
+    open_play(page, "&scenario=fig02&duration=2%20s")
+    unit = page.get_by_label("unit of angular driving frequency")
+    assert unit.input_value() == "rad/s"

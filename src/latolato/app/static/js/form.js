@@ -1,6 +1,7 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
 import { el, freshId } from "./dom.js";
+import { habit, keepHabit } from "./habits.js";
 import { heldOptions, START, textOf, withLaws } from "./laws.js";
 import { t } from "./strings.js";
 import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
@@ -173,7 +174,9 @@ export class Form {
     const id = freshId();
     const errorId = freshId();
     const units = option.units;
-    const unitOf = () => units.find((u) => u.name === this.units[name]) ?? units[0] ?? { name: "", size: 1 };
+    const named = (/** @type {string | undefined} */ unit) => units.find((u) => u.name === unit);
+    const unitOf = () =>
+      named(this.units[name]) ?? named(habit(name)) ?? units[0] ?? { name: "", size: 1 };
     const input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       spellcheck: "false", "aria-describedby": errorId });
     const select = units.length > 1
@@ -227,6 +230,7 @@ export class Form {
     if (select instanceof HTMLSelectElement) {
       select.addEventListener("change", () => {
         this.units[name] = select.value;
+        keepHabit(name, select.value);
         read(this.text(name));
       });
     }
