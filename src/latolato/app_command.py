@@ -40,6 +40,14 @@ def app(
             show_default=False,
         ),
     ] = None,
+    video_megabytes: Annotated[
+        float | None,
+        typer.Option(help="Largest video for Experiment; by default 500.", show_default=False),
+    ] = None,
+    video_minutes: Annotated[
+        float | None,
+        typer.Option(help="Longest video for Experiment; by default 10.", show_default=False),
+    ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
     try:
@@ -55,4 +63,6 @@ def app(
         allow_others=allow_others,
         report=report,
         stored=opened or (),
+        video_megabytes=video_megabytes,
+        video_minutes=video_minutes,
     )

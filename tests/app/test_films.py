@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import json
+import math
 import os
 import random
 import re
@@ -285,6 +286,19 @@ def test_flipped_bits_break_nothing(page, clip):
         if "done" not in message:
             one_line(message)
     assert page.client.get("/api/registry").status_code == 200
+
+
+@pytest.mark.parametrize("name", ["megabytes", "minutes"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_a_limit_of_videos_that_is_not_positive_is_refused(name, value):
+    with pytest.raises(ValueError, match=f"video-{name} must be positive, got"):
+        Allowance.of(**{name: value})
+
+
+def test_a_smaller_limit_of_videos_leaves_the_work_its_time():
+    small = Allowance.of(megabytes=1, minutes=0.5)
+    assert (small.upload, small.duration) == (1_000_000, 30.0)
+    assert dataclasses.replace(small, upload=Allowance.upload, duration=600.0) == Allowance()
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import secrets
 import shutil
 import tempfile
 import unicodedata
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -73,6 +74,39 @@ class Allowance:
     upload_time: float = 900.0
     jobs: int = 2
     waiting: int = 32
+
+    @classmethod
+    def of(cls, megabytes: float | None = None, minutes: float | None = None) -> Allowance:
+        """Return the usual allowance with another size and length of a film.
+
+        Raises
+        ------
+        ValueError
+            Unless both are positive.
+
+        Examples
+        --------
+        >>> most = Allowance.of(megabytes=2000, minutes=30)
+        >>> most.upload, most.duration, most.frames
+        (2000000000, 1800.0, 120000)
+        """
+        usual = cls()
+        for name, value in (("video-megabytes", megabytes), ("video-minutes", minutes)):
+            if value is not None and not 0.0 < value < math.inf:
+                raise ValueError(f"{name} must be positive, got {value:g}")
+        size = usual.upload if megabytes is None else 1e6 * megabytes
+        length = usual.duration if minutes is None else 60.0 * minutes
+        larger, longer = max(1.0, size / usual.upload), max(1.0, length / usual.duration)
+        return replace(
+            usual,
+            upload=int(size),
+            stored=int(usual.stored * larger),
+            upload_time=usual.upload_time * larger,
+            duration=length,
+            frames=int(usual.frames * longer),
+            cpu_time=usual.cpu_time * longer,
+            wall_time=usual.wall_time * longer,
+        )
 
     @property
     def limits(self) -> Limits:
@@ -257,7 +291,7 @@ class Store:
         if size > most.upload:
             raise TooLargeError(
                 f"{film.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
-                "cut it, or track it with latolato track"
+                "cut it, or start the application with --video-megabytes"
             )
         others = sum(f.size for d in self.desks.values() for f in d.films.values() if f is not film)
         if others + size > most.stored:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import uvicorn
 
+from latolato.app.film_store import Allowance
 from latolato.app.guard import TOKEN
 from latolato.app.server import Settings, make_app
 
@@ -26,6 +27,8 @@ def serve(
     allow_others: bool = False,
     report: Path | None = None,
     stored: Sequence[Path] = (),
+    video_megabytes: float | None = None,
+    video_minutes: float | None = None,
 ) -> None:
     """Serve the application until it is stopped.
 
@@ -43,12 +46,14 @@ def serve(
         Folder that `latolato reproduce` wrote; its figures are shown in place of quick ones.
     stored : sequence of Path
         Maps that pages may open: Zarr stores and NetCDF files of sweeps.
+    video_megabytes, video_minutes : float, optional
+        Largest and longest video that a page may upload; by default as `Allowance` says.
 
     Raises
     ------
     ValueError
         If `host` is an address that other machines reach and `allow_others` is false, if
-        `report` holds no report, or if a stored map is none.
+        `report` holds no report, if a stored map is none, or a limit is not positive.
     OSError
         If the port is taken, or a stored map is not there.
     """
@@ -65,10 +70,11 @@ def serve(
         from latolato.app.map_stored import named
 
         maps = named(stored)
+    films = Allowance.of(video_megabytes, video_minutes)
     listener = _listener(host, port)
     port = listener.getsockname()[1]
     token = secrets.token_urlsafe() if others else None
-    settings = Settings(host=host, port=port, token=token, report=report, stored=maps)
+    settings = Settings(host=host, port=port, token=token, report=report, films=films, stored=maps)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{port}/" + (f"?{TOKEN}={settings.token}" if others else "")
     print(f"latolato runs at {address}\nStop it with Ctrl-C.", flush=True)
