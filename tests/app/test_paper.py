@@ -210,6 +210,10 @@ def test_claims_stand_beside_their_figure_and_lead_to_play(page):
 def test_a_film_is_made_on_a_click_only(page):
     page.goto("/?view=paper&paper.figure=fig07")
     plate = page.locator("#paper-fig07")
-    plate.get_by_role("button", name="Make this figure from a film").wait_for()
+    button = plate.get_by_role("button", name="Make this figure from a film")
+    button.wait_for()
+    inner, outer = button.bounding_box(), plate.bounding_box()
+    assert outer["y"] < inner["y"]
+    assert inner["y"] + inner["height"] < outer["y"] + outer["height"]
     assert plate.get_by_text("Not judged yet.").count() == 1
     assert plate.get_by_role("progressbar").count() == 0

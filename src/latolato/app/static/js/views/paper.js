@@ -167,7 +167,7 @@ class Plate {
     const { missing } = this.entry;
     const button = el("button", { type: "button", disabled: missing !== "", on: { click: () =>
       this.view.want([this]) } }, t("paperFilm"));
-    return el("div", { class: "film" }, button,
+    return el("div", { class: "filming" }, button,
       el("p", { class: "hint" }, missing || t("paperFilmHint")));
   }
 
