@@ -28,7 +28,7 @@ from latolato.app.server import Settings, make_app
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
 from latolato.experiment.table import read_table
-from little_videos import encoded
+from little_videos import encoded, sound_alone
 
 HOME = "http://127.0.0.1:8000"
 HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
@@ -212,19 +212,6 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
         assert (tmp_path / name).stat().st_size > 0
 
 
-def sound(path):
-    import av
-
-    with av.open(str(path), "w") as file:
-        stream = file.add_stream("aac", rate=8000)
-        for k in range(8):
-            frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
-            frame.sample_rate, frame.pts = 8000, 1024 * k
-            file.mux(stream.encode(frame))
-        file.mux(stream.encode())
-    return path.read_bytes()
-
-
 def gif_of(width, height):
     """A picture that says that it is so large, in a few bytes."""
     size = width.to_bytes(2, "little") + height.to_bytes(2, "little")
@@ -241,7 +228,7 @@ def bad_files(clip, folder):
     yield "noise.mp4", random.Random(1).randbytes(20_000), "cannot be read as a video"
     yield "list.m3u8", playlist.encode(), "cannot be read as a video"
     yield "join.mp4", f"ffconcat version 1.0\nfile {clip}\n".encode(), "cannot be read"
-    yield "sound.mp4", sound(folder / "sound.mp4"), "holds no video stream"
+    yield "sound.mp4", sound_alone(folder / "sound.mp4").read_bytes(), "holds no video stream"
     yield "half.mp4", whole[: len(whole) // 2], "cut off|decoding fails"
     yield "head.mp4", whole[:200], "cut off|cannot be read"
     yield "bomb.gif", gif_of(15000, 15000), "frames of 15000 x 15000 pixels, at most"

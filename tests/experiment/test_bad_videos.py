@@ -9,7 +9,7 @@ import pytest
 import latolato as ll
 from latolato.cli import main
 from latolato.experiment.video import Limits, open_video
-from little_videos import encoded
+from little_videos import encoded, sound_alone
 
 GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
 
@@ -80,16 +80,7 @@ def test_a_video_without_frames_is_refused(tmp_path, capsys):
 
 
 def test_sound_alone_is_refused(tmp_path, capsys):
-    import av
-
-    path = tmp_path / "sound.mp4"
-    with av.open(str(path), "w") as file:
-        stream = file.add_stream("aac", rate=8000)
-        for k in range(8):
-            frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
-            frame.sample_rate, frame.pts = 8000, 1024 * k
-            file.mux(stream.encode(frame))
-        file.mux(stream.encode())
+    path = sound_alone(tmp_path / "sound.mp4")
     assert "no video stream" in refused(capsys, tmp_path, path, *CLICKS)
 
 

@@ -23,3 +23,17 @@ def encoded(path, pictures, stamps=None, codec="libx264", rate=30):
             file.mux(stream.encode(frame))
         file.mux(stream.encode())
     return path
+
+
+def sound_alone(path):
+    """Write a file that holds a sound track and no picture."""
+    import av
+
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("aac", rate=8000)
+        for k in range(8):
+            frame = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), "fltp", "mono")
+            frame.sample_rate, frame.pts = 8000, 1024 * k
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode())
+    return path
