@@ -96,9 +96,11 @@ export class PlayView {
       options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
     }
     this.presets.show(scenario);
+    // The form is made while the server computes.
+    const asked = this.recording() ?? askBlock("/api/run", { scenario, options });
     this.form.build();
     try {
-      const block = this.recording() ?? await askBlock("/api/run", { scenario, options });
+      const block = await asked;
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
