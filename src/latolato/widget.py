@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import io
 import json
 import re
 from functools import lru_cache
@@ -35,6 +38,8 @@ MODULES = (
     "js/player.js",
     "js/notebook.js",
 )
+SHEETS = ("vendor/uPlot.css", "app.css", "notebook.css")
+PICTURE_DPI = 100
 _IMPORT = re.compile(
     r'^import (?:\{(?P<names>[^}]*)\}|(?P<default>\w+)) from "(?P<path>[^"]+)";$', re.M
 )
@@ -54,7 +59,8 @@ def play(run: xr.Dataset) -> Any:
     Returns
     -------
     anywidget.AnyWidget
-        For Jupyter, marimo, VS Code and others; works without a network.
+        For Jupyter, marimo, VS Code and others; works without a network. Its attribute `run` is
+        the run; set it to show another one in the same place.
 
     Raises
     ------
@@ -63,14 +69,27 @@ def play(run: xr.Dataset) -> Any:
     ModuleNotFoundError
         Without the extra `notebook`.
     """
+    return _widget_class()(run)
+
+
+def block_of(run: xr.Dataset) -> bytes:
+    """Return a run as the player reads it."""
     if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
         raise ValueError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
-    block = pack(
+    return pack(
         {**about(scenario, thinned), "warnings": []}, arrays_of(scenario, thinned, USUAL_COLUMNS)
     )
-    return _widget_class()(block=block, style=style_sheet())
+
+
+def picture_of(run: xr.Dataset) -> str:
+    """Return the angles of a run as PNG in base64, for places that show no widgets."""
+    from latolato.figures.run import draw_angle_strip
+
+    stream = io.BytesIO()
+    draw_angle_strip(run).savefig(stream, format="png", dpi=PICTURE_DPI)
+    return base64.b64encode(stream.getvalue()).decode()
 
 
 @lru_cache(maxsize=1)
@@ -89,7 +108,30 @@ def _widget_class() -> Any:
 
         _esm = bundle()
         block = traitlets.Bytes().tag(sync=True)
-        style = traitlets.Unicode().tag(sync=True)
+        # Not `style`, which widgets of Jupyter have already.
+        sheet = traitlets.Unicode().tag(sync=True)
+
+        def __init__(self, run: xr.Dataset) -> None:
+            self._run = run
+            super().__init__(block=block_of(run), sheet=style_sheet())
+
+        @property
+        def run(self) -> xr.Dataset:
+            """The run on show."""
+            return self._run
+
+        @run.setter
+        def run(self, run: xr.Dataset) -> None:
+            self.block = block_of(run)
+            self._run = run
+
+        def _repr_mimebundle_(self, **options: Any) -> Any:
+            """Return the widget, and a picture for places that show none."""
+            found = super()._repr_mimebundle_(**options)
+            if found is not None:
+                found[0]["image/png"] = picture_of(self._run)
+                found[0]["text/plain"] = "A run of latolato in its player"
+            return found
 
     return PlayerWidget
 
@@ -98,7 +140,8 @@ def _widget_class() -> Any:
 def bundle() -> str:
     """Return the modules of the player as one, which is what widgets are made of.
 
-    Each module becomes a function of those before it, so that names do not meet.
+    Each module becomes a function of those before it, so that names do not meet. Every widget
+    brings the whole text along, which runs once in a page.
     """
     parts = ["const modules = {};"]
     for path in MODULES:
@@ -110,8 +153,13 @@ def bundle() -> str:
         exports = ", ".join(f'"{name}": {own}' for name, own in names.items())
         name = path.rpartition("/")[2]
         parts.append(f'modules["{name}"] = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();')
-    parts.append('export default { render: modules["notebook.js"].render };')
-    return "\n".join(parts)
+    body = "\n".join(parts)
+    key = f"latolato {hashlib.sha256(body.encode()).hexdigest()[:16]}"
+    return (
+        f'const shared = (globalThis[Symbol.for("{key}")] ??= (() => {{\n{body}\n'
+        "return modules;\n})());\n"
+        'export default { render: shared["notebook.js"].render };\n'
+    )
 
 
 def _lookup(found: re.Match[str]) -> str:
@@ -125,6 +173,6 @@ def _lookup(found: re.Match[str]) -> str:
 @lru_cache(maxsize=1)
 def style_sheet() -> str:
     """Return the style sheet for the inside of a widget, which has a root of its own."""
-    sheets = [(STATIC / name).read_text("utf-8") for name in ("vendor/uPlot.css", "app.css")]
+    sheets = [(STATIC / name).read_text("utf-8") for name in SHEETS]
     text = re.sub(r":root((?:\[[^\]]*\]|:not\([^)]*\))+)", r":host(\1)", "\n".join(sheets))
     return text.replace(":root", ":host")

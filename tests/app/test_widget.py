@@ -3,6 +3,8 @@
 import base64
 import math
 import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +15,9 @@ from latolato.app.files import STATIC
 from latolato.widget import MODULES, bundle, style_sheet
 
 # What anywidget is to a widget: a model that holds its values.
-PAGE = """async ({ source, block, style }) => {
+PAGE = """async ({ source, block, sheet }) => {
   const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-  const values = { block: new DataView(bytes.buffer), style };
+  const values = { block: new DataView(bytes.buffer), sheet };
   const model = { get: (name) => values[name], on() {}, off() {} };
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const { default: widget } = await import(url);
@@ -43,6 +45,36 @@ def test_the_widget_holds_the_run(run):
     assert about["options"]["length"] == 0.2
 
 
+def test_another_run_takes_the_place_of_the_first(run):
+    widget = ll.play(run)
+    other = ll.load_scenario("toy").simulate(duration=1.0)
+    widget.run = other
+    assert widget.run is other
+    np.testing.assert_array_equal(unpack(widget.block)[1]["time"], other["time"].values)
+    with pytest.raises(ValueError, match="play needs a run"):
+        widget.run = run.drop_vars("angle")
+    assert widget.run is other
+
+
+def test_the_page_on_notebooks_runs_as_printed():
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "notebooks.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    names: dict[str, Any] = {}
+    exec("".join(blocks), names)
+    names["frequency"].value = 18.0
+    assert names["player"].run.attrs["drive_frequency"] == 18.0
+
+
+def test_places_without_widgets_get_a_picture_of_the_run_on_show(run):
+    widget = ll.play(run)
+    first, _ = widget._repr_mimebundle_()
+    assert base64.b64decode(first["image/png"]).startswith(b"\x89PNG")
+    assert first["application/vnd.jupyter.widget-view+json"]["model_id"] == widget.model_id
+    widget.run = ll.load_scenario("toy").simulate(duration=1.0)
+    second, _ = widget._repr_mimebundle_()
+    assert first["image/png"] != second["image/png"]
+
+
 def test_a_dataset_that_is_no_run_is_refused(run):
     with pytest.raises(ValueError, match="play needs a run"):
         ll.play(run.drop_vars("angle"))
@@ -64,6 +96,11 @@ def test_every_module_of_the_bundle_comes_after_those_that_it_imports():
         wanted = set(re.findall(r'^import .* from "[^"]*?([\w.]+)";$', source, re.MULTILINE))
         assert wanted <= known, path
         known.add(path.rpartition("/")[2])
+
+
+def test_no_value_is_called_style_which_views_of_jupyter_take_for_css(run):
+    assert {"block", "sheet"} <= set(ll.play(run).keys)
+    assert "style" not in ll.play(run).keys
 
 
 def test_the_bundle_holds_every_module_and_asks_for_none():
@@ -89,7 +126,7 @@ def test_a_cell_shows_balls_where_the_run_has_them(browser, run, scheme):
     given = {
         "source": bundle(),
         "block": base64.b64encode(widget.block).decode(),
-        "style": style_sheet(),
+        "sheet": style_sheet(),
     }
     page.evaluate(PAGE, given)
     page.get_by_role("button", name="Play", exact=True).wait_for()
@@ -126,3 +163,50 @@ def test_a_cell_shows_balls_where_the_run_has_them(browser, run, scheme):
     assert [url for url in requests if not url.startswith("blob:")] == []
     page.evaluate("() => window.end()")
     context.close()
+
+
+def test_the_theme_is_that_of_the_page_around(browser, run):
+    widget = ll.play(run)
+    page = browser.new_page()
+    page.set_content("<body></body>")
+    given = {
+        "source": bundle(),
+        "block": base64.b64encode(widget.block).decode(),
+        "sheet": style_sheet(),
+    }
+    page.evaluate(PAGE, given)
+    found = page.evaluate(
+        """async () => {
+          const { body } = document;
+          const { host } = window.inside;
+          const seen = async () => {
+            await new Promise((resolve) => setTimeout(resolve));
+            return host.dataset.theme;
+          };
+          const found = {};
+          found.plain = await seen();
+          // As in JupyterLab, as in VS Code, as in pages that only have light text.
+          body.dataset.jpThemeLight = "false";
+          found.jupyter = await seen();
+          delete body.dataset.jpThemeLight;
+          body.className = "vscode-light";
+          found.light = await seen();
+          body.className = "vscode-dark";
+          found.dark = await seen();
+          body.className = "vscode-high-contrast";
+          body.style.color = "oklch(0.95 0.01 90)";
+          found.contrast = await seen();
+          body.style.color = "color(srgb 0.1 0.1 0.2)";
+          found.text = await seen();
+          return found;
+        }"""
+    )
+    page.close()
+    assert found == {
+        "plain": "light",
+        "jupyter": "dark",
+        "light": "light",
+        "dark": "dark",
+        "contrast": "dark",
+        "text": "light",
+    }

@@ -70,6 +70,17 @@ def draw_angles(axes: Axes, run: xr.Dataset) -> None:
 
 
 @style.styled
+def draw_angle_strip(run: xr.Dataset) -> Figure:
+    """Return a small figure of the angle of every ball over time."""
+    figure, panels = style.new_figure(1)
+    angles = panels[0, 0]
+    draw_angles(angles, run)
+    style.degree_axis(angles)
+    angles.set_xlabel(style.label(run["time"]))
+    return figure
+
+
+@style.styled
 def draw_run(run: xr.Dataset) -> Figure:
     """Return the figure of a run."""
     figure, panels = style.new_figure(

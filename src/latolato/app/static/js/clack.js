@@ -34,4 +34,11 @@ export class Clack {
     tone.start(now);
     tone.stop(now + LENGTH);
   }
+
+  /** Give the sound card back. */
+  close() {
+    this.on = false;
+    void this.context?.close();
+    this.context = null;
+  }
 }

@@ -2,7 +2,7 @@
 
 import UPlot from "../vendor/uPlot.esm.js";
 import { envelope, isDense } from "./band.js";
-import { colour, el } from "./dom.js";
+import { colour, el, freshId } from "./dom.js";
 import { drawShades } from "./shades.js";
 import { t } from "./strings.js";
 import { short } from "./units.js";
@@ -15,7 +15,6 @@ import { short } from "./units.js";
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
-const SYNC = "latolato";
 const AXIS_WIDTH = 58;
 const READ_EVERY = 100; // ms
 const LINE = /** @type {any} */ (UPlot.paths).linear();
@@ -43,6 +42,8 @@ export class Curves {
     this.span = [0, 1];
     this.signature = "";
     this.setting = false;
+    // Pointers are shown together within these charts only: other charts have times of their own.
+    this.sync = freshId();
     this.unsubscribe = clock.subscribe((time) => this.move(time));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(root);
@@ -149,7 +150,7 @@ export class Curves {
       padding: [8, 18, 0, 0],
       scales: { x: { time: false, auto: false } },
       cursor: {
-        sync: { key: SYNC, setSeries: false },
+        sync: { key: this.sync, setSeries: false },
         drag: { x: true, y: false, setScale: true },
         points: { show: false },
         bind: {

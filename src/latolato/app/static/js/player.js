@@ -282,13 +282,16 @@ export class Player {
     if (this.clock.playing && now - this.readAt < READ_EVERY) return;
     this.readAt = now;
     if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(2) });
-    if (this.scrub && document.activeElement !== this.scrub || this.clock.playing)
+    const { activeElement } = /** @type {Document | ShadowRoot} */ (this.root.getRootNode());
+    if (this.scrub && activeElement !== this.scrub || this.clock.playing)
       /** @type {HTMLInputElement} */ (this.scrub).value =
         String(Math.round((SCRUB_STEPS * time) / (this.clock.end || 1)));
   }
 
   destroy() {
+    this.later.run([]);
     this.clock.pause();
+    this.clack.close();
     this.curves.destroy();
     this.scene.release();
     this.phase.release();
