@@ -22,6 +22,22 @@ _AROUND = (0.5, 1.5)
 _RATIOS = (1.5, 3.0)
 # Of two lists: a little beyond.
 _WIDER = (1.4, 3.2)
+# Motion has settled after so many decay times, in as many shakes at most [1].
+_SETTLED = 8.0
+_MOST_SHAKES = {
+    "response_period": 20_000,
+    "poincare_section": 20_000,
+    "impact_map": 20_000,
+    "time_crystal": 20_000,
+    "bifurcation_diagram": 1000,
+    "response_period_map": 5000,
+    "first_push": 5000,
+    "basins": 5000,
+}
+# Decay times that a run lasts, and the longest one [s]. Lyapunov exponents need more to be told
+# from zero.
+_SETTLING_RUNS = {"lyapunov_spectrum": 30.0, "hysteresis": 6.0}
+_LONGEST_RUN = 3000
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 ASKED_RUN = ("duration",)
 _CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
@@ -157,12 +173,18 @@ def about_asked(asked: Asked) -> dict[str, Any]:
 
 def _first(scenario: Scenario, unfit: Mapping[str, str]) -> str:
     """Return the question that tells most of a system and a drive, and is answered soon."""
-    start = scenario.run.get("initial_angle")
-    stands = isinstance(start, (int, float)) and abs(start) > 0.5 * math.pi
-    wanted = ("inverted_limits",) if stands and "inverted_limits" not in unfit else ()
+    wanted = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
     order = (*wanted, "bifurcation_diagram", "lyapunov_spectrum")
     found: str = next(name for name in order if name not in unfit)
     return found
+
+
+def _stands(scenario: Scenario) -> bool:
+    """Return whether one ball starts in the upper half, where it could stand upright."""
+    start = scenario.run.get("initial_angle")
+    if not isinstance(start, (int, float)) or scenario.system.has_contacts:
+        return False
+    return abs(start) > 0.5 * math.pi
 
 
 def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
@@ -185,7 +207,32 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         limits = known.get(texts.get("parameter", ""))
         if limits:
             texts |= {end: limits[end] for end in ("low", "high") if end in own}
+        texts |= _settled(name, scenario, own, texts)
         found[name] = {option: text for option, text in texts.items() if option in own}
+    if _stands(scenario):
+        found["growth_rate"]["position"] = "inverted"
+    return found
+
+
+def _settled(
+    name: str, scenario: Scenario, own: Mapping[str, AnalysisOption], texts: Mapping[str, str]
+) -> dict[str, str]:
+    """Return times in which motion settles, for analyses whose usual ones are too short for it."""
+    ball = scenario.system.balls[0]
+    rate = float(getattr(ball, "damping", 0.0)) / (2.0 * ball.mass * ball.length)
+    if rate <= 0.0:
+        return {}
+    found = {}
+    frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
+    if name in _MOST_SHAKES and frequency > 0.0:
+        shakes = _SETTLED / rate * frequency / math.tau
+        default = float(own["transient_periods"].default or 0.0)
+        if shakes > default:
+            found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, _MOST_SHAKES[name])}"
+    if name in _SETTLING_RUNS and "duration" in texts:
+        least = _SETTLING_RUNS[name] / rate
+        if least > float(texts["duration"]):
+            found["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
     return found
 
 

@@ -16,6 +16,7 @@ from latolato.app.questions.asked import (
     settles,
 )
 from latolato.app.questions.words import (
+    UPRIGHT,
     degrees,
     listed,
     millimetres,
@@ -87,6 +88,8 @@ def basins(found: xr.Dataset) -> str:
         one = found.isel(attractor=i)
         status, period = str(one["status"].item()), float(one["response_period"])
         kind = {"rest": "rest", "aperiodic": "chaos"}.get(status)
+        if kind == "rest" and one["largest_angle_watched"].max() > UPRIGHT:
+            kind = "rest upright"
         if kind is None:
             size = degrees(float(one["largest_angle_watched"].max()))
             kind = f"one that repeats {shakes(period)} and goes out to {size}"
@@ -94,7 +97,7 @@ def basins(found: xr.Dataset) -> str:
     rest = f"; {percent(left)} of the starts have not settled" if left else ""
     if count == 1:
         only = "all starts end" if not left else "the starts that settle end"
-        return f"It does not matter: {only} in one motion, {parts[0]}{rest}."
+        return f"It does not matter: {only} in {parts[0]}{rest}."
     more = f" and {times(count - 4, 'more')}".removesuffix("s") if count > 4 else ""
     joined = ", ".join(parts) + more if more else listed(parts)
     return f"It does: there are {count} motions to end in, {joined}{rest}."
@@ -143,10 +146,10 @@ def shortest_protocol(found: xr.Dataset) -> str:
     if status != "found":
         return f"No first stage that was tried reaches the large swing; {hand}."
     ratio, lead = float(found["best_first_ratio"]), float(found["lead_time"])
-    return (
-        f"Yes: {number(lead)} s at ω/ω₀ = {number(ratio)} lead to the large swing of "
-        f"{degrees(float(found['upper_angle']))}; {hand} as well."
-    ).replace("does it as well", "does it as well" if math.isfinite(push) else "does it")
+    angle = float(found["upper_angle"])
+    swing = "whole turns" if angle > math.pi else f"the large swing of {degrees(angle)}"
+    tail = " as well" if math.isfinite(push) else ""
+    return f"Yes: {number(lead)} s at ω/ω₀ = {number(ratio)} lead to {swing}; {hand}{tail}."
 
 
 @asked(

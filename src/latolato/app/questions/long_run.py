@@ -16,7 +16,7 @@ from latolato.app.questions.asked import (
     is_shaken,
     settles,
 )
-from latolato.app.questions.words import degrees, listed, number, percent, shakes, times
+from latolato.app.questions.words import UPRIGHT, degrees, listed, number, percent, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,11 +39,10 @@ def bifurcation_diagram(found: xr.Dataset) -> str:
     status = found["status"].values.astype(str)
     moving = np.isin(status, ("periodic", "grazing", "aperiodic"))
     if not moving.any():
-        return (
-            "It ends at rest at every setting tried."
-            if (status == "rest").all()
-            else "At no setting tried does it settle into lasting motion."
-        )
+        rest = percent((status == "rest").mean())
+        if (status == "rest").all():
+            return "It ends at rest at every setting tried."
+        return f"It ends at rest at {rest} of the settings; at the others it has not settled yet."
     periods = found["response_period"].values[np.isin(status, ("periodic", "grazing"))]
     known = [shakes(p) for p in np.unique(periods[np.isfinite(periods)])]
     parts = [f"repeats {listed(known[:4], 'or')}"] if known else []
@@ -80,6 +79,8 @@ def bifurcation_diagram(found: xr.Dataset) -> str:
 def response_period(found: xr.Dataset) -> str:
     """Tell the period and what happens in it."""
     status = str(found["status"].item())
+    if status == "rest" and found["largest_angle_watched"].item() > UPRIGHT:
+        return "It comes to rest upright: it stands on its head."
     if status == "rest":
         return "It comes to rest: nothing moves against the pivot any more."
     if status == "not settled":
@@ -121,11 +122,12 @@ def poincare_section(found: xr.Dataset) -> str:
     if not keep.any():
         return f"There is no answer: {found['status'].item()}."
     scale = float(found.attrs["drive_frequency"])
-    points = np.concatenate([angle[keep], speed[keep] / scale], axis=1)
+    # Angles as points of a circle, which has no ends.
+    points = np.concatenate([np.cos(angle[keep]), np.sin(angle[keep]), speed[keep] / scale], axis=1)
     count = len(np.unique(np.round(points, 3), axis=0))
     # Neighbours on both sides of an edge of rounding are one.
-    near = np.abs(points[1:] - points[0]).max(axis=1) < 2e-3
-    if count <= 2 * len(points[0]) and near.all():
+    near = np.abs(points[1:] - points[0]).max(axis=1) < 5e-3
+    if near.all():
         return f"All {len(points)} flashes show the same: it repeats every shake, or rests."
     period = int(np.argmax(near)) + 1 if near.any() else 0
     if period and near[period - 1 :: period].all() and period <= 64:
@@ -181,7 +183,7 @@ def impact_map(found: xr.Dataset) -> str:
     # On the circle, a little coarser than the drive's phase is told.
     places = np.unique(np.round(np.exp(1j * phases), 2)).size
     steady = places <= 12
-    text = f"The balls clack {number(rate)} times per shake, at the {listed(where)}"
+    text = f"The balls clack {times(rate, 'time')} per shake, at the {listed(where)}"
     rests = int(found["rests"])
     if rests:
         text += f", and come to rest {times(rests, 'time')} meanwhile"

@@ -56,6 +56,8 @@ OPTION_WORDS = {
     "velocity_low": "Speeds at the start, from",
     "velocity_points": "Number of speeds at the start",
 }
+# Beyond this angle [rad] one ball at rest stands upright.
+UPRIGHT = 0.75 * math.pi
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
 

@@ -47,9 +47,10 @@ export class Answer {
   /**
    * @param {Block} block
    * @param {string} title the question
+   * @param {(text: string) => string} inWords puts what the page calls it for names of options
    * @param {(values: Record<string, string>, words: string) => void} chosen called for a point
    */
-  constructor(block, title, chosen) {
+  constructor(block, title, inWords, chosen) {
     const { about } = block;
     this.title = title;
     this.panels = /** @type {Panel[]} */ (about.panels);
@@ -61,7 +62,7 @@ export class Answer {
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
     const notes = about.warnings.map((/** @type {string} */ text) =>
-      el("p", { class: "notes" }, t("warning", { text })));
+      el("p", { class: "notes" }, t("warning", { text: inWords(text) })));
     this.after = el("div", { class: "after" });
     this.root = el("div", { class: "main" },
       el("section", { class: "card" },

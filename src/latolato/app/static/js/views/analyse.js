@@ -277,7 +277,8 @@ export class AnalyseView {
     }
     this.answer.classList.remove("stale");
     this.clear();
-    const answer = new Answer(block, this.forms[given.analysis].title, (values, words) =>
+    const { title, options } = this.forms[given.analysis];
+    const answer = new Answer(block, title, (text) => inWords(text, options), (values, words) =>
       void this.point.show({ scenario: given.scenario,
         options: withOptions(given.options, values) }, t("pointSaid", { values: words })));
     answer.after.append(this.point.root);
