@@ -40,6 +40,8 @@ _WATCHED = 48.0
 _LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
 # Steps in a second on two cores, and seconds that every answer takes, with its picture.
 _RATE, _LEAST_SECONDS = 1e7, 1.0
+# The same of work that is done one step after another, or with neighbours.
+_RATES = {"bifurcation_diagram": 2.5e5, "hysteresis": 2.5e5, "lyapunov_spectrum": 1e5}
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
 _OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
 _PICTURE_DPI = 200
@@ -284,7 +286,8 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
 
 def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
     """Return roughly how long an answer takes [s], once its kernels are compiled."""
-    return _LEAST_SECONDS + steps_of(function, arguments) / _RATE
+    rate = _RATES.get(function.__name__, _RATE)
+    return _LEAST_SECONDS + steps_of(function, arguments) / rate
 
 
 def prepare(given: Any) -> Job:

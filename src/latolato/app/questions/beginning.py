@@ -83,7 +83,7 @@ def basins(found: xr.Dataset) -> str:
     count, left = found.sizes["attractor"], float(found["unresolved_fraction"])
     if not count:
         return "No motion has settled yet: leave out more shakes at the beginning."
-    parts = []
+    parts: list[str] = []
     for i in range(min(count, 4)):
         one = found.isel(attractor=i)
         status, period = str(one["status"].item()), float(one["response_period"])
@@ -93,7 +93,8 @@ def basins(found: xr.Dataset) -> str:
         if kind is None:
             size = degrees(float(one["largest_angle_watched"].max()))
             kind = f"one that repeats {shakes(period)} and goes out to {size}"
-        parts.append(f"{kind} ({percent(float(one['basin_fraction']))} of the starts)")
+        of = "" if parts else " of the starts"
+        parts.append(f"{kind} ({percent(float(one['basin_fraction']))}{of})")
     rest = f"; {percent(left)} of the starts have not settled" if left else ""
     if count == 1:
         only = "all starts end" if not left else "the starts that settle end"

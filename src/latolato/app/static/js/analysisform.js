@@ -33,12 +33,12 @@ export function beginnings(name, fields, about, varied) {
 /**
  * Return a refusal with the words of the page for the options that it names.
  * @param {string} text
- * @param {Record<string, {label: string}>} fields
+ * @param {Record<string, {label: string}>} words
  * @returns {string}
  */
-export function inWords(text, fields) {
+export function inWords(text, words) {
   const said = text.replace(/\b[a-z]+(?:_[a-z]+)*\b/g, (word) =>
-    (word in fields ? `“${fields[word].label}”` : word));
+    (word in words ? `“${words[word].label}”` : word));
   return said.charAt(0).toUpperCase() + said.slice(1);
 }
 
@@ -55,6 +55,8 @@ export class AnalysisForm {
     this.fields = {};
     /** @type {Record<string, string>} */
     this.begun = {};
+    /** @type {Record<string, {label: string}>} what options and parameters are called */
+    this.words = {};
     this.more = el("details", { class: "inner" });
   }
 
@@ -71,6 +73,7 @@ export class AnalysisForm {
     this.inputs = {};
     this.errors = {};
     this.fields = fields;
+    this.words = { ...about.parameters, ...fields };
     const varied = VARIED in fields
       ? given[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
     this.begun = beginnings(name, fields, about, varied);
@@ -150,7 +153,7 @@ export class AnalysisForm {
     const found = words.find((word) => word in this.inputs);
     for (const [name, place] of Object.entries(this.errors)) {
       place.hidden = name !== found;
-      place.textContent = name === found && text ? inWords(text, this.fields) : "";
+      place.textContent = name === found && text ? inWords(text, this.words) : "";
       this.inputs[name]?.setAttribute("aria-invalid", String(name === found));
       if (name === found && this.more.contains(place)) this.more.open = true;
     }

@@ -87,7 +87,7 @@ export class Answer {
     const address = URL.createObjectURL(fileOf(block, "png", TYPES.png));
     const name = this.title;
     const image = el("img", { src: address, alt: t("pictureOf", { name }), on: { load: () => {
-      image.style.maxWidth = `${image.naturalWidth / DOTS}rem`;
+      image.style.setProperty("--full", `${image.naturalWidth / DOTS}rem`);
       URL.revokeObjectURL(address);
     } } });
     if (!this.panels.length) return el("div", { class: "picture" }, image);
@@ -147,7 +147,7 @@ export class Answer {
   }
 
   choose() {
-    this.said.textContent = this.words();
+    this.said.textContent = "";
     this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y), this.words());
   }
 }

@@ -46,6 +46,7 @@ export class PointRun {
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);
       this.preview.show(new Motion(block));
+      this.root.scrollIntoView({ block: "nearest" });
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
       if (!(error instanceof Error)) throw error;

@@ -253,7 +253,7 @@ export class AnalyseView {
     this.answer.classList.remove("stale");
     this.clear();
     if (this.own.error(text)) this.job.error.hidden = true;
-    else this.job.refuse(inWords(text, this.own.fields));
+    else this.job.refuse(inWords(text, this.own.words));
   }
 
   /**
@@ -277,10 +277,12 @@ export class AnalyseView {
     }
     this.answer.classList.remove("stale");
     this.clear();
-    const { title, options } = this.forms[given.analysis];
-    const answer = new Answer(block, title, (text) => inWords(text, options), (values, words) =>
+    const { title } = this.forms[given.analysis];
+    const called = this.own.words;
+    const answer = new Answer(block, title, (text) => inWords(text, called), (values, words) =>
       void this.point.show({ scenario: given.scenario,
-        options: withOptions(given.options, values) }, t("pointSaid", { values: words })));
+        options: withOptions(given.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
+        : t("pointSaidStart", { values: words })));
     answer.after.append(this.point.root);
     this.answer.replaceChildren(answer.root);
     this.root.dataset.answered = given.analysis;
