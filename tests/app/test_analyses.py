@@ -482,3 +482,28 @@ def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
             { frequency_ratio: "2" }); }"""
     )
     assert found == {"length": "1 m", "frequency_ratio": "2"}
+
+
+def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7")
+    alert = page.get_by_role("alert").filter(has_text="“Two samples are the same within” must")
+    alert.wait_for(timeout=240_000)
+    field = page.get_by_label("Two samples are the same within")
+    assert field.get_attribute("aria-invalid") == "true"
+    assert field.is_visible()  # though rare settings are folded
+    steps = page.get_by_role("alert").filter(has_text="the limit is")
+    page.get_by_label("Shakes that are left out").fill("1e9")
+    page.get_by_role("button", name="Compute").click()
+    page.get_by_text("Two samples are the same within").first.wait_for()
+    field.fill("")
+    page.get_by_role("button", name="Compute").click()
+    steps.wait_for()
+
+
+def test_numbers_of_an_answer_are_told_without_names_of_variables():
+    found = xr.Dataset(
+        {"angle": (("initial_angle", "way_there"), np.ones((1, 12)), {"units": "rad"})},
+        coords={"initial_angle": [0.5]},
+        attrs={"analysis": "none", "system": "pendulum"},
+    )
+    assert ("Angle", "1 to 1 rad (12 values)") in app.numbers_of(found)

@@ -41,7 +41,7 @@ _LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
 # Steps in a second on two cores, and seconds that every answer takes, with its picture.
 _RATE, _LEAST_SECONDS = 1e7, 1.0
 # The same of work that is done one step after another, or with neighbours.
-_RATES = {"bifurcation_diagram": 2.5e5, "hysteresis": 2.5e5, "lyapunov_spectrum": 1e5}
+_RATES = {"bifurcation_diagram": 2.5e5, "hysteresis": 1e6, "lyapunov_spectrum": 1e5}
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
 _OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
 _PICTURE_DPI = 200

@@ -117,6 +117,8 @@ def pair_symmetry(found: xr.Dataset) -> str:
         share = 100.0 * float((status == "valid").mean())
         return f"They do in {share:.0f} % of the {status.size} cases."
     told, value = str(status.ravel()[0]), float(rate[0])
+    if math.isnan(value):
+        return f"There is no answer: {told}."
     if told == "valid" and math.isinf(value):
         return "Yes: they rest on each other, and every difference vanishes."
     shown = number(value)

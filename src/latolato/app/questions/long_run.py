@@ -148,6 +148,8 @@ def poincare_section(found: xr.Dataset) -> str:
 )
 def response_period_map(found: xr.Dataset) -> str:
     """Tell the shares of rest, of the most frequent period and of motion without one."""
+    if not found["cells"].values.any():
+        return "No cell has an answer."
     share = dict(zip(found["motion"].values.astype(str), found["share"].values, strict=True))
     rest = share.pop("rest", 0.0)
     parts = [f"{percent(rest)} rest"] if rest else []

@@ -153,7 +153,8 @@ def times(count: float, what: str) -> str:
     >>> times(1, "impact"), times(2.5, "impact")
     ('1 impact', '2.5 impacts')
     """
-    return f"{number(count)} {what}{'' if count == 1 else 's'}"
+    shown = number(count)
+    return f"{shown} {what}{'' if shown == '1' else 's'}"
 
 
 def listed(parts: list[str], last: str = "and") -> str:

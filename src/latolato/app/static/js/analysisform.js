@@ -30,6 +30,9 @@ export function beginnings(name, fields, about, varied) {
   return found;
 }
 
+// Names of options: those of one word are words of other sentences too, but not as “… must be”.
+const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
+
 /**
  * Return a refusal with the words of the page for the options that it names.
  * @param {string} text
@@ -37,8 +40,7 @@ export function beginnings(name, fields, about, varied) {
  * @returns {string}
  */
 export function inWords(text, words) {
-  const said = text.replace(/\b[a-z]+(?:_[a-z]+)*\b/g, (word) =>
-    (word in words ? `“${words[word].label}”` : word));
+  const said = text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
   return said.charAt(0).toUpperCase() + said.slice(1);
 }
 
@@ -149,8 +151,7 @@ export class AnalysisForm {
    * @param {string | null} text
    */
   error(text) {
-    const words = text?.split(/[^\w]+/) ?? [];
-    const found = words.find((word) => word in this.inputs);
+    const found = text?.match(NAMES)?.find((word) => word in this.inputs);
     for (const [name, place] of Object.entries(this.errors)) {
       place.hidden = name !== found;
       place.textContent = name === found && text ? inWords(text, this.words) : "";

@@ -62,7 +62,7 @@ export class Answer {
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
     const notes = about.warnings.map((/** @type {string} */ text) =>
-      el("p", { class: "notes" }, t("warning", { text: inWords(text) })));
+      el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
     this.after = el("div", { class: "after" });
     this.root = el("div", { class: "main" },
       el("section", { class: "card" },
