@@ -157,6 +157,15 @@ def test_ranges_hold_the_drive_of_the_scenario():
     assert float(low) < ratio < float(high)
 
 
+def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
+    quick = {name: about_asked(Asked(name, {}))["quick"] for name in ("toy", "kapitza")}
+    assert "transient_periods" not in quick["toy"]["response_period"]  # 500 shakes are enough
+    # 8 decay times of 20 s at 42 ms a shake
+    assert quick["kapitza"]["response_period"]["transient_periods"] == "3900"
+    assert float(quick["kapitza"]["lyapunov_spectrum"]["duration"]) >= 600.0
+    assert quick["kapitza"]["growth_rate"]["position"] == "inverted"
+
+
 def test_the_cost_of_a_question_is_told_without_asking_it(client):
     def cost(**given):
         asked = {"analysis": "basins", "scenario": "fig04a", "given": given}

@@ -24,6 +24,8 @@ _RATIOS = (1.5, 3.0)
 _WIDER = (1.4, 3.2)
 # Motion has settled after so many decay times, in as many shakes at most [1].
 _SETTLED = 8.0
+# Along a branch each motion begins near where it ends.
+_NEAR = 1.5
 _MOST_SHAKES = {
     "response_period": 20_000,
     "poincare_section": 20_000,
@@ -225,7 +227,8 @@ def _settled(
     found = {}
     frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
     if name in _MOST_SHAKES and frequency > 0.0:
-        shakes = _SETTLED / rate * frequency / math.tau
+        times = _NEAR if "parameter" in own else _SETTLED
+        shakes = times / rate * frequency / math.tau
         default = float(own["transient_periods"].default or 0.0)
         if shakes > default:
             found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, _MOST_SHAKES[name])}"
