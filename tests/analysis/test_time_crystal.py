@@ -71,6 +71,16 @@ class TestSignals:
         np.testing.assert_allclose(found, math.hypot(0.1, 0.8), rtol=1e-12)
 
 
+def test_a_pendulum_held_upright_has_no_motion_on_both_sides_of_the_upper_position():
+    # The residual swing about upright, 0.05 rad e^(-20), must not be taken for turns of 2 pi.
+    system = ll.Pendulum(length=0.2, mass=0.1, damping=0.02)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=150.0)
+    start = {"initial_angle": math.pi - 0.05, "transient_periods": 1000, "periods": 64}
+    found = time_crystal(system, drive, **start)
+    assert found.status.item() == "no motion"
+    assert found.peak_amplitude.item() < 1e-3
+
+
 class TestPendulum:
     def test_it_answers_at_half_the_frequency_inside_its_tongue_only(self):
         low, high = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)

@@ -18,10 +18,12 @@ from latolato.app import analyses as app
 from latolato.app.analysis_forms import about_asked, forms
 from latolato.app.blocks import unpack
 from latolato.app.given import Asked, TooLargeError
+from latolato.app.questions import GROUPS, OPTION_WORDS, all_questions
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
 from latolato.cli import app as command_line
 from latolato.files import load
+from latolato.quantities import QUANTITIES
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/analyse"
@@ -83,26 +85,123 @@ def test_every_analysis_has_a_form_with_all_its_options():
     for name, form in found.items():
         own = options_of(analyses[name])
         assert set(form["options"]) | set(form["run"]) == set(own)
-        assert form["title"]
         assert form["summary"]
+        assert set(form["first"]) <= set(form["options"])
         for option in form["options"].values():
             assert option["description"]
             assert option["default"] in option["choices"] or not option["choices"]
+
+
+def test_every_analysis_is_asked_in_words():
+    found = forms()
+    groups = [form["group"] for form in found.values()]
+    assert list(dict.fromkeys(groups)) == list(GROUPS)
+    for form in found.values():
+        assert form["title"].endswith("?")
+        assert form["term"]
+        assert 40 < len(form["reading"]) < 240
+        assert form["reading"].endswith(".")
+        assert "_" not in form["title"] + form["term"] + form["reading"]
+    for texts in ("title", "term", "reading"):
+        assert len({form[texts] for form in found.values()}) == len(found)
+
+
+def test_every_option_has_a_label_in_words_and_no_word_is_left_over():
+    names = {name for form in forms().values() for name in form["options"]}
+    assert set(OPTION_WORDS) <= names
+    assert not names - set(OPTION_WORDS) - set(QUANTITIES)
+    for form in forms().values():
+        for option in form["options"].values():
+            assert "_" not in option["label"] + option["description"]
+
+
+@pytest.mark.parametrize("laws", ["fig02", "fig04a", "undriven", "mathieu", "schedule"])
+def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
+    pendulum = {"system": "pendulum", "length": "0.5 m", "mass": "0.1 kg"}
+    options = {
+        "undriven": {**pendulum, "duration": "6 s", "initial_angle": "0.2"},
+        "mathieu": {"system": "mathieu", "length": "0.5 m", "mass": "0.1 kg", "drive": "harmonic",
+                    "drive_amplitude": "1 cm", "drive_frequency": "9", "initial_angle": "0.2",
+                    "duration": "6 s"},
+        "schedule": {**pendulum, "drive": "chirp", "drive_amplitude": "1 cm", "duration": "6 s",
+                     "drive_frequency": "9", "drive_frequency_final": "10", "sweep_time": "3",
+                     "initial_angle": "0.2"},
+    }  # fmt: skip
+    scenario = None if laws in options else laws
+    asked = {"scenario": scenario, "options": options.get(laws, {"duration": "6 s"})}
+    about = about_asked(Asked.from_json(asked))
+    unfit = about["unfit"]
+    assert unfit or laws == "fig04a"
+    for name, why in unfit.items():
+        assert why.endswith(".")
+        with pytest.raises((TypeError, ValueError)):
+            app.compute({**asked, "analysis": name, "given": about["quick"][name]}, tmp_path, print)
+
+
+@pytest.mark.parametrize(
+    "scenario, first",
+    [("toy", "bifurcation_diagram"), ("kapitza", "inverted_limits"), ("zeno", "lyapunov_spectrum")],
+)
+def test_the_page_opens_on_a_question_that_can_be_asked(scenario, first):
+    about = about_asked(Asked(scenario, {}))
+    assert about["first"] == first
+    assert first not in about["unfit"]
+
+
+def test_ranges_hold_the_drive_of_the_scenario():
+    about = about_asked(Asked("kapitza", {}))
+    ratio = 21.43
+    limits = about["parameters"]["frequency_ratio"]
+    assert float(limits["low"]) < ratio < float(limits["high"])
+    low, high, _ = about["quick"]["first_push"]["frequency_ratio"].split(":")
+    assert float(low) < ratio < float(high)
+
+
+def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
+    quick = {name: about_asked(Asked(name, {}))["quick"] for name in ("toy", "kapitza")}
+    assert "transient_periods" not in quick["toy"]["response_period"]  # 500 shakes are enough
+    # 8 decay times of 20 s at 42 ms a shake
+    assert quick["kapitza"]["response_period"]["transient_periods"] == "3900"
+    assert float(quick["kapitza"]["lyapunov_spectrum"]["duration"]) >= 600.0
+    assert quick["kapitza"]["growth_rate"]["position"] == "inverted"
+
+
+def test_the_cost_of_a_question_is_told_without_asking_it(client):
+    def cost(**given):
+        asked = {"analysis": "basins", "scenario": "fig04a", "given": given}
+        return client.post("/api/analyses/cost", json=asked)
+
+    few = cost(angle_points="10", velocity_points="10").json()["seconds"]
+    many = cost(angle_points="400", velocity_points="400").json()["seconds"]
+    assert 0.0 < few < 10.0 < many
+    assert "the limit is" in cost(angle_points="900000").json()["refused"]
+    wrong = cost(angle_points="ten").json()["refused"]
+    assert wrong.startswith("angle_points must be a whole number")
+    assert "must be an object" in client.post("/api/analyses/cost", json=[]).json()["refused"]
+
+
+@pytest.mark.parametrize(
+    "status, words",
+    [
+        ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
+        ("regular", "No: neighbouring starts come together e-fold every 2 s."),
+        ("marginal", "It cannot be told"),
+        ("failed", "There is no answer: failed."),
+    ],
+)
+def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
+    largest = 0.5 if status == "chaotic" else -0.5
+    found = xr.Dataset({"status": status, "lyapunov_exponents": ("exponent", [largest, -1.0])})
+    verdict = all_questions()["lyapunov_spectrum"].verdict(found)
+    assert verdict.startswith(words)
 
 
 @pytest.mark.parametrize("name", analyses)
 def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
     about = about_asked(Asked("fig04a_push", {}))
     form = forms()[name]["options"]
-    quick = {
-        n: about["quick"][n]
-        for n, field in form.items()
-        if n in about["quick"]
-        and (":" not in about["quick"][n] or (field["several"] and field["required"]))
-    }
-    if "low" in form:
-        limits = about["parameters"]["frequency_ratio"]
-        quick |= {"low": limits["low"], "high": limits["high"]}
+    quick = about["quick"][name]
+    assert set(quick) <= set(form)
     job = app.prepare({"analysis": name, "scenario": "fig04a_push", "given": quick})
     assert job.name == "analyse"
 
@@ -113,7 +212,11 @@ def test_every_analysis_answers(name, tmp_path):
     given = {"analysis": name, "options": {"duration": "6 s"}, "given": small(name)}
     told = app.compute({**given, "scenario": "fig02"}, tmp_path, print)
     assert load(tmp_path / "found.nc").attrs["analysis"] == name
-    assert dict(told["lines"])["analysis"].startswith(name)
+    assert told["verdict"].endswith(".")
+    assert "_" not in told["verdict"]
+    assert "nan" not in told["verdict"]
+    assert len(told["lines"]) > 0
+    assert not any("_" in label for label, _ in told["lines"])
     assert (tmp_path / "found.svg").stat().st_size > 1000
     assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")
     assert f"# analysis: {name}" in (tmp_path / "found.csv").read_text(encoding="utf-8")
@@ -131,7 +234,8 @@ def test_a_question_about_contacts_is_answered_for_a_pair(tmp_path):
     told = app.compute(
         {"analysis": "self_start", "scenario": "fig04a", "given": {}}, tmp_path, print
     )
-    assert dict(told["lines"])["status"] == "found"
+    assert dict(told["lines"])["What was found"] == "found"
+    assert "the balls part by themselves from" in told["verdict"]
 
 
 def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_path):
@@ -302,41 +406,78 @@ def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
         assert 0 <= top < bottom <= 1
 
 
-def test_a_question_is_asked_and_its_answer_is_shown(page, tmp_path):
+def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_path):
     page.goto("/?view=analyse&scenario=fig02")
-    page.get_by_label("Question").select_option("tongue_edges")
-    page.get_by_role("button", name="Compute").click()
-    picture = page.get_by_role("img", name="Picture of tongue edges")
+    page.get_by_role("button", name="At which speeds does hanging still").click()
+    picture = page.get_by_role("img", name="At which speeds does hanging still")
     picture.wait_for(timeout=240_000)
     assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
     given = {**CLOSED, "options": {}}
     question = app.Question.from_json(given)
     wanted = question.function(**question.arguments())
-    assert page.get_by_role("row", name="low").inner_text().split()[-1] == f"{wanted.low:.6g}"
+    verdict = f"unstable from ω/ω₀ = {wanted.low:.5g} to {wanted.high:.5g}."
+    assert page.locator(".finding").inner_text().endswith(verdict)
+    row = page.get_by_role("row", name="Lower edge of the tongue")
+    assert row.inner_text().split()[-1] == f"{wanted.low:.6g}"
     with page.expect_download() as caught:
         page.get_by_role("button", name="NetCDF").click()
     path = tmp_path / "found.nc"
     caught.value.save_as(path)
     xr.testing.assert_equal(load(path), wanted)
-    page.get_by_label("order", exact=True).fill("none")
+    page.get_by_label("Number of the tongue").fill("none")
     page.get_by_role("button", name="Compute").click()
-    page.get_by_role("alert").filter(has_text="order must be a whole number").wait_for()
+    words = "“Number of the tongue (1 at ω = 2ω₀)” must be a whole number"
+    page.get_by_role("alert").filter(has_text=words).wait_for()
+    assert not page.get_by_role("img", name="At which speeds").count()
     assert "analyse.what=tongue_edges" in page.url
 
 
-def test_a_point_of_the_picture_opens_in_play(page):
+def test_the_view_opens_with_an_answer(page):
+    page.goto("/?view=analyse&scenario=kapitza")
+    page.locator(".finding").filter(has_text="it stands upright with an amplitude of").wait_for(
+        timeout=240_000
+    )
+    page.get_by_role("heading", name="Can it stand on its head?").wait_for()
+
+
+def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(page):
+    page.goto("/?view=analyse&scenario=kapitza&analyse.what=nonsense&analyse.wrong=1")
+    page.get_by_text("There is no question “nonsense”").wait_for()
+    page.get_by_text("“wrong” is no setting of this question").wait_for()
+    page.get_by_role("heading", name="Can it stand on its head?").wait_for()
+
+
+def test_a_question_about_two_balls_offers_a_toy(page):
+    page.goto("/?view=analyse&scenario=kapitza&analyse.what=self_start")
+    page.get_by_text("It is about two balls that knock together").wait_for()
+    page.get_by_role("button", name="Ask it of a toy").click()
+    page.locator(".finding").filter(has_text="the balls part by themselves").wait_for(
+        timeout=240_000
+    )
+    assert "system=latolato" in page.evaluate("() => location.search")
+
+
+def test_what_takes_long_says_how_long_and_waits(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=basins"
+              "&analyse.angle_points=500&analyse.velocity_points=500")  # fmt: skip
+    page.get_by_text("takes about").wait_for()
+    assert not page.get_by_role("progressbar").is_visible()
+
+
+def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
     page.goto(
         "/?view=analyse&scenario=fig02&duration=5 s&analyse.what=bifurcation_diagram"
         "&analyse.points=5&analyse.transient_periods=10&analyse.longest=4&analyse.low=1.8&analyse.high=2.2"
     )
-    page.get_by_role("button", name="Compute").click()
-    picture = page.get_by_role("application", name="Picture of bifurcation diagram")
+    picture = page.get_by_role("application", name="What happens when I turn one knob?")
     picture.wait_for(timeout=240_000)
     picture.press("ArrowRight")
     picture.press("Enter")
-    page.get_by_text("Loaded frequency ratio 2.004").wait_for()
+    page.get_by_text("Drive speed, ω/ω₀: 2.004. This run").wait_for()
+    page.wait_for_selector(".point[data-runs]", timeout=240_000)
     page.get_by_role("link", name="Open in Play").click()
-    page.wait_for_selector("[data-runs]", timeout=240_000)
+    page.wait_for_selector("[data-runs] .player", timeout=240_000)
+    page.wait_for_function("() => window.latolato.views.play?.player.motion")
     found = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
     _, run = simulate_asked(Asked("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}), 5)
     assert found["drive_frequency"] == run.attrs["drive_frequency"]
@@ -350,3 +491,28 @@ def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
             { frequency_ratio: "2" }); }"""
     )
     assert found == {"length": "1 m", "frequency_ratio": "2"}
+
+
+def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7")
+    alert = page.get_by_role("alert").filter(has_text="“Two samples are the same within” must")
+    alert.wait_for(timeout=240_000)
+    field = page.get_by_label("Two samples are the same within")
+    assert field.get_attribute("aria-invalid") == "true"
+    assert field.is_visible()  # though rare settings are folded
+    steps = page.get_by_role("alert").filter(has_text="the limit is")
+    page.get_by_label("Shakes that are left out").fill("1e9")
+    page.get_by_role("button", name="Compute").click()
+    page.get_by_text("Two samples are the same within").first.wait_for()
+    field.fill("")
+    page.get_by_role("button", name="Compute").click()
+    steps.wait_for()
+
+
+def test_numbers_of_an_answer_are_told_without_names_of_variables():
+    found = xr.Dataset(
+        {"angle": (("initial_angle", "way_there"), np.ones((1, 12)), {"units": "rad"})},
+        coords={"initial_angle": [0.5]},
+        attrs={"analysis": "none", "system": "pendulum"},
+    )
+    assert ("Angle", "1 to 1 rad (12 values)") in app.numbers_of(found)

@@ -67,7 +67,7 @@ def continue_orbit(
         or ``drive_acceleration_ratio``.
     low, high : float
         Where the branch is followed, in the parameter's unit.
-    direction : str
+    direction : {"up", "down"}
         ``up`` or ``down``: where the parameter goes at first; a fold may turn it round.
     initial_angle, initial_angular_velocity, initial_offset, period
         Guess of the first orbit, as of `floquet`.

@@ -232,7 +232,8 @@ def time_crystal(
     -----
     ``Z = <(-1)^n angle(nT)>`` with n counted from time zero, where the drive has its phase
     `drive_phase`: its sign tells which of the two motions, one period apart, was chosen, and
-    changes with the start. The angle is taken modulo 2 pi in [-pi, pi). ``order_parameter`` keeps
+    changes with the start. The angle is taken modulo 2 pi in [-pi, pi), from the upright position
+    if the motion is mostly above its pivot. ``order_parameter`` keeps
     the sign when it averages over trajectories, so that it decays with phase slips;
     ``order_parameter_size`` does not. Where the answer happens to pass its middle at the instants
     nT, Z is small though the answer is not: ``order_parameter_best``, slips, lifetime,
@@ -403,7 +404,9 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
     found["status"] = STATUSES[5]
     if not len(angles) or not np.all(np.isfinite(angles)):
         return found
-    angles = np.remainder(angles + math.pi, math.tau) - math.pi
+    # Motion about the upright position is counted from there: elsewhere the cut would part it.
+    side = 0.0 if np.cos(angles).mean() < 0.0 else math.pi
+    angles = np.remainder(angles + side, math.tau) - math.pi
     each = (signs * angles).mean(axis=1)
     found["order_parameter"] = float(each.mean())
     found["order_parameter_size"] = float(np.abs(each).mean())

@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from latolato.app.analysis_forms import about_asked, forms
+from latolato.app.analysis_forms import about_asked, forms, label_of, own_options
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
@@ -36,8 +36,16 @@ MOST_STEPS = 1e10
 _STEPS_PER_PERIOD = 40.0
 # Periods that are looked at after the transient, where no option says how many.
 _WATCHED = 48.0
+# Values of lists that are tried where none are given.
+_LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
+# Steps in a second on two cores, and seconds that every answer takes, with its picture.
+_RATE, _LEAST_SECONDS = 1e7, 1.0
+# The same of work that is done one step after another, or with neighbours.
+_RATES = {"bifurcation_diagram": 2.5e5, "hysteresis": 1e6, "lyapunov_spectrum": 1e5}
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
-_PICTURE_DPI = 150
+_OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
+_PICTURE_DPI = 200
+_BY = " \N{MULTIPLICATION SIGN} "
 
 
 def routes() -> list[BaseRoute]:
@@ -45,6 +53,7 @@ def routes() -> list[BaseRoute]:
     return [
         Route("/api/analyses", _forms),
         Route("/api/asked", _asked, methods=["POST"]),
+        Route("/api/analyses/cost", _cost, methods=["POST"]),
         WebSocketRoute("/ws/analyse", _analyse),
     ]
 
@@ -57,6 +66,21 @@ async def _forms(request: Request) -> Response:
 async def _asked(request: Request) -> Response:
     given = await json_of(request)
     return await answered(request, lambda: JSONResponse(about_asked(Asked.from_json(given))))
+
+
+async def _cost(request: Request) -> Response:
+    given = await json_of(request)
+
+    def answer() -> Response:
+        try:
+            question = Question.from_json(given)
+            arguments = question.arguments()
+            check_work(question.function, arguments)
+        except (TypeError, ValueError) as error:  # an answer as well: what is typed is unfinished
+            return JSONResponse({"refused": str(error)})
+        return JSONResponse({"seconds": round(seconds_of(question.function, arguments), 1)})
+
+    return await answered(request, answer)
 
 
 async def _analyse(websocket: WebSocket) -> None:
@@ -80,7 +104,6 @@ class Question:
         TypeError, ValueError
             For another form, and for unknown analyses and options.
         """
-        from latolato.analyse_options import options_of
         from latolato.analysis import analyses
         from latolato.registry import suggest
 
@@ -91,7 +114,7 @@ class Question:
         function = analyses[name]
         if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
             raise TypeError("given must be an object of texts")
-        own = {n for n, o in options_of(function).items() if not o.is_of_run}
+        own, _ = own_options(function)
         for option in given:
             if option not in own:
                 raise ValueError(f"{name} has no option '{option}': {suggest(option, list(own))}")
@@ -256,7 +279,15 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
         value = known.get(name)
         if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):
             many *= max(len(value), 1)
+        elif value is None:
+            many *= _LISTED.get(name, 1)
     return many * span * fastest / (2.0 * math.pi) * _STEPS_PER_PERIOD
+
+
+def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
+    """Return roughly how long an answer takes [s], once its kernels are compiled."""
+    rate = _RATES.get(function.__name__, _RATE)
+    return _LEAST_SECONDS + steps_of(function, arguments) / rate
 
 
 def prepare(given: Any) -> Job:
@@ -289,7 +320,7 @@ def compute(
     """Answer a question and write what is found: what the job `analyse` does in its process."""
     import warnings
 
-    from latolato.analyse_command import as_lines
+    from latolato.app.questions import all_questions
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.files import save
@@ -307,7 +338,33 @@ def compute(
         save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "found.svg")
         panels = panels_of(figure, found)
-    return {"analysis": question.name, "lines": list(as_lines(found).items()), "panels": panels}
+    asked = all_questions()[question.name]
+    return {
+        "analysis": question.name,
+        "verdict": asked.verdict(found),
+        "lines": numbers_of(found),
+        "panels": panels,
+    }
+
+
+def numbers_of(found: xr.Dataset) -> list[tuple[str, str]]:
+    """Return what an analysis found as rows of a table: what it is, and its value with unit."""
+    from latolato.analyse_command import as_lines
+
+    rows = []
+    for name, text in as_lines(found.squeeze()).items():
+        if name == "analysis":
+            continue
+        variable = found.variables.get(name)
+        label = str(variable.attrs.get("long_name") or name) if variable is not None else name
+        rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
+    return rows
+
+
+def _counted(found: re.Match[str]) -> str:
+    """Return how many values a range is of, for a text that names their dimensions."""
+    sizes = re.findall(r"(?<=\w )\d+(?= x |$)", found["dims"])
+    return f"({_BY.join(sizes)} values{found['rest']})"
 
 
 def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
@@ -349,7 +406,7 @@ def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
             return {
                 "name": str(name),
                 "unit": "" if unit == "1" else unit,
-                "label": str(variable.attrs.get("long_name", name)),
+                "label": label_of(str(name)),
                 "ends": [float(low), float(high)],
             }
     return None

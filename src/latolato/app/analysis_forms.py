@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
+import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -14,62 +15,77 @@ if TYPE_CHECKING:
     from latolato.analyse_options import AnalysisOption
     from latolato.scenario import Scenario
 
-# What a list of analyses begins with; the others follow by name.
-FIRST = (
-    "response_period",
-    "lyapunov_spectrum",
-    "poincare_section",
-    "bifurcation_diagram",
-    "basins",
-    "first_push",
-)
-# What forms begin with: sizes that take seconds, where defaults are for a machine left alone.
-QUICK = {
-    "points": "41",
-    "angle_points": "40",
-    "velocity_points": "40",
-    "trajectories": "100",
-    "scan_points": "30",
-    "noise_strength": "0.5 rad/s^(3/2)",
-    "drive_amplitude": "{low:.3g} : {high:.3g} : 16 m",
-    "frequency_ratio": "1.4 : 3.2 : 16",
-    "parameter": "frequency_ratio",
-}
 # Shares of the length between which amplitudes are scanned.
 _AMPLITUDES = (0.02, 0.4)
 # A parameter is scanned between these shares of its value; a frequency where resonances are.
 _AROUND = (0.5, 1.5)
-_RATIOS = ("1.5", "3")
+_RATIOS = (1.5, 3.0)
+# Of two lists: a little beyond.
+_WIDER = (1.4, 3.2)
+# Motion has settled after so many decay times, in as many shakes at most [1].
+_SETTLED = 8.0
+# Along a branch each motion begins near where it ends.
+_NEAR = 1.5
+_MOST_SHAKES = {
+    "response_period": 20_000,
+    "poincare_section": 20_000,
+    "impact_map": 20_000,
+    "time_crystal": 20_000,
+    "bifurcation_diagram": 1000,
+    "response_period_map": 5000,
+    "first_push": 5000,
+    "basins": 5000,
+}
+# Decay times that a run lasts, and the longest one [s]. Lyapunov exponents need more to be told
+# from zero.
+_SETTLING_RUNS = {"lyapunov_spectrum": 30.0, "hysteresis": 6.0}
+_LONGEST_RUN = 3000
+# Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
+ASKED_RUN = ("duration",)
 _CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
+# Names of parameters in a text.
+_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
 
 
 @lru_cache(maxsize=1)
 def forms() -> dict[str, Any]:
-    """Return what the form of each analysis is made from, by name."""
-    from latolato.analyse_options import options_of, plain_text, summary_of
+    """Return what the form of each analysis is made from, by name, group after group."""
+    from latolato.analyse_options import plain_text, summary_of
     from latolato.analysis import analyses
+    from latolato.app.questions import all_questions
     from latolato.summary import plain
 
-    rest = sorted(name for name in analyses if name not in FIRST)
     found = {}
-    for name in [*FIRST, *rest]:
+    for name, question in all_questions().items():
         function = analyses[name]
         choices = choices_of(function)
         notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
+        own, run = own_options(function)
         found[name] = {
-            "title": name.replace("_", " ").capitalize(),
+            "title": question.title,
+            "group": question.group,
+            "term": question.term,
+            "reading": question.reading,
+            "first": question.first,
             "summary": shown(summary_of(function)),
             "notes": shown(" ".join(map(plain_text, notes))),
-            "options": {
-                option.name: _option(option, choices.get(option.name, ()))
-                for option in options_of(function).values()
-                if not option.is_of_run
-            },
-            "run": [o.name for o in options_of(function).values() if o.is_of_run],
+            "options": {o.name: _option(o, choices.get(o.name, ())) for o in own.values()},
+            "run": list(run),
         }
     result: dict[str, Any] = plain(found)
     return result
+
+
+def own_options(
+    function: Callable[..., Any],
+) -> tuple[dict[str, AnalysisOption], dict[str, AnalysisOption]]:
+    """Return the options that the form of an analysis asks for, and those that are of the run."""
+    from latolato.analyse_options import options_of
+
+    both = options_of(function)
+    own = {n: o for n, o in both.items() if not o.is_of_run or n in ASKED_RUN}
+    return own, {n: o for n, o in both.items() if n not in own}
 
 
 def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
@@ -80,15 +96,31 @@ def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
     if isinstance(default, (tuple, list)):
         default = ", ".join(f"{value:g}" for value in default)
     return {
-        "label": option.name.replace("_", " "),
-        "description": shown(option.description),
+        "label": label_of(option.name),
+        "description": shown(_NAMES.sub(lambda n: label_of(n[0]).lower(), option.description)),
         "unit": "" if option.unit in ("", "1") else option.unit and pretty_unit(option.unit),
         "kind": option.kind.__name__,
         "several": option.is_sequence,
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
-        "choices": list(choices),
+        "choices": {each: label_of(each) for each in choices},
     }
+
+
+def label_of(name: str) -> str:
+    """Return what an option, a choice or a variable is called on a page.
+
+    Examples
+    --------
+    >>> label_of("transient_periods"), label_of("damping"), label_of("inverted")
+    ('Shakes that are left out at the beginning', 'Damping coefficient', 'Inverted')
+    """
+    from latolato.app.questions import OPTION_WORDS
+    from latolato.quantities import QUANTITIES
+
+    known = QUANTITIES.get(name)
+    text: str = OPTION_WORDS.get(name) or (known.long_name if known else name.replace("_", " "))
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def shown(text: str) -> str:
@@ -121,22 +153,107 @@ def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
 
 
 def about_asked(asked: Asked) -> dict[str, Any]:
-    """Return the options of what a page asks for, and what analyses may vary of it."""
+    """Return the options of what a page asks for, and what can be asked of it."""
+    from latolato.app.questions import all_questions
     from latolato.summary import plain
 
     scenario = asked.to_scenario()
-    l = scenario.system.balls[0].length
-    low, high = (share * l for share in _AMPLITUDES)
-    quick = {name: text.format(low=low, high=high) for name, text in QUICK.items()}
+    of = (scenario.system, scenario.drive)
+    unfit = {name: why for name, each in all_questions().items() if (why := each.unfit(*of))}
     found: dict[str, Any] = plain(
         {
             "options": options_of(scenario),
             "title": scenario.title,
-            "quick": quick,
+            "quick": quick_of(scenario),
             "parameters": parameters_of(scenario),
+            "unfit": unfit,
+            "first": _first(scenario, unfit),
         }
     )
     return found
+
+
+def _first(scenario: Scenario, unfit: Mapping[str, str]) -> str:
+    """Return the question that tells most of a system and a drive, and is answered soon."""
+    wanted = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
+    order = (*wanted, "bifurcation_diagram", "lyapunov_spectrum")
+    found: str = next(name for name in order if name not in unfit)
+    return found
+
+
+def _stands(scenario: Scenario) -> bool:
+    """Return whether one ball starts in the upper half, where it could stand upright."""
+    start = scenario.run.get("initial_angle")
+    if not isinstance(start, (int, float)) or scenario.system.has_contacts:
+        return False
+    return abs(start) > 0.5 * math.pi
+
+
+def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
+    """Return what the options of each analysis begin with, as texts, so that it takes seconds."""
+    from latolato.analysis import analyses
+    from latolato.app.questions import all_questions
+
+    ranges = {
+        name: f"{low:.3g} : {high:.3g}"
+        for name, (low, high) in (
+            ("ratios", _ratios_of(scenario, _WIDER)),
+            ("amplitudes", _amplitudes_of(scenario)),
+        )
+    }
+    known = parameters_of(scenario)
+    found = {}
+    for name, question in all_questions().items():
+        own, _ = own_options(analyses[name])
+        texts = {option: text.format(**ranges) for option, text in question.quick.items()}
+        limits = known.get(texts.get("parameter", ""))
+        if limits:
+            texts |= {end: limits[end] for end in ("low", "high") if end in own}
+        texts |= _settled(name, scenario, own, texts)
+        found[name] = {option: text for option, text in texts.items() if option in own}
+    if _stands(scenario):
+        found["growth_rate"]["position"] = "inverted"
+    return found
+
+
+def _settled(
+    name: str, scenario: Scenario, own: Mapping[str, AnalysisOption], texts: Mapping[str, str]
+) -> dict[str, str]:
+    """Return times in which motion settles, for analyses whose usual ones are too short for it."""
+    ball = scenario.system.balls[0]
+    rate = float(getattr(ball, "damping", 0.0)) / (2.0 * ball.mass * ball.length)
+    if rate <= 0.0:
+        return {}
+    found = {}
+    frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
+    if name in _MOST_SHAKES and frequency > 0.0:
+        times = _NEAR if "parameter" in own else _SETTLED
+        shakes = times / rate * frequency / math.tau
+        default = float(own["transient_periods"].default or 0.0)
+        if shakes > default:
+            found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, _MOST_SHAKES[name])}"
+    if name in _SETTLING_RUNS and "duration" in texts:
+        least = _SETTLING_RUNS[name] / rate
+        if least > float(texts["duration"]):
+            found["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
+    return found
+
+
+def _ratios_of(scenario: Scenario, usual: tuple[float, float]) -> tuple[float, float]:
+    """Return the usual range of driving over natural frequency, or one about the scenario's."""
+    drive = scenario.drive
+    frequency = float(getattr(drive, "drive_frequency", 0.0) or 0.0)
+    ratio = frequency / float(scenario.system.natural_frequency)
+    if ratio == 0.0 or usual[0] <= ratio <= usual[1]:
+        return usual
+    return _AROUND[0] * ratio, _AROUND[1] * ratio
+
+
+def _amplitudes_of(scenario: Scenario) -> tuple[float, float]:
+    """Return the amplitudes [m] of a map, with that of the drive."""
+    l = scenario.system.balls[0].length
+    given = float(getattr(scenario.drive, "drive_amplitude", 0.0) or 0.0)
+    return _AMPLITUDES[0] * l, max(_AMPLITUDES[1] * l, _AROUND[1] * given)
 
 
 def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
@@ -161,12 +278,11 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         ends = (min(max(share * value, allowed.low), allowed.high) for share in _AROUND)
         low, high = (f"{end:.4g}" for end in ends)
         if name == "frequency_ratio":
-            low, high = _RATIOS
-        tail = "" if unit in ("", "1") else f" {unit}"
+            low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
         found[name] = {
-            "label": parameter.quantity.long_name,
+            "label": label_of(name),
             "unit": "" if unit == "1" else pretty_unit(unit),
-            "low": "0" if value == 0.0 else f"{low}{tail}",
-            "high": f"0.1{tail}" if value == 0.0 else f"{high}{tail}",
+            "low": "0" if value == 0.0 else low,
+            "high": "0.1" if value == 0.0 else high,
         }
     return found

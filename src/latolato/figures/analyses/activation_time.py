@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+# Where all have arrived, the picture ends this much after the last one.
+_AFTER = 1.3
+
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
@@ -21,6 +24,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     passages = dataset.first_passage.values
     known = np.sort(passages[np.isfinite(passages)])
     count = passages.size
+    if known.size == count:  # nothing happens later
+        end = min(end, _AFTER * float(known[-1]))
     time = np.concatenate([[0.0], known, [end]])
     share = np.concatenate([[0.0], np.arange(1, known.size + 1), [known.size]]) / count
     smooth = np.linspace(0.0, end, 400)

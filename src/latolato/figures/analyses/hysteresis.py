@@ -40,7 +40,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             axis.set_ylabel(style.label(dataset.largest_angle))
         if number + columns >= len(chosen):
             axis.set_xlabel(style.label(dataset.frequency_ratio))
-    panels[0, 0].legend(loc="upper right")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 

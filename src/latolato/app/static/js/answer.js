@@ -1,6 +1,7 @@
 /** What an analysis found: picture, numbers, files, and the lines that ask the same. */
 
-import { el, tell } from "./dom.js";
+import { codeBlocks } from "./code.js";
+import { el } from "./dom.js";
 import { fileOf, saveFile } from "./jobs.js";
 import { t } from "./strings.js";
 import { short } from "./units.js";
@@ -13,6 +14,8 @@ import { short } from "./units.js";
 const TYPES = {
   nc: "application/x-netcdf", csv: "text/csv", png: "image/png", svg: "image/svg+xml",
 };
+// Dots of a picture in the height of a line: with 200 to an inch its letters are as large as ours.
+const DOTS = 25;
 // An arrow key moves the mark by this share of a panel.
 const STEP = 0.01;
 /** @type {Record<string, number[]>} */
@@ -40,26 +43,16 @@ export function valuesAt(panel, x, y) {
   return found;
 }
 
-/**
- * Return a box with text and a button that copies it.
- * @param {string} text
- */
-export function codeBox(text) {
-  return el("div", { class: "code" }, el("pre", { tabindex: "0" }, text),
-    el("button", { type: "button", class: "plain", on: { click: async () => {
-      await navigator.clipboard.writeText(text);
-      tell(t("copied"));
-    } } }, t("copy")));
-}
-
 export class Answer {
   /**
    * @param {Block} block
-   * @param {string} title
-   * @param {(values: Record<string, string>) => Node} chosen makes what is said of a point
+   * @param {string} title the question
+   * @param {(text: string) => string} inWords puts what the page calls it for names of options
+   * @param {(values: Record<string, string>, words: string) => void} chosen called for a point
    */
-  constructor(block, title, chosen) {
+  constructor(block, title, inWords, chosen) {
     const { about } = block;
+    this.title = title;
     this.panels = /** @type {Panel[]} */ (about.panels);
     this.chosen = chosen;
     this.at = { panel: 0, x: 0.5, y: 0.5 };
@@ -69,28 +62,34 @@ export class Answer {
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
     const notes = about.warnings.map((/** @type {string} */ text) =>
-      el("p", { class: "notes" }, t("warning", { text })));
+      el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
+    this.after = el("div", { class: "after" });
     this.root = el("div", { class: "main" },
-      ...notes,
-      el("section", { class: "card" }, el("h2", {}, title),
-        block.arrays.svg ? this.picture(block) : null, this.said,
+      el("section", { class: "card" },
+        el("p", { class: "finding", role: "status" }, about.verdict), ...notes,
+        block.arrays.png ? this.picture(block) : null, this.said,
         el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
+      this.after,
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },
           el("table", { class: "numbers" }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
-              el("th", { scope: "row" }, name.replace(/_/g, " ")), el("td", {}, text))))))),
+              el("th", { scope: "row" }, name), el("td", {}, text))))))),
       el("details", { class: "card" }, el("summary", {}, t("code")),
-        el("p", { class: "hint" }, t("codeAsks")), codeBox(about.python), codeBox(about.command)));
+        el("p", { class: "hint" }, t("codeAsks")), ...codeBlocks([about.python, about.command])));
   }
 
   /** @param {Block} block */
   picture(block) {
-    const address = URL.createObjectURL(fileOf(block, "svg", TYPES.svg));
-    const name = block.about.analysis.replace(/_/g, " ");
-    const image = el("img", { src: address, alt: t("pictureOf", { name }) });
+    // Not the SVG, whose texts depend on the fonts that are there.
+    const address = URL.createObjectURL(fileOf(block, "png", TYPES.png));
+    const name = this.title;
+    const image = el("img", { src: address, alt: t("pictureOf", { name }), on: { load: () => {
+      image.style.setProperty("--full", `${image.naturalWidth / DOTS}rem`);
+      URL.revokeObjectURL(address);
+    } } });
     if (!this.panels.length) return el("div", { class: "picture" }, image);
     const place = el("div", { class: "picture points", tabindex: "0", role: "application",
       "aria-label": t("pointsOf", { name }), on: {
@@ -125,9 +124,7 @@ export class Answer {
       this.at.x = clip(this.at.x + step[0]);
       this.at.y = clip(this.at.y + step[1]);
       this.move();
-      const { panel, x, y } = this.at;
-      this.said.textContent = Object.entries(valuesAt(this.panels[panel], x, y))
-        .map(([name, text]) => `${name.replace(/_/g, " ")} ${text}`).join(", ");
+      this.said.textContent = this.words();
     } else if (event.key === "Enter") this.choose();
     else return;
     event.preventDefault();
@@ -141,8 +138,16 @@ export class Answer {
     this.mark.style.top = `${100 * (box[3] - this.at.y * (box[3] - box[1]))}%`;
   }
 
+  /** Return what the marked point stands for. */
+  words() {
+    const { panel, x, y } = this.at;
+    const { x: across, y: up } = this.panels[panel];
+    return Object.entries(valuesAt(this.panels[panel], x, y)).map(([name, text]) =>
+      `${[across, up].find((side) => side?.name === name)?.label}: ${text}`).join(", ");
+  }
+
   choose() {
-    this.said.replaceChildren(
-      this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y)));
+    this.said.textContent = "";
+    this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y), this.words());
   }
 }

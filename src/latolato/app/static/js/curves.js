@@ -173,7 +173,8 @@ export class Curves {
       },
       axes: [
         { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
-          marks.map((m) => short(m)) },
+          marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
+            : short(m))) },
         { ...axis, size: AXIS_WIDTH, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
           marks.map((m) => short(m, 4)) },
       ],

@@ -8,6 +8,9 @@ import { t } from "./strings.js";
 /** @typedef {{state: string, elapsed: number, progress?: number}} Told */
 /** @typedef {import("./block.js").Block} Block */
 
+// Of shorter work nobody asks how much is left.
+const SOON = 5; // s
+
 /**
  * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
  * an AbortError where the signal ends the job.
@@ -59,11 +62,22 @@ export function statusText({ state, elapsed, progress }) {
   return t(`job_${state}`, { seconds });
 }
 
+/**
+ * Return a time as people say it.
+ * @param {number} seconds
+ * @returns {string}
+ */
+export function spanText(seconds) {
+  if (seconds < 90) return t("seconds", { count: Math.max(Math.round(seconds), 1) });
+  return t("minutes", { count: Math.round(seconds / 60) });
+}
+
 /** A line that shows how far a job is, with a button that cancels it. */
 export class JobLine {
   constructor() {
     /** @type {AbortController | null} */
     this.running = null;
+    this.expected = 0; // s
     this.bar = el("progress", { max: "1", "aria-label": t("job_bar") });
     this.text = el("span", { class: "soft", role: "status" });
     this.cancel = el("button", { type: "button", on: { click: () => this.running?.abort() } },
@@ -77,14 +91,16 @@ export class JobLine {
    * Return what a job gives, or null if it is refused (which is shown) or cancelled.
    * @param {string} path
    * @param {any} given
+   * @param {number} [expected] roughly how many seconds it takes
    * @returns {Promise<Block | null>}
    */
-  async run(path, given) {
+  async run(path, given, expected) {
     this.running?.abort();
     const own = this.running = new AbortController();
     this.error.hidden = true;
     this.line.hidden = false;
     this.told = "";
+    this.expected = expected ?? 0;
     this.show({ state: "waiting", elapsed: 0 });
     try {
       return await doJob(path, given, { signal: own.signal, tell: (told) => {
@@ -110,10 +126,13 @@ export class JobLine {
 
   /** @param {Told} told */
   show(told) {
-    if (told.progress === undefined) this.bar.removeAttribute("value");
+    const guessed = told.progress === undefined && told.state === "working" && this.expected > SOON;
+    const left = this.expected - told.elapsed;
+    if (guessed && left > 0) this.bar.value = told.elapsed / this.expected;
+    else if (told.progress === undefined) this.bar.removeAttribute("value");
     else this.bar.value = told.progress;
     // Not at every frame: screen readers read each change.
-    const text = statusText(told);
+    const text = guessed && left > 0 ? t("job_left", { left: spanText(left) }) : statusText(told);
     const seconds = Math.floor(told.elapsed);
     if (`${told.state}${seconds}` === this.told) return;
     this.told = `${told.state}${seconds}`;

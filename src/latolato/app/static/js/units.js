@@ -51,6 +51,18 @@ export function withSigma(value, sigma) {
   return power ? `(${both}) × 10${superscript(power)}` : both;
 }
 
+/**
+ * Return a number to the place of the second digit of a standard deviation.
+ * @param {number} value
+ * @param {number} sigma
+ * @returns {string}
+ */
+export function toPlace(value, sigma) {
+  const digits = 1 - Math.floor(Math.log10(sigma));
+  if (!(digits >= 0 && digits <= 6)) return short(value, 5).replace("-", "−");
+  return value.toFixed(digits).replace("-", "−");
+}
+
 /** @param {number} power */
 function superscript(power) {
   return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);

@@ -2,7 +2,7 @@
 
 import { el } from "../dom.js";
 import { t } from "../strings.js";
-import { short, shownUnit, symbolParts, withSigma } from "../units.js";
+import { short, shownUnit, symbolParts, toPlace, withSigma } from "../units.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} Value */
@@ -73,7 +73,8 @@ function fitTable(kind, names, values, truth, registry) {
         el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
           (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
-          ` ${shown}`, el("small", {}, `${short(inUnit(low), 5)} … ${short(inUnit(high), 5)}`)),
+          ` ${shown}`, el("small", {},
+            [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
         compared && el("td", { class: "number" }, ...(name in truth
           ? [short(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
     }))));

@@ -1,51 +1,71 @@
 /** Analyse: one question about the system and drive of all views, and its answer. */
 
-import { askJson, newest } from "../api.js";
-import { AnalysisForm } from "../analysisform.js";
+import { askJson, newest, Offline } from "../api.js";
+import { AnalysisForm, inWords } from "../analysisform.js";
 import { Answer } from "../answer.js";
-import { el, freshId } from "../dom.js";
+import { el } from "../dom.js";
 import { Form } from "../form.js";
-import { JobLine } from "../jobs.js";
-import { openLink, withOptions } from "../links.js";
+import { JobLine, spanText } from "../jobs.js";
+import { heldOptions, withLaws } from "../laws.js";
+import { withOptions } from "../links.js";
+import { PointRun } from "../pointrun.js";
+import { presetField } from "../presets.js";
+import { QuestionList } from "../questions.js";
 import { t } from "../strings.js";
 import { FIRST } from "./play.js";
 
 /** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("../questions.js").Asking} Asking */
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
+// What takes no longer is asked without being told to.
+const QUICK = 10; // s
+// Whoever moves a slider has come to a stop after this time.
+const PAUSE = 500; // ms
+const RETRY = 1000; // ms
 
 export class AnalyseView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
-    /** @type {Record<string, any>} */
+    /** @type {Record<string, Asking>} */
     this.forms = {};
-    this.title = "";
     /** @type {import("../analysisform.js").About | null} */
     this.about = null;
-    const id = freshId();
-    this.select = el("select", { id, on: { change: () => this.choose(this.select.value) } });
-    this.summary = el("p", {});
-    this.own = new AnalysisForm((values) => this.keep(values));
+    this.turn = 0;
+    this.timer = 0;
+    this.working = "";
+    this.list = new QuestionList((name) => this.choose(name));
+    this.own = new AnalysisForm((changes) => this.keep(changes));
     this.job = new JobLine();
+    this.point = new PointRun(page, (asked) => page.store.set(asked));
+    this.presets = presetField(page);
     this.go = el("button", { type: "submit", class: "play", disabled: true }, t("ask"));
+    this.cost = el("span", { class: "soft", role: "status" });
+    this.title = el("h2", { class: "asks" });
+    this.term = el("p", { class: "hint" });
+    this.reading = el("p", {});
+    this.notice = el("p", { class: "notice", role: "status", hidden: true });
+    this.unfit = el("div", { class: "unfit-note", hidden: true });
     const submit = (/** @type {Event} */ event) => {
       event.preventDefault();
-      void this.ask();
+      this.working = "";
+      void this.consider(true);
     };
-    const question = el("form", { class: "card form", on: { submit } },
-      el("div", { class: "field preset" }, el("label", { for: id }, t("question")), this.select),
-      this.summary, this.own.root, el("div", { class: "row" }, this.go), this.job.root);
+    this.fields = el("form", { class: "form", on: { submit } }, this.own.root,
+      el("div", { class: "row" }, this.go, this.cost), this.job.root);
     const laws = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ event) => event.preventDefault() } });
     this.laws = new Form(laws, page.registry, page.store);
-    this.of = el("p", { class: "notes" });
-    this.answer = el("div", {}, el("section", { class: "card" }, el("p", {}, t("askHint"))));
+    this.of = el("p", { class: "hint" });
+    this.answer = el("div", {});
     this.root = el("div", { class: "view split analyse" },
-      el("aside", { class: "side" }, question,
-        el("details", { class: "card" }, el("summary", {}, t("lawsOfQuestion")), laws)),
-      el("div", { class: "main" }, this.of, this.answer));
+      el("aside", { class: "side" }, el("section", { class: "card" }, this.presets.field),
+        this.list.root,
+        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfQuestion")), laws)),
+      el("div", { class: "main" }, el("section", { class: "card question" }, this.notice, this.title,
+        this.reading, this.term, this.of, this.unfit, this.fields), this.answer));
     this.refresh = newest(() => this.look());
     /** @type {() => void} */
     this.unsubscribe = () => {};
@@ -60,73 +80,134 @@ export class AnalyseView {
   /** Return the name of the analysis. */
   get what() {
     const name = this.page.store.state.extra[WHAT];
-    return name in this.forms ? name : Object.keys(this.forms)[0];
+    return name in this.forms ? name : this.about?.first ?? Object.keys(this.forms)[0];
   }
 
   show() {
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
-      if (changed !== "extra") this.refresh(null);
+      if (changed === "extra") return;
+      clearTimeout(this.timer);
+      this.timer = window.setTimeout(() => this.refresh(null), changed === "options" ? PAUSE : 0);
     });
     this.refresh(null);
   }
 
   hide() {
     this.unsubscribe();
+    clearTimeout(this.timer);
+    this.turn += 1;
+    this.working = "";
     this.job.stop();
+    this.point.rest();
   }
 
   /** Read what the server says of the system and drive, and show the fields. */
   async look() {
-    if (!this.select.options.length) {
-      this.forms = await askJson("/api/analyses");
-      this.select.replaceChildren(...Object.entries(this.forms).map(([name, form]) =>
-        el("option", { value: name }, form.title)));
-    }
+    const { registry } = this.page;
     try {
+      if (!Object.keys(this.forms).length) {
+        this.forms = await askJson("/api/analyses");
+        this.list.build(this.forms);
+      }
       this.about = await askJson("/api/asked", this.asked);
-      this.laws.show(/** @type {any} */ (this.about).options);
-      const { options, title } = /** @type {any} */ (this.about);
-      const { registry } = this.page;
-      this.title = title || registry.systems[options.system].title;
-      this.of.textContent = t("questionOf", { title: title || t("presetNone"),
-        system: registry.systems[options.system].title,
-        drive: registry.drives[options.drive].title });
     } catch (error) {
       if (!(error instanceof Error)) throw error;
+      if (error instanceof Offline) {
+        this.tell(t("offline"));
+        this.timer = window.setTimeout(() => this.refresh(null), RETRY);
+        return;
+      }
+      this.tell(error.message);
       this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
       return;
     }
+    const about = /** @type {import("../analysisform.js").About} */ (this.about);
+    this.presets.show(this.asked.scenario);
+    this.laws.show(about.options);
+    this.of.textContent = t("questionOf", { title: about.title || t("presetNone"),
+      system: registry.systems[about.options.system].title,
+      drive: registry.drives[about.options.drive].title });
     this.build();
+  }
+
+  /** @param {string} text of the line above the question; none hides it */
+  tell(text) {
+    this.notice.textContent = text;
+    this.notice.hidden = text === "";
   }
 
   build() {
     if (!this.about) return;
     const form = this.forms[this.what];
-    this.select.value = this.what;
-    this.summary.textContent = form.summary;
-    this.summary.title = form.notes;
     const { extra } = this.page.store.state;
+    const kept = Object.keys(extra).filter((name) => name.startsWith(KEY) && name !== WHAT);
+    const strange = kept.map((name) => name.slice(KEY.length)).filter((n) => !(n in form.options));
+    const lines = strange.map((name) => t("unknownSetting", { name }));
+    if (WHAT in extra && !(extra[WHAT] in this.forms))
+      lines.unshift(t("unknownQuestion", { name: extra[WHAT] }));
+    this.tell(lines.join(" "));
+    this.list.show(this.what, this.about.unfit);
+    this.title.textContent = form.title;
+    this.term.textContent = t("termOf", { term: form.term });
+    this.term.title = `${form.summary} ${form.notes}`;
+    this.reading.textContent = form.reading;
     const given = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
       .map((name) => [name, extra[KEY + name]]));
-    this.own.build(form.options, this.about, given);
+    const why = this.about.unfit[this.what];
+    this.showUnfit(why);
+    this.fields.hidden = why !== undefined;
+    this.own.build(this.what, form, this.about, given);
     this.go.disabled = false;
     this.root.dataset.form = this.what;
+    if (this.root.dataset.answered !== this.what || why) this.clear();
+    if (!why) void this.consider(false);
+  }
+
+  /** Take the answer away. */
+  clear() {
+    this.answer.replaceChildren();
+    this.point.rest();
+    this.point.root.hidden = true;
+  }
+
+  /**
+   * Say why a question cannot be asked of this system, and offer one of which it can.
+   * @param {string | undefined} why
+   */
+  showUnfit(why) {
+    this.unfit.hidden = why === undefined;
+    if (why === undefined || !this.about) return;
+    this.job.stop();
+    const { registry, store } = this.page;
+    const { system, drive } = this.about.options;
+    const shaken = drive in { harmonic: 1, crank_slider: 1 } ? drive : "harmonic";
+    const pair = registry.systems[system].contacts;
+    const wanted = why.includes(registry.systems.latolato.title) ? "latolato"
+      : pair && shaken === drive ? "pendulum" : system === "mathieu" ? "pendulum" : system;
+    const text = t(wanted === "latolato" ? "unfitToy"
+      : wanted === system ? "unfitDrive" : "unfitSystem");
+    const { options } = this.about;
+    const kinds = { system: wanted, drive: shaken };
+    this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
+      click: () => store.set({ scenario: this.asked.scenario, options: withLaws(registry,
+        heldOptions(registry, store.state.options, options, { system }, kinds), options, wanted,
+        shaken) }) } }, text));
   }
 
   /** @param {string} name */
   choose(name) {
     this.setExtra({ [WHAT]: name });
-    this.job.stop();
-    this.job.error.hidden = true;
     this.build();
+    if (this.title.getBoundingClientRect().top < 0 || window.innerWidth < 800)
+      this.title.scrollIntoView({ block: "center" });
   }
 
-  /** @param {Record<string, string>} values */
-  keep(values) {
-    const own = Object.entries(values).map(([name, value]) => [KEY + name, value]);
-    const built = "parameter" in values && !("low" in values);
+  /** @param {Record<string, string>} changes */
+  keep(changes) {
+    const own = Object.entries(changes).map(([name, value]) => [KEY + name, value]);
     this.setExtra({ [WHAT]: this.what, ...Object.fromEntries(own) });
-    if (built) this.build();
+    if ("low" in this.own.fields && !("low" in this.own.inputs)) this.build();
+    else void this.consider(false);
   }
 
   /** @param {Record<string, string>} own all that this view keeps in the address */
@@ -136,42 +217,75 @@ export class AnalyseView {
     this.page.store.set({ extra: { ...Object.fromEntries(others), ...own } }, "extra");
   }
 
-  /** Ask the server and show the answer. */
-  async ask() {
+  /**
+   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes.
+   * @param {boolean} wanted
+   */
+  async consider(wanted) {
     const values = this.own.values();
-    this.keep(values);
+    const given = { ...this.asked, analysis: this.what, given: values };
+    const key = JSON.stringify(given);
+    if (this.working === key) return;
+    this.working = key;
+    this.turn += 1;
+    const { turn } = this;
+    this.job.stop();
+    this.job.error.hidden = true;
     this.own.error(null);
-    const asked = this.asked;
-    const title = t("answerOf", { name: this.forms[this.what].title, title: this.title });
-    const block = await this.job.run("/ws/analyse",
-      { ...asked, analysis: this.what, given: values });
-    if (!block) {
-      const { error } = this.job;
-      if (!error.hidden && this.own.error(error.textContent)) {
-        error.hidden = true;
-        error.textContent = "";
+    this.cost.textContent = "";
+    try {
+      const { seconds, refused } = await askJson("/api/analyses/cost", given);
+      if (turn !== this.turn) return;
+      if (refused) this.refuse(refused);
+      else if (seconds <= QUICK || wanted) await this.ask(given, seconds, turn);
+      else {
+        this.clear();
+        this.cost.textContent = t("askCost", { time: spanText(seconds) });
       }
-      return;
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (turn === this.turn) this.refuse(error instanceof Offline ? t("offline") : error.message);
     }
-    const answer = new Answer(block, title, (point) => this.take(asked.scenario, point));
-    this.answer.replaceChildren(answer.root);
-    // On a narrow page the answer stands below the question.
-    if (answer.root.getBoundingClientRect().top > window.innerHeight) answer.root.scrollIntoView();
-    this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
+  }
+
+  /** @param {string} text why there is no answer */
+  refuse(text) {
+    this.answer.classList.remove("stale");
+    this.clear();
+    if (this.own.error(text)) this.job.error.hidden = true;
+    else this.job.refuse(inWords(text, this.own.words));
   }
 
   /**
-   * Load the values of a point into what all views are about; returns what is said of it.
-   * @param {string | null} scenario
-   * @param {Record<string, string>} point
+   * Ask the server and show the answer.
+   * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
+   *   given: Record<string, string>}} given
+   * @param {number} seconds that it takes
+   * @param {number} turn
    */
-  take(scenario, point) {
-    const { store } = this.page;
-    const options = withOptions(store.state.options, point);
-    store.set({ scenario, options });
-    const values = Object.entries(point).map(([name, text]) =>
-      `${name.replace(/_/g, " ")} ${text}`);
-    return el("span", {}, `${t("pointTaken", { values: values.join(", ") })} `,
-      openLink(this.page, { view: "play", scenario, options }, t("openCase")));
+  async ask(given, seconds, turn) {
+    this.answer.classList.add("stale");
+    const block = await this.job.run("/ws/analyse", given, seconds);
+    if (turn !== this.turn) return;
+    if (!block) {
+      const { error } = this.job;
+      this.answer.classList.remove("stale");
+      if (error.hidden) this.clear();
+      else this.refuse(error.textContent ?? "");
+      this.working = "";
+      return;
+    }
+    this.answer.classList.remove("stale");
+    this.clear();
+    const { title } = this.forms[given.analysis];
+    const called = this.own.words;
+    const answer = new Answer(block, title, (text) => inWords(text, called), (values, words) =>
+      void this.point.show({ scenario: given.scenario,
+        options: withOptions(given.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
+        : t("pointSaidStart", { values: words })));
+    answer.after.append(this.point.root);
+    this.answer.replaceChildren(answer.root);
+    this.root.dataset.answered = given.analysis;
+    this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
   }
 }

@@ -1,0 +1,147 @@
+"""What a question consists of, and when it can be asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from latolato.registry import Registry
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LONG_RUN = "What does it do in the long run?"
+BEGINNING = "How does it get going?"
+REST = "When does rest become unstable?"
+DISTURBANCE = "What do small disturbances do?"
+# In the order of a page.
+GROUPS = (LONG_RUN, BEGINNING, REST, DISTURBANCE)
+
+Verdict = Callable[["xr.Dataset"], str]
+# Says of system and drive why a question cannot be asked of them, None if it can.
+Condition = Callable[[Any, Any], str | None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """An analysis in the words of a page.
+
+    Attributes
+    ----------
+    group : str
+        One of `GROUPS`.
+    title, reading : str
+        The question, and what its picture tells and how it is read.
+    term : str
+        What physicists call it.
+    first : tuple of str
+        Options that are shown at once; others are folded.
+    quick : mapping of str to str
+        What options begin with here, where defaults are for a machine left alone; ``{ratios}``
+        and ``{amplitudes}`` stand for usual ranges about those of the drive.
+    conditions : tuple of callable
+        What system and drive must have.
+    verdict : callable
+        Says in one sentence what was found.
+    """
+
+    group: str
+    title: str
+    term: str
+    reading: str
+    first: tuple[str, ...]
+    quick: Mapping[str, str] = field(default_factory=dict)
+    conditions: tuple[Condition, ...] = ()
+    verdict: Verdict
+
+    def unfit(self, system: Any, drive: Any) -> str | None:
+        """Return why this cannot be asked of a system and a drive, None if it can."""
+        return next((why for each in self.conditions if (why := each(system, drive))), None)
+
+
+questions: Registry[Question] = Registry("question")
+
+
+def asked(name: str, **words: Any) -> Callable[[Verdict], Verdict]:
+    """Return a decorator that makes a function the verdict on an analysis, asked in these words."""
+
+    def add(verdict: Verdict) -> Verdict:
+        questions.register(name)(Question(verdict=verdict, **words))
+        return verdict
+
+    return add
+
+
+def settles(system: Any, drive: Any) -> str | None:
+    """Say whether there is a motion that lasts."""
+    from latolato.physics.pendulum import Mathieu
+
+    if isinstance(system, Mathieu):
+        return "The Mathieu equation only grows or decays: choose a pendulum or a toy."
+    return None
+
+
+def is_shaken(system: Any, drive: Any) -> str | None:
+    """Say whether the pivot repeats the same movement."""
+    from latolato.physics.drives import CrankSlider, Harmonic
+
+    if not isinstance(drive, (Harmonic, CrankSlider)) or drive.drive_frequency == 0.0:
+        return "The pivot must be shaken evenly: choose the drive Harmonic or CrankSlider."
+    return None
+
+
+def is_even(system: Any, drive: Any) -> str | None:
+    """Say whether the pivot rests or repeats the same movement."""
+    from latolato.physics.drives import Static
+
+    return None if isinstance(drive, Static) else is_shaken(system, drive)
+
+
+def is_harmonic(system: Any, drive: Any) -> str | None:
+    """Say whether the pivot moves as a cosine."""
+    from latolato.physics.drives import Harmonic
+
+    if not isinstance(drive, Harmonic) or drive.drive_frequency == 0.0:
+        return "The pivot must move as a cosine: choose the drive Harmonic."
+    return None
+
+
+def has_contacts(system: Any, drive: Any) -> str | None:
+    """Say whether there are two balls."""
+    if not system.has_contacts:
+        return "It is about two balls that knock together: choose LatoLato or BallPair."
+    return None
+
+
+def is_toy(system: Any, drive: Any) -> str | None:
+    """Say whether it is the toy with two equal balls."""
+    from latolato.physics.pendulum import LatoLato
+
+    if not isinstance(system, LatoLato):
+        return "It is about two equal balls: choose LatoLato."
+    return None
+
+
+def _is_free(position: str) -> Condition:
+    def check(system: Any, drive: Any) -> str | None:
+        from latolato.analysis.linear import linearised
+        from latolato.physics.drives import Static
+        from latolato.physics.pendulum import Mathieu
+
+        if system.has_contacts:
+            where = "hang straight down" if position == "hanging" else "stand upright"
+            return f"It is about one ball: two of them touch before they {where}."
+        if position == "inverted" and isinstance(system, Mathieu):
+            return "The Mathieu equation knows no upright position: choose a pendulum."
+        try:
+            linearised(system, None if isinstance(drive, Static) else drive, position)
+        except (TypeError, ValueError) as error:
+            return f"{str(error)[:1].upper()}{str(error)[1:]}."
+        return None
+
+    return check
+
+
+can_hang = _is_free("hanging")
+can_stand = _is_free("inverted")
