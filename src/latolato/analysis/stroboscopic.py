@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 # Variables of `motion_of` that latolato.quantities does not know.
 QUANTITIES_HERE: dict[str, Quantity] = {
     **ResponseSamples.variables,
-    "rotation_number": Quantity("1", r"\rho", "rotation number per drive period"),
+    "rotation_number": Quantity("1", r"\rho", "turns, or with walls impacts, per drive period"),
     "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
     "status": Quantity("1", "", "status"),
     "ball": Quantity("1", "", "ball"),
