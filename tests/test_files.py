@@ -177,7 +177,7 @@ def test_parquet_fields_carry_their_units(tmp_path):
 def test_any_dataset_goes_to_netcdf_but_only_runs_to_tables(tmp_path):
     other = xr.Dataset({"energy": (("x", "y"), np.eye(2))})
     assert load(save(other, tmp_path / "map.nc"))["energy"].sum() == 2.0
-    with pytest.raises(ValueError, match=r".csv files hold runs with a time; use .nc"):
+    with pytest.raises(ValueError, match=r".csv files hold runs and sweeps; use .nc"):
         save(other, tmp_path / "map.csv")
 
 

@@ -196,7 +196,7 @@ def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
     upper = page.get_by_label("to", exact=True).nth(1)
     upper.fill("-3 mm")
     upper.press("Enter")
-    page.get_by_role("alert").get_by_text("y must go upwards").wait_for()
+    page.get_by_role("alert").get_by_text("amplitude: the end must lie above the start").wait_for()
     upper.fill("30 cm")
     upper.press("Enter")
     wait_done(page, 2)

@@ -204,9 +204,10 @@ def arrays_of(scenario: Scenario, run: xr.Dataset, columns: Sequence[str]) -> di
     """Return instants, motion, columns as rows of balls, the drive's periods and the contacts."""
     found: dict[str, Any] = {"time": run["time"].values.astype(np.float64)}
     found["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
-    for name in dict.fromkeys((*_MOTION, *columns)):
-        if name in run:
-            found[name] = np.atleast_2d(run[name].values).astype(np.float32)
+    with np.errstate(over="ignore"):  # what is beyond all pictures becomes infinite
+        for name in dict.fromkeys((*_MOTION, *columns)):
+            if name in run:
+                found[name] = np.atleast_2d(run[name].values).astype(np.float32)
     kinds = run["contact_kind"].values
     found["contact_time"] = run["contact_time"].values.astype(np.float64)
     found["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)

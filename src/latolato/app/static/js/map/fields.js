@@ -92,6 +92,7 @@ export function choice(label, change) {
  */
 export function tick(label, change) {
   const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
-  const root = el("label", { class: "check" }, box, label);
-  return { root, box };
+  const text = el("span", {}, label);
+  const root = el("label", { class: "check" }, box, text);
+  return { root, box, text };
 }
