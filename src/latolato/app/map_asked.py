@@ -194,6 +194,18 @@ class Map:
         return cost
 
 
+def _check_times(duration: float, transient: float) -> None:
+    """Raise ValueError unless runs last and something of them is left."""
+    if not duration > 0.0:
+        raise ValueError(f"each run must last longer than 0 s, got {duration:g} s")
+    if not transient >= 0.0:
+        raise ValueError(f"what is left out must be at least 0 s, got {transient:g} s")
+    if transient >= duration:
+        raise ValueError(
+            f"what is left out must be shorter than a run of {duration:g} s, got {transient:g} s"
+        )
+
+
 def make_map(asked: MapAsked) -> Map:
     """Return the map that a page asks for.
 
@@ -207,8 +219,11 @@ def make_map(asked: MapAsked) -> Map:
     run, system, varied = scenario.run, scenario.system, scenario.varied
     known = parameters_of(system, scenario.drive, run.get("noise"))
     times = run.get("times")
-    duration = asked.duration or run.get("duration") or (times[-1] if times else 60.0)
+    duration = run.get("duration") or (times[-1] if times else 60.0)
+    if asked.duration is not None:
+        duration = asked.duration
     transient = varied.get("transient", 0.0) if asked.transient is None else asked.transient
+    _check_times(float(duration), float(transient))
     watched, shown, variables = watched_of(varied, asked.observable, system.angles)
     spans = spans_of(known, scenario, (asked.x, asked.y))
     choices = {

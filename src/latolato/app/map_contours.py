@@ -51,7 +51,7 @@ def contour_block(shown: Shown, given: Mapping[str, Any]) -> bytes:
     levels, lines, tiny = contours(shown, given)
     numbers = {level: number for number, level in enumerate(levels)}
     return pack(
-        {"levels": levels, "tiny": tiny, "missing": shown.missing},
+        {"levels": levels, "lines": len(lines), "tiny": tiny, "missing": shown.missing},
         {
             "x": np.concatenate([*(line.x for line in lines), np.empty(0)]),
             "y": np.concatenate([*(line.y for line in lines), np.empty(0)]),

@@ -116,6 +116,7 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
             "names": names,
             "select": rest,
             "points": drawing.values.size,
+            "description": _description(grid, drawing),
             "title": grid.attrs.get("title", path.name),
             "python": f'import latolato as ll\n\ngrid = ll.open_store("{path.name}")',
             "command": f"latolato plot {path.name} --variable {variable}",
@@ -133,6 +134,17 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
     )
     done = pack({"kind": "done", "points": drawing.values.size, "seconds": 0.0, "rate": 0.0}, {})
     return [begin, cells, done]
+
+
+def _description(grid: xr.Dataset, drawing: Drawing) -> str:
+    """Return what a map is of, symbols as TeX: what does not vary, its points, who computed it."""
+    height, width = drawing.values.shape
+    missing = int(np.sum(drawing.status < 0))
+    told = [*drawing.title, f"{width} by {height} points"]
+    if missing:
+        told.append(f"{missing} of them not computed")
+    version = grid.attrs.get("latolato_version")
+    return ", ".join([*told, *([f"computed by latolato {version}"] if version else [])]) + "."
 
 
 def arguments_at(path: Path, x: tuple[str, float], y: tuple[str, float], select: Any) -> Any:

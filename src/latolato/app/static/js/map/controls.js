@@ -1,6 +1,6 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el } from "../dom.js";
+import { el, tell } from "../dom.js";
 import { t } from "../strings.js";
 import { plainSymbol } from "../units.js";
 import { SCALES } from "./colours.js";
@@ -31,8 +31,8 @@ export class MapControls {
       new QuantityField(t(name), (v) => set({ [key]: v }), hint ? t(hint) : "");
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
-    this.x = choice(t("mapX"), (v) => set({ x: v, xlow: null, xhigh: null, xlog: null, at: null }));
-    this.y = choice(t("mapY"), (v) => set({ y: v, ylow: null, yhigh: null, ylog: null, at: null }));
+    this.x = choice(t("mapX"), (v) => this.turn("x", v));
+    this.y = choice(t("mapY"), (v) => this.turn("y", v));
     const log = (/** @type {"x" | "y"} */ which, /** @type {string} */ name) => {
       const made = tick(t("mapLog"), (on) => set(this.spacing(which, on)));
       made.box.setAttribute("aria-label", t(name));
@@ -56,11 +56,14 @@ export class MapControls {
     this.transient = number("mapTransient", "transient", "mapTransientHint");
     this.scale = choice(t("mapScale"), (v) => set({ scale: v === SCALES[0] ? null : v }));
     this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : null, low: null, high: null }));
-    this.low = number("mapLow", "low");
-    this.high = number("mapHigh", "high");
+    this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v));
+    this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v));
+    /** @type {[number, number]} values of the darkest and the brightest colour on show */
+    this.limits = [0, 1];
     this.log.box.setAttribute("aria-label", t("mapLogColours"));
     this.over = new OverControls(set, trials);
-    this.top = el("div", { class: "source" }, this.source.root, this.about);
+    this.top = el("div", { class: "source" }, this.source.root,
+      el("p", { class: "hint" }, t("mapIntro")), this.about);
     this.root = el("div", { class: "form" },
       this.group("mapAxes", true, this.x.root, this.pair("xlow", "xhigh"), this.logs.x.root,
         this.y.root, this.pair("ylow", "yhigh"), this.logs.y.root, this.select),
@@ -130,6 +133,34 @@ export class MapControls {
     this.store.set({ extra }, "extra");
   }
 
+  /**
+   * Keep an end of the colours; one beyond the other end is refused.
+   * @param {"low" | "high"} side
+   * @param {number | null} value
+   */
+  limit(side, value) {
+    const [low, high] = this.limits;
+    const fits = value === null || (side === "low" ? value < high : value > low);
+    this[side].input.setAttribute("aria-invalid", String(!fits));
+    if (fits) this.keep({ [side]: value });
+    else tell(t("mapLimits"));
+  }
+
+  /**
+   * Show another parameter along an axis; that of the other axis changes places with this one.
+   * @param {"x" | "y"} which
+   * @param {string} name
+   */
+  turn(which, name) {
+    const other = which === "x" ? "y" : "x";
+    const set = (/** @type {"x" | "y"} */ to, /** @type {any} */ { low, high, log }, key = "") =>
+      ({ [to]: key, [`${to}low`]: low, [`${to}high`]: high, [`${to}log`]: log ? 1 : null });
+    const none = { low: null, high: null, log: false };
+    if (name !== this.choices[other].name) return this.keep({ ...set(which, none, name), at: null });
+    this.keep({ ...set(which, this.choices[other], name),
+      ...set(other, this.choices[which], this.choices[which].name), at: null });
+  }
+
   /** @param {string} value */
   choose(value) {
     const { extra } = this.store.state;
@@ -157,7 +188,8 @@ export class MapControls {
       { value: PAGE, text: t("mapPage"), group: t("mapOwn") },
     ];
     this.source.show(entries, stored ? `f:${stored}` : scenario ? `s:${scenario}` : PAGE);
-    this.about.textContent = scenario ? this.registry.scenarios[scenario]?.description ?? "" : "";
+    if (!stored)
+      this.about.textContent = this.registry.scenarios[scenario ?? ""]?.description ?? "";
   }
 
   /**
@@ -212,6 +244,8 @@ export class MapControls {
       String(each.index));
       return made.root;
     }));
+    this.about.textContent = about.description.replace(/\$([^$]+)\$/g,
+      (/** @type {string} */ _, /** @type {string} */ tex) => plainSymbol(tex));
     this.parts(false);
   }
 
@@ -245,6 +279,7 @@ export class MapControls {
     const variable = grid.variables[look.variable];
     this.scale.show(SCALES.map((name) => ({ value: name, text: name })), look.scale);
     this.log.box.checked = look.log;
+    this.limits = look.limits;
     this.low.show(look.limits[0], variable.units, "map.low" in extra);
     this.high.show(look.limits[1], variable.units, "map.high" in extra);
     const classes = variable.classes.length > 0;

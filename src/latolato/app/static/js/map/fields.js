@@ -47,8 +47,9 @@ export class QuantityField {
     if (!text) return change(null);
     const value = parsed && parsed.unit === "" ? parsed.number * (this.units[0]?.size ?? 1)
       : toSi(text, this.units);
-    this.input.setAttribute("aria-invalid", String(value === null));
-    if (value === null) tell(t("noNumber", { text }));
+    const bad = value === null || !Number.isFinite(value);
+    this.input.setAttribute("aria-invalid", String(bad));
+    if (bad) tell(t("noNumber", { text }));
     else change(value);
   }
 }

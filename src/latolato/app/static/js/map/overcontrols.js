@@ -95,6 +95,7 @@ export class OverControls {
     if (about?.error) told.push(about.error);
     else if (!about) told.push(t("mapContoursLater"));
     else if (!about.levels.length) told.push(t("mapContoursFlat"));
+    else if (!about.lines) told.push(t("mapContoursNowhere"));
     if (about?.tiny) told.push(t("mapContoursTiny", { count: about.tiny }));
     this.contourNote.textContent = told.join(" ");
     if (this.levels.value && document.activeElement !== this.levels && about?.levels)

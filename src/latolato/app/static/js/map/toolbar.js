@@ -30,6 +30,15 @@ export class Toolbar {
   }
 
   /**
+   * Show what there is to do: a stored map has its points and no others.
+   * @param {boolean} stored
+   */
+  show(stored) {
+    for (const part of this.root.children)
+      if (part !== this.text) /** @type {HTMLElement} */ (part).hidden = stored;
+  }
+
+  /**
    * Say how far the map is.
    * @param {string} text
    * @param {number | null} [share] null leaves the bar as it is

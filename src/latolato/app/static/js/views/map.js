@@ -2,7 +2,7 @@
 
 import { askJson } from "../api.js";
 import { codeBlocks } from "../code.js";
-import { el } from "../dom.js";
+import { el, tell } from "../dom.js";
 import { Form } from "../form.js";
 import { axisLabel, sizeOf } from "../map/axes.js";
 import { ColourBar } from "../map/bar.js";
@@ -132,6 +132,7 @@ export class MapView {
     const source = sourceOf(registry, store.state);
     this.controls.showSource(source);
     this.parameters.hidden = source.stored !== null;
+    this.tools.show(source.stored !== null);
     const request = requestOf(registry, store.state);
     const has = this.grid && (!request.observable || this.grid.variable(request.observable) >= 0);
     const comes = this.job && !this.job.ended && request.observable === this.job.request.observable;
@@ -233,6 +234,9 @@ export class MapView {
   refuse(text, field) {
     this.notes.hidden = false;
     this.notes.textContent = text;
+    // On a phone the map is not on the screen while one types below it.
+    const { top, bottom } = this.notes.getBoundingClientRect();
+    if (bottom < 0 || top > window.innerHeight) tell(text);
     if (field && this.form.fields.has(field)) this.form.error(text, field);
     this.tools.say("", 0);
     this.tools.state("done");
