@@ -396,7 +396,11 @@ def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
     arrays = [pyarrow.array(values) for values, _ in columns.values()]
     schema = pyarrow.schema(
         [
-            pyarrow.field(name, array.type, metadata=about)
+            pyarrow.field(
+                name,
+                array.type,
+                metadata={k: v for k, v in about.items() if isinstance(v, str)},
+            )
             for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
         ],
         metadata={k: json.dumps(_plain(v)) for k, v in dataset.attrs.items()},

@@ -118,7 +118,7 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
             "points": drawing.values.size,
             "description": _description(grid, drawing),
             "title": grid.attrs.get("title", path.name),
-            "python": f'import latolato as ll\n\ngrid = ll.open_store("{path.name}")',
+            "python": f'import latolato as ll\n\ngrid = ll.load("{path.name}")',
             "command": f"latolato plot {path.name} --variable {variable}",
         },
         sides_of(x, y),
