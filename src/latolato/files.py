@@ -26,7 +26,7 @@ _BALL = {"units": "1", "long_name": "ball", "symbol": ""}
 _PARTS = ("real", "imag")
 _PART = "complex_part"
 # Values and attributes of variables along one dimension.
-Columns = dict[str, tuple[Any, dict[str, str]]]
+Columns = dict[str, tuple[Any, dict[str, Any]]]
 # One column of a text file as its header describes it.
 _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
 
