@@ -166,4 +166,5 @@ def _look(shown: Shown, given: Mapping[str, Any], shown_of: Callable[[Any], Show
         return Look(colours=scale, limits=limits)
     over = shown_of(asked)
     _, lines, _ = contours(over, asked)
-    return Look(colours=scale, limits=limits, lines=lines, unit=over.unit)
+    label = str(over.drawing.data.attrs.get("long_name", over.drawing.name))
+    return Look(colours=scale, limits=limits, lines=lines, unit=over.unit, label=label)

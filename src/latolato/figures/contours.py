@@ -29,6 +29,7 @@ _DEGREES = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
 _FEW_DECADES = 2.5
 # A line that stays within fewer cells than this says nothing: a single point stands out.
 _TINY = 2.0
+_FEW = 12  # points along a side
 # Where along a line its value may stand, and how far from others in shares of the picture.
 _PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 _APART = np.array([0.07, 0.06])
@@ -59,7 +60,7 @@ def lines_of(drawing: Drawing, levels: Sequence[float]) -> tuple[list[Line], int
     list of Line
         Straight between the borders of cells; along a logarithmic axis straight in the logarithm.
     int
-        Lines inside of the map that stay within two cells, as single points of chaos have them.
+        Lines that stay within two cells, as single points of chaos have them; small maps keep them.
     """
     y, x = drawing.sides
     stride = _complete(drawing.status)
@@ -71,19 +72,13 @@ def lines_of(drawing: Drawing, levels: Sequence[float]) -> tuple[list[Line], int
     found, tiny = [], 0
     for level in levels:
         for line in contour_lines(columns, rows, values, level):
-            if np.ptp(line, axis=0).max() < _TINY and not _at_border(line, values.shape):
+            if np.ptp(line, axis=0).max() < _TINY and min(values.shape) >= _FEW:
                 tiny += 1
                 continue
             at_x = np.interp(line[:, 0], columns, along_x)
             at_y = np.interp(line[:, 1], rows, along_y)
             found.append(Line(float(level), _valued(at_x, x.is_log), _valued(at_y, y.is_log)))
     return found, tiny
-
-
-def _at_border(line: Floats, shape: tuple[int, ...]) -> bool:
-    """Return whether a line touches the border of a map."""
-    last = np.array(shape[::-1]) - 1.0
-    return bool(np.any((line <= 0.0) | (line >= last)))
 
 
 def _complete(status: Any) -> int:
@@ -146,8 +141,12 @@ def _powers(first: float, last: float) -> list[float]:
     return [value for value in found if first < value < last]
 
 
-def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float]) -> None:
-    """Draw lines with their values, in the unit of this name and size, on dark and light cells."""
+def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str) -> Any:
+    """Draw lines with their values on dark and light cells and return their legend entry.
+
+    Values are in the unit of this name and size; `label` is what they are of.
+    """
+    from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
     limits = axes.get_xlim(), axes.get_ylim()
@@ -186,6 +185,8 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float]) -> None:
             annotation_clip=True,
         )
         text.set_path_effects([Stroke(linewidth=2.2, foreground=style.PAPER), Normal()])
+    tail = "" if unit[0] in ("", "1") else f" [{style.pretty_unit(unit[0])}]"
+    return Line2D([], [], color=style.INK, lw=0.8, label=f"equal {label}{tail}")
 
 
 def _fits(place: Any, taken: Sequence[Any]) -> bool:

@@ -43,6 +43,8 @@ NO_ANSWER = style.GREY
 NOT_YET = "#c9cdd3"
 ZERO = style.PAPER
 _HEIGHT = 3.6  # inch
+# Logarithmic axes of more decades have powers of ten.
+_MOST_PLAIN = 3.0
 # More curves than this cannot be told apart.
 _MOST_CURVES = 12
 
@@ -136,12 +138,15 @@ class Look:
         Lines of equal values.
     unit : tuple of str and float
         Name of the unit in which these are told, and how many SI units it is.
+    label : str
+        What is equal along them.
     """
 
     colours: str = "viridis"
     limits: tuple[float, float] | None = None
     lines: Sequence[contours.Line] = ()
     unit: tuple[str, float] = ("", 1.0)
+    label: str = ""
 
 
 class Drawing:
@@ -221,10 +226,11 @@ class Drawing:
                 getattr(axes, f"set_{axis}label")(side.label)
                 if side.is_log:
                     getattr(axes, f"set_{axis}scale")("log")
+                    _number(getattr(axes, f"{axis}axis"), side)
                 edges = side.edges
                 getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
             if look.lines:
-                contours.draw(axes, look.lines, look.unit)
+                handles.append(contours.draw(axes, look.lines, look.unit, look.label))
             if context is not None:
                 for name in overlays:
                     handles.append(marks.draw(axes, context, name))
@@ -373,6 +379,19 @@ class Drawing:
             label=f"no answer ({missing})",
         )
         handles.append(ticks)
+
+
+def _number(axis: Any, side: Side) -> None:
+    """Write plain numbers along a logarithmic axis of few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    decades = math.log10(side.edges[-1] / side.edges[0])
+    if decades > _MOST_PLAIN:
+        return
+    digits = (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    axis.set_major_locator(LogLocator(subs=digits))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _shades(count: int) -> list[Any]:

@@ -201,8 +201,10 @@ export class MapChart {
     context.clip();
     context.translate(this.shift[0], this.shift[1]);
     if (this.cells.width) context.drawImage(this.cells, left, top);
-    if (this.contours.length) drawContours(this, context, this.contours, ratio);
+    const drawValues = this.contours.length
+      ? drawContours(this, context, this.contours, ratio) : () => {};
     for (const each of this.lines) drawLine(this, context, each, ratio);
+    drawValues();
     if (this.trials) drawTrials(this, context, this.trials, ratio);
     if (this.cross) drawCross(this, context, this.cross, ratio);
     context.restore();

@@ -15,7 +15,7 @@ const PLACES = [0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92];
 const STRAIGHT = 0.93;
 
 /**
- * Draw contour lines and their values.
+ * Draw contour lines; returns what draws their values, over whatever else crosses them.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
  * @param {Contour[]} contours
@@ -32,7 +32,7 @@ export function drawContours(chart, context, contours, ratio) {
   stroke(context, path, HALO, 2.8 * ratio);
   context.globalAlpha = 1;
   stroke(context, path, INK, 1.2 * ratio);
-  drawValues(chart, context, lines, ratio);
+  return () => drawValues(chart, context, lines, ratio);
 }
 
 /**
@@ -78,17 +78,22 @@ function drawValues(chart, context, lines, ratio) {
   const { left, top, width, height } = chart.frame();
   const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
     .sort((a, b) => (b.along.at(-1) ?? 0) - (a.along.at(-1) ?? 0));
-  for (const { text, points, along } of measured) {
+  const told = new Set();
+  // Along the lines first; a level whose lines are all too crooked gets its value level.
+  for (const [line, level] of [...measured.map((m) => /** @type {const} */ ([m, false])),
+    ...measured.map((m) => /** @type {const} */ ([m, true]))]) {
+    const { text, points, along } = line;
     const room = context.measureText(text).width;
-    if ((along.at(-1) ?? 0) < room + ROOM * ratio) continue;
+    if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && told.has(text))) continue;
     const half = 0.5 * room + 5 * ratio;
     const inside = (/** @type {Place} */ p) => p.x > left + half && p.x < left + width - half
       && p.y > top + half && p.y < top + height - half;
     const apart = (/** @type {Place} */ p) =>
       taken.every((o) => Math.hypot(o.x - p.x, o.y - p.y) > half + o.half);
-    const place = PLACES.map((share) => placeAt(points, along, share, room))
-      .find((p) => p && inside(p) && apart(p));
+    const place = PLACES.map((share) => level ? levelAt(points, along, share)
+      : placeAt(points, along, share, room)).find((p) => p && inside(p) && apart(p));
     if (!place) continue;
+    told.add(text);
     taken.push({ ...place, half });
     context.save();
     context.translate(place.x, place.y);
@@ -135,6 +140,18 @@ export function placeAt(points, along, share, room) {
   if (angle > Math.PI / 2) angle -= Math.PI;
   else if (angle <= -Math.PI / 2) angle += Math.PI;
   return { x, y, angle };
+}
+
+/**
+ * Return where a level text can stand at a share of a line.
+ * @param {Float64Array} points
+ * @param {Float64Array} along
+ * @param {number} share
+ * @returns {Place}
+ */
+function levelAt(points, along, share) {
+  const [x, y] = pointAt(points, along, share * along[along.length - 1]);
+  return { x, y, angle: 0 };
 }
 
 /**

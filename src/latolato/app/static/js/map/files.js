@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 const KINDS = ["csv", "nc", "zarr", "png", "svg"];
 
 export class MapFiles {
-  /** @param {() => Record<string, any> | null} body what the map on show is, null before there is one */
+  /** @param {() => Promise<Record<string, any> | null>} body what is on show, null for nothing */
   constructor(body) {
     this.body = body;
     this.error = el("p", { class: "error", role: "alert", hidden: true });
@@ -26,7 +26,7 @@ export class MapFiles {
 
   /** @param {string} kind */
   async store(kind) {
-    const body = this.body();
+    const body = await this.body();
     if (!body) {
       this.refuse(t("mapFilesNone"));
       return;

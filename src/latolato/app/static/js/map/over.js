@@ -27,11 +27,18 @@ export class Over {
     /** @type {string | null} text of a trial table */
     this.trials = null;
     this.asked = "";
+    /** @type {Promise<void>} done when theory and trials are there */
+    this.settled = Promise.resolve();
     this.ask = newest((/** @type {Record<string, any> | null} */ body) => this.fetch(body));
   }
 
-  /** Draw theory and trials over the map. */
-  async draw() {
+  /** Return when theory and trials are drawn over the map. */
+  draw() {
+    this.settled = this.load();
+    return this.settled;
+  }
+
+  async load() {
     const { view } = this;
     const grid = view.next ?? view.grid;
     if (!grid) return;

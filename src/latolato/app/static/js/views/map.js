@@ -308,7 +308,8 @@ export class MapView {
   }
 
   /** Return what a file of the map on show is asked by, null before there is one. */
-  fileBody() {
+  async fileBody() {
+    await this.over.settled;
     const { grid } = this;
     if (!grid) return null;
     const { extra } = this.page.store.state;
