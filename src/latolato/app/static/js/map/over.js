@@ -2,6 +2,7 @@
 
 import { askBlock, newest } from "../api.js";
 import { lookOf } from "./look.js";
+import { askedOf, shownMapOf } from "./shown.js";
 import { withUnit } from "./tell.js";
 
 /** @typedef {import("./chart.js").Line & {name: string}} NamedLine */
@@ -44,7 +45,8 @@ export class Over {
     if (!grid) return;
     const { xEdges, yEdges, width, height } = grid;
     const limits = [xEdges[0], xEdges[width], yEdges[0], yEdges[height]];
-    const asked = { ...view.asked(), limits, trials: this.trials };
+    /** @type {Record<string, any>} */
+    const asked = { ...askedOf(view), limits, trials: this.trials };
     if (asked.stored) asked.names = [grid.xAxis.name, grid.yAxis.name];
     try {
       const found = await askOver(asked);
@@ -86,7 +88,7 @@ export class Over {
     if (!grid || !variable) return null;
     const ofColours = extra["map.contours"] === OF_COLOURS;
     const levels = extra["map.levels"]?.split(",").map(Number) ?? null;
-    return { ...this.view.shownMap(), observable: variable.name, ball: variable.ball, levels,
+    return { ...shownMapOf(this.view), observable: variable.name, ball: variable.ball, levels,
       log: ofColours && lookOf(grid, extra).log };
   }
 

@@ -17,6 +17,7 @@ import { lookOf } from "../map/look.js";
 import { contourVariable, Over } from "../map/over.js";
 import { PointPanel } from "../map/point.js";
 import { requestOf, sameBut, sourceOf } from "../map/request.js";
+import { fileBodyOf } from "../map/shown.js";
 import { legend } from "../map/tell.js";
 import { Toolbar } from "../map/toolbar.js";
 import { Travel } from "../map/travel.js";
@@ -52,12 +53,13 @@ export class MapView {
       this.over.trials = text;
       void this.over.draw();
     });
-    const form = el("form", { class: "form", on: {
-      submit: (/** @type {Event} */ e) => e.preventDefault() } });
+    const form = el("form", { class: "form" });
+    form.addEventListener("submit", (e) => e.preventDefault());
     this.form = new Form(form, page.registry, page.store);
     this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
-    this.tools = new Toolbar({ stop: () => this.stopOrGo(), back: () => this.travel.back(),
-      scale: (by) => this.travel.scale(by) });
+    const back = () => this.travel.back();
+    const scale = (/** @type {number} */ by) => this.travel.scale(by);
+    this.tools = new Toolbar({ stop: () => this.stopOrGo(), back, scale });
     const canvas = el("canvas", { class: "map" });
     const bar = el("canvas", { class: "bar-canvas", role: "img", "aria-label": t("mapBar") });
     this.field = el("div", { class: "map-field", tabindex: "0", role: "application",
@@ -68,7 +70,7 @@ export class MapView {
     const barBox = el("div", { class: "bar-box" }, this.barTitle, bar, this.classes);
     this.notes = el("p", { class: "error", role: "alert", hidden: true });
     this.point = new PointPanel(page.registry, (options) => this.openInPlay(options));
-    this.files = new MapFiles(() => this.fileBody());
+    this.files = new MapFiles(() => fileBodyOf(this));
     this.code = el("div", {});
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
@@ -85,9 +87,7 @@ export class MapView {
       hover: (at) => this.cursor.tell(at),
       pick: (x, y) => { this.cursor.put(x, y); void this.cursor.run(); },
       box: (box) => this.travel.zoom(box),
-      pan: (columns, rows) => this.travel.pan(columns, rows),
-      back: () => this.travel.back(),
-      scale: (by) => this.travel.scale(by),
+      pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
       step: (columns, rows) => this.cursor.step(columns, rows),
       enter: () => void this.cursor.run(),
     }, () => this.tools.panning);
@@ -160,8 +160,7 @@ export class MapView {
       begin: (block) => this.begin(new Grid(block)),
       cells: (block) => this.take(block),
       done: (block) => this.finish(block),
-      refused: (text, field) => this.refuse(text, field),
-      lost: () => this.retry(),
+      refused: (text, field) => this.refuse(text, field), lost: () => this.retry(),
     });
     this.tools.state("busy");
   }
@@ -287,37 +286,6 @@ export class MapView {
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.tell();
     this.over.contours();
-  }
-
-  /** Return the request for things about this map: the plan, and names of axes of a stored one. */
-  asked() {
-    const { grid } = this;
-    const request = requestOf(this.page.registry, this.page.store.state);
-    if (request.stored)
-      return { stored: request.stored, select: request.select,
-        names: [grid?.xAxis.name, grid?.yAxis.name] };
-    return { ...request, x: this.choices?.x ?? request.x, y: this.choices?.y ?? request.y };
-  }
-
-  /** Return which map is on show, as the server knows it. */
-  shownMap() {
-    const { grid } = this;
-    const { stored, select } = requestOf(this.page.registry, this.page.store.state);
-    return { key: grid?.about.key ?? null, stored: stored ?? null, select,
-      xlog: grid?.xAxis.log ?? null, ylog: grid?.yAxis.log ?? null };
-  }
-
-  /** Return what a file of the map on show is asked by, null before there is one. */
-  async fileBody() {
-    await this.over.settled;
-    const { grid } = this;
-    if (!grid) return null;
-    const { extra } = this.page.store.state;
-    const { variable, scale, log, limits } = lookOf(grid, extra);
-    const { name, ball } = grid.variables[variable];
-    const contours = this.over.contourBody();
-    return { ...this.shownMap(), observable: name, ball, scale, log, limits, contours,
-      overlays: this.over.shown().map((line) => line.name), trials: this.over.trials };
   }
 
   /** @param {Record<string, string>} options */
