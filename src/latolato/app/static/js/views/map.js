@@ -91,7 +91,6 @@ export class MapView {
       step: (columns, rows) => this.cursor.step(columns, rows),
       enter: () => void this.cursor.run(),
     }, () => this.tools.panning);
-    /** @type {() => void} */
     this.unsubscribe = () => {};
   }
 
