@@ -665,7 +665,6 @@ def test_a_file_of_a_map_holds_its_numbers_and_opens_again(client, kind, tmp_pat
     assert grid.attrs["plan_hash"] == wanted.attrs["plan_hash"]
     if kind == "csv":
         assert "# column drive_amplitude [m]: driving amplitude" in content.decode()
-        return
     # The application opens it as well, with the same cells.
     with TestClient(make_app(Settings(stored=named([path]))), base_url=HOME) as other:
         _, again = asked(other, {"stored": path.name, "observable": "mean_energy"})
