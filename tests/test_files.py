@@ -12,6 +12,8 @@ import xarray as xr
 
 import latolato as ll
 from latolato.files import SUFFIXES, atomic_path, load, save
+from latolato.sweep.plan import make_plan
+from latolato.sweep.results import Memory
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
@@ -177,7 +179,7 @@ def test_parquet_fields_carry_their_units(tmp_path):
 def test_any_dataset_goes_to_netcdf_but_only_runs_to_tables(tmp_path):
     other = xr.Dataset({"energy": (("x", "y"), np.eye(2))})
     assert load(save(other, tmp_path / "map.nc"))["energy"].sum() == 2.0
-    with pytest.raises(ValueError, match=r".csv files hold runs with a time; use .nc"):
+    with pytest.raises(ValueError, match=r".csv files hold runs and sweeps; use .nc"):
         save(other, tmp_path / "map.csv")
 
 
@@ -307,3 +309,55 @@ def test_a_folder_is_refused_as_one(tmp_path):
     for refuse in (lambda: save(xr.Dataset(), tmp_path), lambda: load(tmp_path)):
         with pytest.raises(IsADirectoryError, match="is a folder; name a file in it"):
             refuse()
+
+
+def filled(plan):
+    """Return a sweep of made-up numbers."""
+    memory, chance = Memory(plan), np.random.default_rng(3)
+    for array in memory.arrays.values():
+        array[...] = chance.integers(0, 3, array.shape) / 7.0 if array.dtype == float else 1
+    return memory.dataset()
+
+
+def sweeps():
+    """Return sweeps: of both balls, both ways along an axis and of parameters together."""
+    drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
+    both = {"right_mass": [0.5, 1.0], "drive_frequency": [5.0, 6.0, 7.0]}
+    pair = ll.BallPair(right=BALL, left=BALL)
+    yield filled(make_plan(pair, drive, axes=both, initial_angle=(0.3, -0.2), duration=2.0))
+    case = {"length": [0.9, 1.0], "radius": [0.1, 0.2]}
+    yield filled(
+        make_plan(
+            TOY,
+            drive,
+            axes={"case": case, "drive_amplitude": [0.1, 0.2, 0.4]},
+            initial_offset=0.1,
+            duration=2.0,
+            continuation="drive_amplitude",
+            direction="both",
+            observables=["largest_angle", "motion_class"],
+        )
+    )
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_sweep_is_a_table_of_points_and_comes_back(tmp_path, number, suffix):
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow", reason="Parquet needs the extra 'parquet'")
+    grid = list(sweeps())[number]
+    found = load(save(grid, tmp_path / f"map{suffix}"))
+    xr.testing.assert_identical(found, grid)
+    if suffix == ".csv":
+        assert len(pd.read_csv(tmp_path / "map.csv", comment="#")) == grid.status.size
+
+
+def test_what_fits_no_table_is_refused_with_the_way_out(tmp_path):
+    drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
+    options = {"axes": {"drive_amplitude": [0.1, 0.2]}, "initial_offset": 0.1, "duration": 100.0}
+    grid = filled(make_plan(TOY, drive, **options, observables=["stroboscope"]))
+    with pytest.raises(ValueError, match=r"over sample: it fits no table; use \.nc"):
+        save(grid, tmp_path / "map.csv")
+    part = filled(make_plan(TOY, drive, **options)).isel(drive_amplitude=[0])
+    with pytest.raises(ValueError, match="hold runs and sweeps"):
+        save(part, tmp_path / "map.csv")

@@ -41,12 +41,13 @@ def recompute(page: Any, size: int) -> list[float]:
     """Return when the pictures of a new map came [s]; the last one is when it was done."""
     done = int(page.locator("[data-done]").get_attribute("data-done"))
     page.evaluate(
-        """size => {
+        """([size, duration]) => {
           const view = window.latolato.views.map;
-          view.controls.keep({ size });
+          view.controls.keep({ size, duration });
           view.stopOrGo();
         }""",
-        size,
+        # The server keeps what it has computed: other runs each time.
+        [size, 300.0 + 1e-3 * done],
     )
     page.wait_for_selector(f"[data-done='{done + 1}']", timeout=300_000)
     found = page.evaluate(RESULT)

@@ -36,7 +36,7 @@ def app(
         typer.Option(
             "--open",
             metavar="MAP",
-            help="Zarr store or .nc file of a sweep for the Map view; may be given several times.",
+            help="Store, .nc or .csv file of a sweep for the Map view; may be given several times.",
             show_default=False,
         ),
     ] = None,

@@ -26,7 +26,7 @@ _BALL = {"units": "1", "long_name": "ball", "symbol": ""}
 _PARTS = ("real", "imag")
 _PART = "complex_part"
 # Values and attributes of variables along one dimension.
-Columns = dict[str, tuple[Any, dict[str, str]]]
+Columns = dict[str, tuple[Any, dict[str, Any]]]
 # One column of a text file as its header describes it.
 _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
 
@@ -116,16 +116,17 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
 
     NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
-    and ``name_imag``, which `load` joins. CSV and Parquet hold runs: one row per instant, the
-    variables of a `BallPair` as columns ``angle_right`` and ``angle_left``; contacts, if any were
-    possible, go to a second file ``<stem>.contacts.csv``, which is put in place first and removed
-    when a run without them takes the place of one with them. An interrupted or failed call leaves
-    no file; what a killed one left for the same path is removed by the next.
+    and ``name_imag``, which `load` joins. CSV and Parquet hold sweeps, one row per point, and runs,
+    one row per instant. The variables of a `BallPair` are columns ``angle_right`` and
+    ``angle_left``. The contacts of a run, if any were possible, go to a second file
+    ``<stem>.contacts.csv``, which is put in place first and removed when a run without them takes
+    the place of one with them. An interrupted or failed call leaves no file; what a killed one left
+    for the same path is removed by the next.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        A run, or for NetCDF any dataset.
+        A run or a sweep, or for NetCDF any dataset.
     path : str or Path
         A name ending in ``.nc``, ``.csv`` or ``.parquet``; an existing file is replaced.
 
@@ -153,9 +154,15 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
         with atomic_path(path) as unfinished:
             _write_netcdf(dataset, unfinished)
         return path
-    if "time" not in dataset.dims:
-        raise ValueError(f"{suffix} files hold runs with a time; use .nc for other datasets")
     write = _write_csv if suffix == ".csv" else _write_parquet
+    if is_sweep(dataset):
+        from latolato.sweep.table import as_table
+
+        with atomic_path(path) as first:
+            write(as_table(dataset), "point", first)
+        return path
+    if "time" not in dataset.dims:
+        raise ValueError(f"{suffix} files hold runs and sweeps; use .nc for other datasets")
     if dataset.attrs.get("contact", "none") != "none":
         # The inner one is put in place first: the file that is asked for appears with its contacts.
         with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
@@ -166,6 +173,13 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
             write(dataset, "time", first)
         _remove_contacts(_contacts_path(path), _read_csv if suffix == ".csv" else _read_parquet)
     return path
+
+
+def is_sweep(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is that of a sweep, whole: not a part, nor an analysis of one."""
+    from latolato.sweep.table import is_whole
+
+    return "plan" in dataset.attrs and "time" not in dataset.dims and is_whole(dataset)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -201,6 +215,10 @@ def load(path: str | Path) -> xr.Dataset:
         return _read_netcdf(path)
     read = _read_csv if suffix == ".csv" else _read_parquet
     columns, attributes = read(path)
+    if "plan" in attributes:
+        from latolato.sweep.table import from_table
+
+        return from_table({name: values for name, (values, _) in columns.items()}, attributes)
     contacts: Columns = {}
     if attributes.get("contact", "none") != "none":
         contacts, _ = read(_contacts_path(path))
@@ -378,7 +396,11 @@ def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
     arrays = [pyarrow.array(values) for values, _ in columns.values()]
     schema = pyarrow.schema(
         [
-            pyarrow.field(name, array.type, metadata=about)
+            pyarrow.field(
+                name,
+                array.type,
+                metadata={k: v for k, v in about.items() if isinstance(v, str)},
+            )
             for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
         ],
         metadata={k: json.dumps(_plain(v)) for k, v in dataset.attrs.items()},
@@ -396,7 +418,7 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
         for key, value in metadata.items()
         if not key.startswith((b"ARROW:", b"pandas"))
     }
-    if "scenario" not in attributes:
+    if "scenario" not in attributes and "plan" not in attributes:
         raise ValueError(f"'{path}' is no run of latolato: its metadata are missing")
     columns: Columns = {}
     for name in table.column_names:
@@ -443,4 +465,4 @@ def _about(name: str) -> dict[str, str]:
 
 def _kind(name: str) -> type:
     """Return the type of a column's values."""
-    return str if name == "contact_kind" else float
+    return str if name in ("contact_kind", "direction") else float

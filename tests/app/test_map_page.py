@@ -180,6 +180,131 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     assert found == [[0xF2, 0xA3, 0x1B], [0x0F, 0x96, 0x7C], [0x2B, 0x62, 0xC9]]
 
 
+def test_contours_at_values_typed_by_hand_run_between_the_cells(page):
+    open_map(page)
+    page.get_by_text("Curves and trials").click()
+    page.get_by_label("Contour lines", exact=True).select_option("colours")
+    levels = page.get_by_label("Contour lines at these values", exact=False)
+    page.wait_for_function("() => window.latolato.views.map.chart.contours.length > 0")
+    assert levels.get_attribute("placeholder") == "30, 60, 90, 120, 150"
+    levels.fill("45, 100 deg")
+    levels.press("Enter")
+    page.wait_for_function("() => location.search.includes('map.levels=')")
+    page.wait_for_function(
+        "() => window.latolato.views.map.chart.contours.some(c => c.text === '100°')"
+    )
+    found = page.evaluate(
+        """() => {
+          const { chart, grid } = window.latolato.views.map;
+          chart.lines = [];
+          chart.draw();
+          const context = chart.canvas.getContext("2d");
+          const { width, height } = chart.canvas;
+          const { data } = context.getImageData(0, 0, width, height);
+          const longest = chart.contours.toSorted((a, b) => b.xs.length - a.xs.length)[0];
+          const dark = Array.from(longest.xs, (x, i) => {
+            const [px, py] = chart.place(x, longest.ys[i]).map(Math.floor);
+            let least = 255;
+            for (let r = py - 1; r <= py + 1; r += 1)
+              for (let c = px - 1; c <= px + 1; c += 1)
+                least = Math.min(least, Math.max(...data.slice(4 * (r * width + c),
+                  4 * (r * width + c) + 3)));
+            return least;
+          });
+          return { texts: [...new Set(chart.contours.map(c => c.text))], dark,
+            level: longest.level, xs: Array.from(longest.xs), ys: Array.from(longest.ys),
+            x: Array.from(grid.x), y: Array.from(grid.y),
+            values: Array.from(grid.values[grid.variable("largest_angle")]) };
+        }"""
+    )
+    assert sorted(found["texts"]) == ["100°", "45°"]
+    # Its ink, beside its value, lies under every corner.
+    assert np.mean(np.array(found["dark"]) < 60) > 0.8
+    # Each corner is where the straight line between two points has the level.
+    values = np.reshape(found["values"], (24, 24))
+    column = np.interp(found["xs"], found["x"], np.arange(24.0))
+    line = np.interp(found["ys"], found["y"], np.arange(24.0))
+    left, low = np.minimum(column.astype(int), 22), np.minimum(line.astype(int), 22)
+    a, b = column - left, line - low
+    between = (1 - b) * ((1 - a) * values[low, left] + a * values[low, left + 1]) + b * (
+        (1 - a) * values[low + 1, left] + a * values[low + 1, left + 1]
+    )
+    np.testing.assert_allclose(between, found["level"], rtol=1e-5)
+
+
+def test_an_axis_is_made_logarithmic_and_a_zero_on_it_is_refused(page):
+    open_map(page)
+    page.get_by_label("logarithmic, upwards").check()
+    wait_done(page, 2)
+    found = page.evaluate(
+        """() => {
+          const { chart, grid } = window.latolato.views.map;
+          const { top, height } = chart.frame();
+          return { y: Array.from(grid.y), top, height, cross: chart.cross,
+            places: Array.from(grid.y, y => chart.place(1, y)[1]),
+            lift: window.latolato.views.map.over.lines.map(({ name }) => name) };
+        }"""
+    )
+    np.testing.assert_allclose(found["y"], np.geomspace(0.005, 0.5, 24), rtol=1e-12)
+    # Even on the screen, cells reach to the border.
+    steps = -np.diff(found["places"])
+    np.testing.assert_allclose(steps, found["height"] / 24, rtol=1e-9)
+    assert found["lift"] == ["tongue", "lift_off"]
+    page.wait_for_function("() => location.search.includes('map.ylog=1')")
+    # The arrow keys go by cells there too.
+    field = page.get_by_role("application")
+    field.focus()
+    before = page.evaluate("() => window.latolato.views.map.chart.cross[1]")
+    field.press("ArrowUp")
+    after = page.evaluate("() => window.latolato.views.map.chart.cross[1]")
+    assert after / before == pytest.approx(100 ** (1 / 23))
+    page.get_by_text("Python and command line").click()
+    assert "np.geomspace(0.005, 0.5, 24)" in page.locator("pre").first.inner_text()
+    low = page.get_by_label("from", exact=True).nth(1)
+    low.fill("0")
+    low.press("Enter")
+    page.get_by_role("alert").get_by_text("a logarithmic axis must begin above zero").wait_for()
+
+
+def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, watch, tmp_path):
+    open_map(page, QUERY.replace("duration=20", "duration=300").replace("size=24", "size=8"))
+    page.evaluate("() => window.latolato.views.map.controls.keep({ size: 100, duration: 60.5 })")
+    page.wait_for_function(
+        """() => {
+          const { grid, next, job } = window.latolato.views.map;
+          return grid.width === 100 && !next && job && !job.ended && grid.done > 500;
+        }"""
+    )
+    page.get_by_role("button", name="Stop").click()
+    known = page.evaluate(
+        """() => window.latolato.views.map.grid.stride.reduce((n, s) => n + (s === 1), 0)"""
+    )
+    assert 500 < known < 10_000
+    page.get_by_text("Download", exact=True).click()
+    page.get_by_role("button", name="Zarr").click()
+    page.get_by_role("alert").get_by_text("points are not computed yet").wait_for()
+    watch.faults = [each for each in watch.faults if "422" not in each]
+    page.get_by_role("button", name="Go on").click()
+    wait_done(page, 2)
+    again = page.get_by_text(re.compile(r"^\d+ runs in")).inner_text()
+    assert int(again.split()[0]) <= 10_000 - known
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="NetCDF").click()
+    waiting.value.save_as(tmp_path / "map.nc")
+    grid = ll.load(tmp_path / "map.nc")
+    assert "unfinished" not in grid.attrs
+    assert grid.attrs["duration"] == 60.5
+    shown = page.evaluate(
+        """() => {
+          const { grid } = window.latolato.views.map;
+          return Array.from(grid.values[grid.variable("largest_angle")]);
+        }"""
+    )
+    np.testing.assert_array_equal(
+        np.float32(shown), grid.largest_angle.values.ravel().astype(np.float32)
+    )
+
+
 def test_classes_have_a_legend_instead_of_a_bar(page):
     open_map(
         page,
@@ -196,7 +321,7 @@ def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
     upper = page.get_by_label("to", exact=True).nth(1)
     upper.fill("-3 mm")
     upper.press("Enter")
-    page.get_by_role("alert").get_by_text("y must go upwards").wait_for()
+    page.get_by_role("alert").get_by_text("amplitude: the end must lie above the start").wait_for()
     upper.fill("30 cm")
     upper.press("Enter")
     wait_done(page, 2)

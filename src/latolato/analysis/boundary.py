@@ -93,7 +93,7 @@ def boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     x_name, y_name = str(values.dims[1]), str(values.dims[0])
     x, y, z = values[x_name].values, values[y_name].values, values.values.astype(np.float64)
     found = np.array([_edges(x, row, level) for row in z])
-    lines = _contours(x, y, z, level)
+    lines = contour_lines(x, y, z, level)
     part = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     vertices = np.concatenate([*lines, np.empty((0, 2))])
     about_x, about_y, about_z = (
@@ -161,8 +161,8 @@ def _checked(grid: xr.Dataset, observable: str) -> xr.DataArray:
     return values.transpose(y, x).sortby([y, x])
 
 
-def _contours(x: Floats, y: Floats, z: Floats, level: float) -> list[Floats]:
-    """Return the polylines of a level, each of shape (vertex, 2)."""
+def contour_lines(x: Floats, y: Floats, z: Floats, level: float) -> list[Floats]:
+    """Return the polylines of a level, each of shape (vertex, 2): contours between points."""
     from contourpy import contour_generator
 
     generator = contour_generator(x, y, np.ma.masked_invalid(z))

@@ -40,9 +40,9 @@ MOST_SAMPLES = 200_000
 # Frames of an animation: three minutes, made in a minute or two.
 MOST_FRAMES = 5400
 FPS = 30.0
-_PICTURE_DPI = 200
+PICTURE_DPI = 200
 # Figures share matplotlib's settings.
-_drawing = threading.Lock()
+drawing_lock = threading.Lock()
 
 
 def routes() -> list[BaseRoute]:
@@ -146,8 +146,8 @@ def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
         from latolato.figures.plot import plot
         from latolato.figures.style import save_figure
 
-        with _drawing:
-            save_figure(plot(run), path, dpi=_PICTURE_DPI)
+        with drawing_lock:
+            save_figure(plot(run), path, dpi=PICTURE_DPI)
     else:
         from latolato.files import save
 

@@ -42,14 +42,7 @@ _OF_RUN = ("times", "frame", "tolerance")
 
 @dataclass(frozen=True, kw_only=True)
 class MapAsked:
-    """What a page asks for; None leaves the choice to what the scenario says.
-
-    Attributes
-    ----------
-    known : tuple of int, optional
-        First column, last column, first row and last row (both ends included) of cells that the
-        page has and that are not computed again.
-    """
+    """What a page asks for; None leaves the choice to what the scenario says."""
 
     asked: Asked
     x: Span | None = None
@@ -60,7 +53,6 @@ class MapAsked:
     duration: float | None = None
     transient: float | None = None
     tolerance: float = USUAL_TOLERANCE
-    known: tuple[int, int, int, int] | None = None
 
     @classmethod
     def from_json(cls, value: Any) -> MapAsked:
@@ -95,8 +87,6 @@ class MapAsked:
         for name, unit in (("duration", "s"), ("transient", "s"), ("tolerance", "rad")):
             if name in given:
                 found[name] = checked_number(name, given[name], ANY, unit)
-        if "known" in given:
-            found["known"] = _four(given["known"])
         result = cls(**found)
         if result.width * result.height > MOST_CELLS:
             raise TooLargeError(
@@ -104,15 +94,6 @@ class MapAsked:
                 f"{result.width * result.height}"
             )
         return result
-
-
-def _four(value: Any) -> tuple[int, int, int, int]:
-    """Return the part of a map that is known."""
-    whole = isinstance(value, (list, tuple)) and len(value) == 4
-    if not whole or not all(isinstance(v, int) and not isinstance(v, bool) for v in value):
-        raise TypeError(f"known must be four whole numbers, got {value!r}")
-    a, b, c, d = value
-    return a, b, c, d
 
 
 @dataclass(frozen=True)
@@ -156,20 +137,22 @@ class Map:
         """Return the plan of the one point at these values."""
         return self._plan({_POINT: {self.x.name: [x], self.y.name: [y]}}, None)
 
-    def arguments(self) -> dict[str, Any]:
-        """Return what describes the whole map as one sweep: axes first the one upwards."""
+    @cached_property
+    def plan(self) -> Plan:
+        """The whole map as one sweep, first the axis upwards."""
         x, y = self.grid
-        return {"axes": {self.y.name: y, self.x.name: x}, **self._varied(None)}
+        return self._plan({self.y.name: y, self.x.name: x}, None)
 
     def _plan(self, axes: dict[str, Any], chunk_size: int | None) -> Plan:
         run = {k: v for k, v in self.scenario.run.items() if k not in _OF_RUN}
         if {"initial_angle", "initial_offset"} & {self.x.name, self.y.name}:
             run = {k: v for k, v in run.items() if k not in ("initial_angle", "initial_offset")}
         run |= {"duration": self.duration, "tolerance": self.asked.tolerance}
-        changed = {"axes": axes, **self._varied(chunk_size)}
+        changed = {"axes": axes, **self.varied(chunk_size)}
         return replace(self.scenario, run=run, varied=changed).plan()
 
-    def _varied(self, chunk_size: int | None) -> dict[str, Any]:
+    def varied(self, chunk_size: int | None = None) -> dict[str, Any]:
+        """Return what is gathered, and how."""
         varied: dict[str, Any] = {"observables": self.watched, "transient": self.transient}
         periods = self.scenario.varied.get("transient_periods")
         if periods and self.asked.transient is None:
@@ -211,6 +194,18 @@ class Map:
         return cost
 
 
+def _check_times(duration: float, transient: float) -> None:
+    """Raise ValueError unless runs last and something of them is left."""
+    if not duration > 0.0:
+        raise ValueError(f"each run must last longer than 0 s, got {duration:g} s")
+    if not transient >= 0.0:
+        raise ValueError(f"what is left out must be at least 0 s, got {transient:g} s")
+    if transient >= duration:
+        raise ValueError(
+            f"what is left out must be shorter than a run of {duration:g} s, got {transient:g} s"
+        )
+
+
 def make_map(asked: MapAsked) -> Map:
     """Return the map that a page asks for.
 
@@ -224,8 +219,11 @@ def make_map(asked: MapAsked) -> Map:
     run, system, varied = scenario.run, scenario.system, scenario.varied
     known = parameters_of(system, scenario.drive, run.get("noise"))
     times = run.get("times")
-    duration = asked.duration or run.get("duration") or (times[-1] if times else 60.0)
+    duration = run.get("duration") or (times[-1] if times else 60.0)
+    if asked.duration is not None:
+        duration = asked.duration
     transient = varied.get("transient", 0.0) if asked.transient is None else asked.transient
+    _check_times(float(duration), float(transient))
     watched, shown, variables = watched_of(varied, asked.observable, system.angles)
     spans = spans_of(known, scenario, (asked.x, asked.y))
     choices = {

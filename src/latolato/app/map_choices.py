@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from latolato.app.forms import SUGGESTED, units_of
 from latolato.app.given import options_of
+from latolato.figures.sides import is_geometric
 from latolato.observables import Observable, observables
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.quantities import ANY, Range
@@ -20,36 +21,44 @@ from latolato.scenario import Scenario
 from latolato.sweep.axes import DERIVED, Parameter
 from latolato.sweep.plan import DEFAULT_OBSERVABLES, checked_observable
 
+# A logarithmic axis begins at this share of its end where nothing else is known.
+_LOG_SPAN = 0.01
+
 
 @dataclass(frozen=True)
 class Span:
     """One axis: the parameter that varies along it and its first and last value [SI].
 
-    Ends of NaN stand for a range to begin with.
+    Ends of NaN stand for a range to begin with; `log` is None for the spacing to begin with.
     """
 
     name: str
     low: float
     high: float
+    log: bool | None = None
 
     @classmethod
     def from_json(cls, which: str, value: Any) -> Span:
         """Return an axis, or raise TypeError or ValueError."""
-        if not isinstance(value, Mapping) or set(value) not in ({"name"}, {"name", "low", "high"}):
+        own = set(value) - {"log"} if isinstance(value, Mapping) else set()
+        if own not in ({"name"}, {"name", "low", "high"}):
             raise TypeError(f"{which} must be an object with name, low and high, got {value!r}")
-        name = value["name"]
+        name, log = value["name"], value.get("log")
         if not isinstance(name, str):
             raise TypeError(f"the name of {which} must be a text, got {name!r}")
+        if log is not None and not isinstance(log, bool):
+            raise TypeError(f"log of {which} must be true or false, got {log!r}")
         if "low" not in value:
-            return cls(name, math.nan, math.nan)
-        low, high = (checked_number(f"{which}.{k}", value[k], ANY, "SI") for k in ("low", "high"))
-        if not low < high:
-            raise ValueError(f"{which} must go upwards, got {low:g} to {high:g}")
-        return cls(name, low, high)
+            return cls(name, math.nan, math.nan, log)
+        low, high = (checked_number(name, value[k], ANY, "SI") for k in ("low", "high"))
+        return cls(name, low, high, log)
 
     def values(self, count: int) -> NDArray[np.float64]:
         """Return the values at the middles of the cells, both ends included."""
-        return np.linspace(self.low, self.high, count)
+        if count == 1:
+            return np.array([self.low])
+        make = np.geomspace if self.log else np.linspace
+        return np.asarray(make(self.low, self.high, count))
 
 
 def moving_drive(scenario: Scenario) -> Drive:
@@ -75,8 +84,7 @@ def spans_of(
     for name, values in scenario.varied.get("axes", {}).items():
         if isinstance(values, Mapping) or name not in known or len(usual) == 2:
             continue
-        low, high = min(values), max(values)
-        usual.append(Span(name, low, high) if low < high else _span(name, known, scenario))
+        usual.append(_span(name, known, scenario))
     names = ("drive_amplitude", "frequency_ratio", "initial_angle", "initial_angular_velocity")
     for name in (*names, *known):
         taken = {DERIVED.get(s.name, s.name) for s in usual}
@@ -88,13 +96,73 @@ def spans_of(
         if span is not None and span.name not in known:
             raise ValueError(f"unknown parameter '{span.name}': {suggest(span.name, list(known))}")
         if span is not None and math.isnan(span.low):
-            span = _span(span.name, known, scenario)
-        chosen.append(span or own)
+            span = _span(span.name, known, scenario, span.log)
+        chosen.append(_checked(span or own, known))
+    if DERIVED.get(chosen[0].name, chosen[0].name) == DERIVED.get(chosen[1].name, chosen[1].name):
+        a, b = (known[span.name].quantity.long_name for span in chosen)
+        raise ValueError(
+            f"both axes show the {a}: choose another one"
+            if a == b
+            else f"{a} and {b} set the same thing: choose another axis"
+        )
     return chosen[0], chosen[1]
 
 
-def _span(name: str, known: Mapping[str, Parameter], scenario: Scenario) -> Span:
-    return Span(name, *suggested_range(name, known, scenario))
+def _span(
+    name: str, known: Mapping[str, Parameter], scenario: Scenario, log: bool | None = None
+) -> Span:
+    """Return an axis with the range to begin with; a logarithmic one ends two decades below."""
+    low, high = suggested_range(name, known, scenario)
+    if log is None:
+        values = scenario.varied.get("axes", {}).get(name)
+        given = values is not None and not isinstance(values, Mapping)
+        log = given and is_geometric(np.sort(np.array(values, dtype=float)))
+    if log and not low > 0.0 and high > 0.0:
+        low = _LOG_SPAN * high
+    return Span(name, low, high, log)
+
+
+def _checked(span: Span, known: Mapping[str, Parameter]) -> Span:
+    """Return an axis, or raise ValueError in the words of the quantity along it."""
+    parameter = known[span.name]
+    label = named(span.name, parameter)
+    low, high = (in_words(span.name, v, parameter) for v in (span.low, span.high))
+    if not span.low < span.high:
+        raise ValueError(f"{label}: the end must lie above the start, got {low} to {high}")
+    allowed = parameter.allowed
+    for value, said in ((span.low, low), (span.high, high)):
+        if value not in allowed:
+            rule = rule_of(span.name, parameter)
+            raise ValueError(f"{label}: values must be {rule}, got {said}")
+    if span.log and not span.low > 0.0:
+        raise ValueError(
+            f"{label}: a logarithmic axis must begin above zero, got {low}: raise the start, or "
+            "make the axis linear"
+        )
+    return replace(span, log=bool(span.log))
+
+
+def named(name: str, parameter: Parameter) -> str:
+    """Return what a parameter is called, with the ball that it belongs to."""
+    side = next((s for s in ("right", "left") if s in name.split("_")), None)
+    return parameter.quantity.long_name + (f", {side} ball" if side else "")
+
+
+def rule_of(name: str, parameter: Parameter) -> str:
+    """Return in words where the values of a parameter may lie."""
+    allowed = parameter.allowed
+    low, high = (in_words(name, v, parameter) for v in (allowed.low, allowed.high))
+    least = f"above {low}" if allowed.open_low else f"at least {low}"
+    most = f"below {high}" if allowed.open_high else f"at most {high}"
+    parts = [least] if math.isfinite(allowed.low) else []
+    return " and ".join([*parts, most] if math.isfinite(allowed.high) else parts)
+
+
+def in_words(name: str, value: float, parameter: Parameter) -> str:
+    """Return a value in the unit in which pages show it."""
+    unit = units_of(name, parameter.path[-1], parameter.quantity.unit)[0]
+    tail = "" if unit["name"] == "1" else f" {unit['name']}"
+    return f"{value / unit['size']:.6g}{tail}"
 
 
 def suggested_range(
@@ -138,10 +206,9 @@ def about_axis(name: str, parameter: Parameter, suggested: tuple[float, float]) 
     """Return how an axis is shown."""
     quantity = parameter.quantity
     limits = (parameter.allowed.low, parameter.allowed.high)
-    side = next((s for s in ("right", "left") if s in name.split("_")), None)
     return {
         "name": name,
-        "label": quantity.long_name + (f", {side} ball" if side else ""),
+        "label": named(name, parameter),
         "symbol": quantity.symbol,
         "unit": quantity.unit,
         "units": units_of(name, parameter.path[-1], quantity.unit),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from latolato.app.blocks import pack
 from latolato.app.forms import units_of
 from latolato.app.map_asked import Map
+from latolato.app.map_cells import Maps, known_of, values_of
 from latolato.app.map_choices import mappable
 from latolato.app.map_lines import sweep_command, sweep_lines
 from latolato.figures.map import CLASSES
@@ -62,21 +63,18 @@ def levels(width: int, height: int) -> Iterator[tuple[int, Cells]]:
 
 
 def in_order(shown: Map) -> tuple[Cells, Cells]:
-    """Return the cells to compute, coarse ones first, and the stride of the level of each."""
+    """Return all cells, coarse ones first, and the stride of the level of each."""
     height, width = shown.shape
     parts = list(levels(width, height))
     cells = np.concatenate([cells for _, cells in parts])
     strides = np.concatenate([np.full(len(cells), stride) for stride, cells in parts])
-    if shown.asked.known is not None:
-        first, last, low, high = shown.asked.known
-        row, column = np.divmod(cells, width)
-        new = ~((column >= first) & (column <= last) & (row >= low) & (row <= high))
-        cells, strides = cells[new], strides[new]
     return cells, strides
 
 
-def frames(shown: Map, cancel: NDArray[np.int64]) -> Generator[bytes, None, None]:
+def frames(shown: Map, cancel: NDArray[np.int64], maps: Maps) -> Generator[bytes, None, None]:
     """Yield what a page needs: what the map is of, then cells as chunks end, then that it is done.
+
+    Cells that are known, of a map that was stopped, left or moved, come first and at once.
 
     Raises
     ------
@@ -87,44 +85,58 @@ def frames(shown: Map, cancel: NDArray[np.int64]) -> Generator[bytes, None, None
     """
     cost = shown.cost_of_point()
     size = int(np.clip(_SECONDS_OF_CHUNK / (cost * _SECONDS_OF_STEP), *_CHUNKS))
+    memory = maps.begin(shown.plan)
     cells, strides = in_order(shown)
+    known = known_of(memory)[cells]
+    names = variables_of(memory.plan)
+    yield _begin(shown, int(np.sum(~known)))
+    if known.any():
+        values = values_of(memory, cells[known])
+        about = {"points": 0, "seconds": 0.0, "rate": 0.0, "reason": ""}
+        yield _cells(about, cells[known], strides[known], values, names)
+    cells, strides = cells[~known], strides[~known]
     if not len(cells):
-        plan = shown.plan_of(np.array([0]))
-        yield _begin(shown, plan, 0)
         yield pack({"kind": "done", "points": 0, "seconds": 0.0, "rate": 0.0}, {})
         return
     plan = shown.plan_of(cells, size)
-    yield _begin(shown, plan, len(cells))
     begun, done, rate = time.perf_counter(), 0, 0.0
     first: tuple[float, int] | None = None
-    names = variables_of(plan)
     chunks = run_cancellable(
         plan, range(plan.chunks), available_processors(), cancel, niceness=_NICENESS
     )
     for number, (values, reason) in chunks:
         (part,) = plan.block(number)
+        memory.put(cells[part], values, reason)
         done += part.stop - part.start
         now = time.perf_counter()
         # The first chunk may have waited for the compiler.
         first = first or (now, done)
         rate = (done - first[1]) / (now - first[0]) if done > first[1] else done / (now - begun)
-        yield pack(
-            {
-                "kind": "cells",
-                "points": done,
-                "seconds": now - begun,
-                "rate": rate,
-                "reason": reason,
-            },
-            {
-                "cell": cells[part].astype(np.int32),
-                "stride": strides[part].astype(np.uint8),
-                "status": values[STATUS].astype(np.uint8),
-                "values": np.array([of_point(values, name) for name in names], dtype=np.float32),
-            },
-        )
+        about = {"points": done, "seconds": now - begun, "rate": rate, "reason": reason}
+        yield _cells(about, cells[part], strides[part], values, names)
     seconds = time.perf_counter() - begun
     yield pack({"kind": "done", "points": done, "seconds": seconds, "rate": rate}, {})
+
+
+def _cells(
+    about: dict[str, Any],
+    cells: Cells,
+    strides: Cells,
+    values: Values,
+    names: list[tuple[str, int | None]],
+) -> bytes:
+    """Return the frame of some cells."""
+    with np.errstate(over="ignore"):  # what is beyond all pictures becomes infinite
+        shown = np.array([of_point(values, name) for name in names], dtype=np.float32)
+    return pack(
+        {"kind": "cells", **about},
+        {
+            "cell": cells.astype(np.int32),
+            "stride": strides.astype(np.uint8),
+            "status": values[STATUS].astype(np.uint8),
+            "values": shown,
+        },
+    )
 
 
 def variables_of(plan: Plan) -> list[tuple[str, int | None]]:
@@ -144,17 +156,17 @@ def of_point(values: Values, variable: tuple[str, int | None]) -> NDArray[np.flo
     return found.reshape(len(found), -1)[:, 0]
 
 
-def _begin(shown: Map, plan: Plan, points: int) -> bytes:
+def _begin(shown: Map, points: int) -> bytes:
     """Return the frame that a map begins with."""
-    x, y = shown.grid
     known = {axis["name"]: axis for axis in shown.choices["axes"]}
-    about = attributes_of_variables(plan)
-    variables = [about_variable(name, about[name], ball) for name, ball in variables_of(plan)]
+    about = attributes_of_variables(shown.plan)
+    variables = [about_variable(name, about[name], ball) for name, ball in variables_of(shown.plan)]
     return pack(
         {
             "kind": "begin",
-            "x": known[shown.x.name],
-            "y": known[shown.y.name],
+            "x": {**known[shown.x.name], "log": shown.x.log},
+            "y": {**known[shown.y.name], "log": shown.y.log},
+            "key": shown.plan.hash,
             "observable": shown.shown,
             "statuses": [name.replace("_", " ") for name in STATUS_NAMES],
             "variables": variables,
@@ -163,7 +175,7 @@ def _begin(shown: Map, plan: Plan, points: int) -> bytes:
             "python": sweep_lines(shown),
             "command": sweep_command(shown),
         },
-        sides_of(side(x, known[shown.x.name]), side(y, known[shown.y.name])),
+        sides_of(*sides(shown)),
     )
 
 
@@ -180,9 +192,13 @@ def about_variable(name: str, about: dict[str, Any], ball: int | None) -> dict[s
     }
 
 
-def side(values: NDArray[np.float64], about: dict[str, Any]) -> Side:
-    """Return an evenly spaced axis."""
-    return Side(about["name"], values, {}, about["name"], is_log=False)
+def sides(shown: Map) -> tuple[Side, Side]:
+    """Return the axes of a map, x first."""
+    x, y = (
+        Side(span.name, values, {}, span.name, is_log=bool(span.log))
+        for span, values in zip((shown.x, shown.y), shown.grid, strict=True)
+    )
+    return x, y
 
 
 def sides_of(x: Side, y: Side) -> dict[str, Any]:

@@ -37,7 +37,8 @@ def sweep_lines(shown: Map) -> str:
         arguments.append("drive")
     lines += ["grid = ll.sweep(", f"    {', '.join(arguments)},", "    axes={"]
     for span, count in _spans(shown):
-        lines.append(f'        "{span.name}": np.linspace({span.low!r}, {span.high!r}, {count}),')
+        make = "geomspace" if span.log else "linspace"
+        lines.append(f'        "{span.name}": np.{make}({span.low!r}, {span.high!r}, {count}),')
     lines += ["    },", f"    observables=[{', '.join(map(_observable, shown.watched))}],"]
     for name in _OF_RUN:
         value = scenario.run.get(name)
@@ -66,7 +67,8 @@ def sweep_command(shown: Map) -> str:
     for name, number in _numbers(shown).items():
         words += ["--" + name.replace("_", "-"), repr(number)]
     for span, count in _spans(shown):
-        unit = "" if units[span.name] == "1" else f" {units[span.name]}"
+        unit = " log" if span.log else ""
+        unit += "" if units[span.name] == "1" else f" {units[span.name]}"
         words += ["--axis", f"{span.name} = {span.low!r} : {span.high!r} : {count}{unit}"]
     for each in shown.watched:
         words += ["--observable", _in_words(each)]
@@ -87,7 +89,7 @@ def _replaced(shown: Map) -> set[str]:
 def _numbers(shown: Map) -> dict[str, float]:
     """Return duration, transient and tolerance."""
     found = {"duration": shown.duration, "tolerance": shown.asked.tolerance}
-    arguments = shown.arguments()
+    arguments = shown.varied()
     for name in ("transient", "transient_periods"):
         if arguments.get(name):
             found[name] = float(arguments[name])

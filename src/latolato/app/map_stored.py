@@ -14,6 +14,7 @@ from latolato.app.forms import units_of
 from latolato.app.given import TooLargeError
 from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
+from latolato.app.map_shown import spaced
 from latolato.numerics.records import STATUS_NAMES
 from latolato.registry import suggest
 
@@ -78,9 +79,10 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
         if variable is not None and asked.get("strict"):
             raise ValueError(f"unknown observable '{variable}': {suggest(str(variable), names)}")
         variable = names[0]
-    shown, rest = _selected(grid, variable, asked.get("select") or {})
-    drawing = _drawing(shown, variable)
+    _, rest = _selected(grid, variable, asked.get("select") or {})
+    drawing = drawing_of(grid, variable, asked.get("select") or {})
     y, x = drawing.sides
+    x, y = spaced(x, asked.get("xlog")), spaced(y, asked.get("ylog"))
     about = {}
     for name, side in (("x", x), ("y", y)):
         given = side.attributes
@@ -114,8 +116,9 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
             "names": names,
             "select": rest,
             "points": drawing.values.size,
+            "description": _description(grid, drawing),
             "title": grid.attrs.get("title", path.name),
-            "python": f'import latolato as ll\n\ngrid = ll.open_store("{path.name}")',
+            "python": f'import latolato as ll\n\ngrid = ll.load("{path.name}")',
             "command": f"latolato plot {path.name} --variable {variable}",
         },
         sides_of(x, y),
@@ -131,6 +134,17 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
     )
     done = pack({"kind": "done", "points": drawing.values.size, "seconds": 0.0, "rate": 0.0}, {})
     return [begin, cells, done]
+
+
+def _description(grid: xr.Dataset, drawing: Drawing) -> str:
+    """Return what a map is of, symbols as TeX: what does not vary, its points, who computed it."""
+    height, width = drawing.values.shape
+    missing = int(np.sum(drawing.status < 0))
+    told = [*drawing.title, f"{width} by {height} points"]
+    if missing:
+        told.append(f"{missing} of them not computed")
+    version = grid.attrs.get("latolato_version")
+    return ", ".join([*told, *([f"computed by latolato {version}"] if version else [])]) + "."
 
 
 def arguments_at(path: Path, x: tuple[str, float], y: tuple[str, float], select: Any) -> Any:
@@ -195,10 +209,21 @@ def _selected(
     return grid, told
 
 
-def _drawing(grid: xr.Dataset, variable: str) -> Drawing:
-    """Return the values of a map, sorted, NaN where there is no answer."""
+def drawing_of(grid: xr.Dataset, variable: str, select: Any) -> Drawing:
+    """Return the values of a map, sorted, NaN where there is no answer.
+
+    Parameters
+    ----------
+    select : mapping
+        The number of the value to take of each further dimension.
+    """
     from latolato.figures.map import Drawing
 
+    if variable not in grid:
+        raise ValueError(
+            f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
+        )
+    grid, _ = _selected(grid, variable, select)
     sizes = grid[variable].sizes
     if int(np.prod(list(sizes.values()))) > MOST_CELLS:
         shown = " x ".join(str(n) for n in sizes.values())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import threading
 from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
@@ -20,11 +21,14 @@ from latolato.app.server import answered, field_of, json_of
 
 if TYPE_CHECKING:
     from latolato.app.map_asked import Map
+    from latolato.app.map_cells import Maps
+    from latolato.app.map_shown import Shown
 
 # Maps that are computed at the same time; further ones wait.
 _MAPS = 2
 _WRONG_DATA = 1007
 _MOST_TOLD = 300  # characters of a message
+_making = threading.Lock()
 
 
 def routes() -> list[BaseRoute]:
@@ -33,7 +37,9 @@ def routes() -> list[BaseRoute]:
         WebSocketRoute("/ws/map", _socket),
         Route("/api/map/point", _point, methods=["POST"]),
         Route("/api/map/overlays", _overlays, methods=["POST"]),
+        Route("/api/map/contours", _contours, methods=["POST"]),
         Route("/api/map/stored", _stored),
+        Route("/download/map.{kind}", _file, methods=["POST"]),
     ]
 
 
@@ -122,7 +128,7 @@ def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], No
             return
         shown, choices = _map(given)
         send(json.dumps({"choices": choices}))
-        with compiling(report), closing(frames(shown, cancel)) as found:
+        with compiling(report), closing(frames(shown, cancel, cells_of(socket.app))) as found:
             for frame in found:
                 send(frame)
     except Cancelled:
@@ -130,6 +136,17 @@ def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], No
     except (TypeError, ValueError, ArithmeticError, OSError, ModuleNotFoundError) as error:
         if not cancel[0]:
             send(_line(error))
+
+
+def cells_of(app: Any) -> Maps:
+    """Return the points of maps that this server has computed."""
+    from latolato.app.map_cells import Maps
+
+    with _making:
+        if app.state.map_cells is None:
+            app.state.map_cells = Maps()
+    found: Maps = app.state.map_cells
+    return found
 
 
 def _map(given: Any) -> tuple[Map, dict[str, Any]]:
@@ -180,3 +197,35 @@ def _overlays_response(app: Any, given: Any) -> Response:
 
     block = overlays(given, lambda name: _path(app, name))
     return Response(block, media_type="application/octet-stream")
+
+
+async def _contours(request: Request) -> Response:
+    given = await json_of(request)
+    return await answered(request, _contours_response, request.app, given)
+
+
+def _contours_response(app: Any, given: Any) -> Response:
+    """Return the contour lines of a map."""
+    from latolato.app.map_contours import contour_block
+
+    block = contour_block(_shown(app, given), given)
+    return Response(block, media_type="application/octet-stream")
+
+
+def _shown(app: Any, given: Any) -> Shown:
+    """Return the map that a page shows."""
+    from latolato.app.map_shown import shown_of
+
+    return shown_of(given, cells_of(app), lambda name: _path(app, name))
+
+
+async def _file(request: Request) -> Response:
+    given = await json_of(request)
+    return await answered(request, _file_response, request.app, request.path_params["kind"], given)
+
+
+def _file_response(app: Any, kind: str, given: Any) -> Response:
+    """Return a file of a map."""
+    from latolato.app.map_files import file_response
+
+    return file_response(kind, given, lambda asked: _shown(app, asked))

@@ -208,9 +208,10 @@ def arrays_of(
     """Return instants, motion, columns as rows of balls, the drive's periods and the contacts."""
     found: dict[str, Any] = {"time": np.asarray(run["time"], dtype=np.float64)}
     found["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
-    for name in dict.fromkeys((*_MOTION, *columns)):
-        if name in run:
-            found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
+    with np.errstate(over="ignore"):  # what is beyond all pictures becomes infinite
+        for name in dict.fromkeys((*_MOTION, *columns)):
+            if name in run:
+                found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
     kinds = np.asarray(run["contact_kind"])
     found["contact_time"] = np.asarray(run["contact_time"], dtype=np.float64)
     found["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)

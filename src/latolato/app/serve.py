@@ -9,6 +9,7 @@ import threading
 import webbrowser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from urllib.parse import urlencode
 
 import uvicorn
 
@@ -77,7 +78,12 @@ def serve(
     settings = Settings(host=host, port=port, token=token, report=report, films=films, stored=maps)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{port}/" + (f"?{TOKEN}={settings.token}" if others else "")
-    print(f"latolato runs at {address}\nStop it with Ctrl-C.", flush=True)
+    told = f"latolato runs at {address}\n"
+    if maps:
+        query = urlencode({"view": "map", "map.stored": next(iter(maps))})
+        address += f"{'&' if others else '?'}{query}"
+        told += f"The map is at {address}\n"
+    print(f"{told}Stop it with Ctrl-C.", flush=True)
     threading.Thread(target=_warm, daemon=True).start()
     if browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

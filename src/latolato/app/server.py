@@ -84,6 +84,7 @@ def make_app(settings: Settings) -> Starlette:
     app.state.films = Store(settings.films)
     app.state.film_jobs = None
     app.state.maps = None
+    app.state.map_cells = None
     app.state.stored = dict(settings.stored)
     return app
 

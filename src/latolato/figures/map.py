@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.figures import contours, style
 from latolato.figures import overlays as marks
-from latolato.figures import style
 from latolato.figures.map_title import in_words, plain_text, title_of
 from latolato.figures.sides import Side, side_of, values_along
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
@@ -42,6 +43,8 @@ NO_ANSWER = style.GREY
 NOT_YET = "#c9cdd3"
 ZERO = style.PAPER
 _HEIGHT = 3.6  # inch
+# Logarithmic axes of more decades have powers of ten.
+_MOST_PLAIN = 3.0
 # More curves than this cannot be told apart.
 _MOST_CURVES = 12
 
@@ -76,9 +79,9 @@ def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
         raise ValueError(f"{variable} is a single value: select fewer dimensions")
 
 
-def _ordered(dims: list[str]) -> list[str]:
-    """Return dimensions with a frequency last, for it goes to the right."""
-    return sorted(dims, key=lambda dim: dim in marks.FREQUENCIES)
+def _ordered(dims: list[str], right: str | None) -> list[str]:
+    """Return dimensions with one, usually a frequency, last, for it goes to the right."""
+    return sorted(dims, key=lambda dim: dim == right if right else dim in marks.FREQUENCIES)
 
 
 def _selected(
@@ -121,6 +124,31 @@ def _nearest(name: str, values: Floats, wanted: float) -> int:
     return int(np.argmin(np.abs(values - wanted)))
 
 
+@dataclass(frozen=True)
+class Look:
+    """How a map is drawn: its colours, their ends, and lines over it with the unit of their values.
+
+    Attributes
+    ----------
+    colours : str
+        A scale of matplotlib.
+    limits : tuple of float, optional
+        Values of the darkest and the brightest colour; by default the least and the largest.
+    lines : sequence of latolato.figures.contours.Line
+        Lines of equal values.
+    unit : tuple of str and float
+        Name of the unit in which these are told, and how many SI units it is.
+    label : str
+        What is equal along them.
+    """
+
+    colours: str = "viridis"
+    limits: tuple[float, float] | None = None
+    lines: Sequence[contours.Line] = ()
+    unit: tuple[str, float] = ("", 1.0)
+    label: str = ""
+
+
 class Drawing:
     """One variable of a sweep over one or two dimensions, ready to be drawn.
 
@@ -129,11 +157,17 @@ class Drawing:
     """
 
     def __init__(
-        self, grid: xr.Dataset, variable: str | None, *, log: bool, select: Mapping[str, Any]
+        self,
+        grid: xr.Dataset,
+        variable: str | None,
+        *,
+        log: bool,
+        select: Mapping[str, Any],
+        right: str | None = None,
     ) -> None:
         self.name = _variable(list(map(str, grid.data_vars)), variable)
         grid, told = _selected(grid, self.name, select)
-        rest = _ordered(list(map(str, grid[self.name].dims)))
+        rest = _ordered(list(map(str, grid[self.name].dims)), right)
         _check_dims({d: grid.sizes[d] for d in rest}, self.name)
         self.sides = [side_of(grid, dim) for dim in rest]
         for side in self.sides:
@@ -174,8 +208,11 @@ class Drawing:
             return (low / 2.0, high * 2.0) if self.log else (low - 0.5, high + 0.5)
         return low, high
 
-    def map(self, overlays: Sequence[str], points: str | Path | None) -> Figure:
+    def map(
+        self, overlays: Sequence[str], points: str | Path | None, look: Look | None = None
+    ) -> Figure:
         """Return the heat map, with theory and trials over it."""
+        look = look or Look()
         context = None
         if overlays or points:
             y, x = self.sides
@@ -183,14 +220,17 @@ class Drawing:
         with style.use_style():
             figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT + 0.5)
             axes = panels[0, 0]
-            self._draw_cells(axes)
+            self._draw_cells(axes, look)
             handles = self._legend_of_cells()
             for side, axis in zip(self.sides, ("y", "x"), strict=True):
                 getattr(axes, f"set_{axis}label")(side.label)
                 if side.is_log:
                     getattr(axes, f"set_{axis}scale")("log")
+                    _number(getattr(axes, f"{axis}axis"), side)
                 edges = side.edges
                 getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
+            if look.lines:
+                handles.append(contours.draw(axes, look.lines, look.unit, look.label))
             if context is not None:
                 for name in overlays:
                     handles.append(marks.draw(axes, context, name))
@@ -200,20 +240,20 @@ class Drawing:
             figure.draw_without_rendering()
             return figure
 
-    def _draw_cells(self, axes: Axes) -> None:
+    def _draw_cells(self, axes: Axes, look: Look) -> None:
         """Draw the cells and their colour bar."""
         from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 
         y, x = self.sides
         shown = np.ma.masked_invalid(self.values)
-        low, high = self.limits
+        low, high = look.limits or self.limits
         if self.classes:
             colours: Any = ListedColormap(list(self.classes.values()))
             norm: Any = BoundaryNorm(np.arange(len(self.classes) + 1) - 0.5, len(self.classes))
         else:
             import matplotlib as mpl
 
-            colours = mpl.colormaps["viridis"]
+            colours = mpl.colormaps[look.colours]
             norm = LogNorm(low, high) if self.log else Normalize(low, high)
         if self.log:
             shown = np.ma.masked_less_equal(shown, 0.0)
@@ -339,6 +379,19 @@ class Drawing:
             label=f"no answer ({missing})",
         )
         handles.append(ticks)
+
+
+def _number(axis: Any, side: Side) -> None:
+    """Write plain numbers along a logarithmic axis of few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    decades = math.log10(side.edges[-1] / side.edges[0])
+    if decades > _MOST_PLAIN:
+        return
+    digits = (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    axis.set_major_locator(LogLocator(subs=digits))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _shades(count: int) -> list[Any]:

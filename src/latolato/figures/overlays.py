@@ -136,7 +136,10 @@ def curve(
                 "overlay lift_off needs a system with contact: nothing rests on a wall"
             )
         _, _, slow, fast = _limits(context, x_limits, y_limits)
-        frequency = np.linspace(max(slow, 1e-3 * fast), fast, _SAMPLES)
+        slow = max(slow, 1e-3 * fast)
+        # Even also along a logarithmic axis.
+        even = [np.linspace(slow, fast, _SAMPLES), np.geomspace(slow, fast, _SAMPLES)]
+        frequency = np.sort(np.concatenate(even))
         x, y = context.place(context.gravity / frequency**2, frequency)
     else:
         raise ValueError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")

@@ -68,14 +68,25 @@ def _label_of(grid: xr.Dataset, dim: str) -> str:
     return usable[0] if usable else dim
 
 
+def is_geometric(values: Floats) -> bool:
+    """Return whether increasing values keep their ratio and not their difference.
+
+    Examples
+    --------
+    >>> is_geometric(np.geomspace(0.01, 3.0, 7)), is_geometric(np.linspace(0.01, 3.0, 7))
+    (True, False)
+    """
+    if len(values) < 3 or not values[0] > 0.0:
+        return False
+    steps, ratios = np.diff(values), values[1:] / values[:-1]
+    return bool(np.ptp(ratios) < _EVEN * ratios[0] and np.ptp(steps) > _EVEN * steps[0])
+
+
 def side_of(grid: xr.Dataset, dim: str) -> Side:
     """Return an axis of the picture."""
     name = _label_of(grid, dim)
     values = np.sort(np.asarray(values_along(grid, dim), dtype=np.float64))
-    is_log = False
-    if len(values) > 2 and values[0] > 0.0:
-        steps, ratios = np.diff(values), values[1:] / values[:-1]
-        is_log = bool(np.ptp(ratios) < _EVEN * ratios[0] and np.ptp(steps) > _EVEN * steps[0])
+    is_log = is_geometric(values)
     about = grid[name].attrs if name in grid.coords else {}
     others = [str(n) for n, c in grid.coords.items() if c.dims == (dim,) and n != name]
     if others:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
@@ -152,7 +153,7 @@ class Memory:
         self._counts: Counter[str] = Counter()
         self._reasons: dict[int, str] = {}
         lengths = lengths_of(plan)
-        self._arrays = {
+        self.arrays = {
             name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
             for name, (dims, dtype, fill) in template(plan).items()
         }
@@ -166,11 +167,21 @@ class Memory:
     def write(self, number: int, values: Values, reason: str) -> None:
         """Put the values of a chunk in their place."""
         block = self.plan.block(number)
-        for name, array in self._arrays.items():
+        for name, array in self.arrays.items():
             array[block] = values[name]
         self._counts.update(status_counts(values[STATUS]))
         if reason:
             self._reasons[number] = reason
+
+    def put(self, points: NDArray[np.int64], values: Values, reason: str) -> None:
+        """Put the values of new points, numbered in C order, in their place."""
+        for name, array in self.arrays.items():
+            array.reshape(self.plan.size, *array.shape[len(self.plan.shape) :])[points] = values[
+                name
+            ]
+        self._counts.update(status_counts(values[STATUS]))
+        if reason:
+            self._reasons[int(points[0])] = reason
 
     def status_counts(self) -> dict[str, int]:
         """Return how many points have each status that occurs."""
@@ -183,7 +194,7 @@ class Memory:
         about = attributes_of_variables(self.plan)
         coordinates = coordinates_of(self.plan)
         dataset = xr.Dataset(
-            {n: (dims_of(self.plan, n), array, about[n]) for n, array in self._arrays.items()},
+            {n: (dims_of(self.plan, n), array, about[n]) for n, array in self.arrays.items()},
             coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
             attrs=attributes_of(self.plan),
         )

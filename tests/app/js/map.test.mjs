@@ -4,7 +4,9 @@ import test from "node:test";
 
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
-import { movedBy } from "../../../src/latolato/app/static/js/map/travel.js";
+import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
+import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
+import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/units.js";
 
 const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
@@ -49,18 +51,42 @@ test("a coarse point colours its neighbours until they have their own", () => {
   assert.equal(found.values[0][10], 9);
 });
 
-test("a moved map keeps the cells that both have, and asks for the others only", () => {
+test("a map moves by whole cells inside of what is allowed", () => {
   const old = grid(4, 3);
-  old.put(cells([...Array(12).keys()], Array(12).fill(1), [...Array(12).keys()]));
-  old.complete = true;
-  const { box, known, moved } = movedBy(old, 1, -1);
   // Downwards is forbidden: amounts are not negative.
-  assert.deepEqual(box, [1, 4, 0, 2]);
-  assert.deepEqual(known, [0, 2, 0, 2]);
-  const next = grid(4, 3);
-  assert.deepEqual(next.takeOver(old, moved.columns, moved.rows), [0, 2, 0, 2]);
-  assert.deepEqual([...next.values[0]].slice(0, 4).map((v) => (Number.isNaN(v) ? null : v)),
-    [1, 2, 3, null]);
+  assert.deepEqual(movedBy(old, 1, -1), [1, 4, 0, 2]);
+});
+
+test("along a logarithmic axis a map moves and grows by factors", () => {
+  const old = grid(3, 3);
+  old.xAxis = { ...AXIS, log: true };
+  old.x = Float64Array.from([1, 10, 100]);
+  old.xEdges = Float64Array.from([0.1 ** 0.5, 10 ** 0.5, 1000 ** 0.5, 1e5 ** 0.5]);
+  const near = (found, wanted) => found.forEach((v, i) =>
+    assert.ok(Math.abs(v - wanted[i]) < 1e-9 * wanted[i] + 1e-12, `${found}`));
+  near(movedBy(old, -2, 0), [0.01, 1, 0, 2]);
+  near(scaledBox(old, 1 / 3, [10, 1]), [10 ** 0.5, 1000 ** 0.5, 0.5, 1.5]);
+  // Twice as much: zero is never reached.
+  assert.ok(scaledBox(old, 8, null)[0] > 0);
+});
+
+test("levels are read with their units", () => {
+  const units = [{ name: "deg", size: 2 }, { name: "rad", size: 1 }];
+  assert.deepEqual(levelsOf("10, 5;7", units), [10, 14, 20]);
+  assert.deepEqual(levelsOf("1, 3 rad", units), [1, 3]);
+  assert.deepEqual(levelsOf("1 rad, 3 deg", units), [1, 6]);
+  assert.deepEqual(levelsOf("", units), []);
+  assert.equal(levelsOf("1, many", units), null);
+  assert.equal(levelsOf("3 kg", units), null);
+});
+
+test("the value of a line stands upright along it where it is straight", () => {
+  const points = Float64Array.from([100, 0, 50, 0, 0, 0]);
+  const along = Float64Array.from([0, 50, 100]);
+  assert.deepEqual(placeAt(points, along, 0.5, 40), { x: 50, y: 0, angle: 0 });
+  assert.equal(placeAt(points, along, 0.1, 40), null);
+  const corner = Float64Array.from([0, 0, 50, 0, 50, 50]);
+  assert.equal(placeAt(corner, along, 0.5, 40), null);
 });
 
 test("scales are tables of 256 opaque colours from dark to bright", () => {

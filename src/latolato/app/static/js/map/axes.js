@@ -48,9 +48,18 @@ export function drawAxes(chart, context, ratio) {
     const size = sizeOf(axis);
     const [low, high] = chart.ends(which);
     const length = which === "x" ? width : height;
-    const marks = axis.log ? decades(low / size, high / size)
-      : ticks(low / size, high / size, Math.max(2, length / ((which === "x" ? 75 : 50) * ratio)));
+    const many = Math.max(2, length / ((which === "x" ? 75 : 50) * ratio));
+    const even = axis.log ? decades(low / size, high / size) : [];
+    const marks = even.length > 1 ? even : ticks(low / size, high / size, many);
     context.beginPath();
+    for (const mark of even.length > 1 ? tenths(low / size, high / size) : []) {
+      const share = chart.share(which, mark * size);
+      const [x, y] = which === "x" ? [left + share * width, top + height]
+        : [left, top + (1 - share) * height];
+      context.moveTo(x, y);
+      if (which === "x") context.lineTo(x, y + 2.5 * ratio);
+      else context.lineTo(x - 2.5 * ratio, y);
+    }
     for (const mark of marks) {
       const share = chart.share(which, mark * size);
       if (share < -1e-9 || share > 1 + 1e-9) continue;
@@ -95,6 +104,20 @@ function decades(low, high) {
   const few = high / low < 1000;
   for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
     for (const digit of few ? [1, 2, 5] : [1])
+      if (digit * 10 ** k >= low && digit * 10 ** k <= high) found.push(digit * 10 ** k);
+  return found;
+}
+
+/**
+ * Return the whole multiples of powers of ten between two values, up to three decades.
+ * @param {number} low
+ * @param {number} high
+ */
+function tenths(low, high) {
+  const found = [];
+  if (high / low > 1e4) return [];
+  for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
+    for (let digit = 1; digit < 10; digit += 1)
       if (digit * 10 ** k >= low && digit * 10 ** k <= high) found.push(digit * 10 ** k);
   return found;
 }

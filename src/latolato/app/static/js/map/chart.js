@@ -1,9 +1,9 @@
 /** The picture of a map: cells, axes, curves, trials, the cross, and what the hand does on it. */
 
-import { colour, el, fitCanvas } from "../dom.js";
-import { t } from "../strings.js";
+import { colour, fitCanvas } from "../dom.js";
 import { drawAxes, MARGIN } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
+import { drawContours } from "./contours.js";
 import { cellAt } from "./grid.js";
 import { drawCross, drawLine, drawTrials } from "./marks.js";
 
@@ -11,6 +11,7 @@ import { drawCross, drawLine, drawTrials } from "./marks.js";
 /** @typedef {{variable: number, scale: string, log: boolean, limits: [number, number]}} Look */
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, dashed: boolean}} Line */
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, kinds: ArrayLike<number>}} Trials */
+/** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {[number, number, number, number]} Box x from, x to, y from, y to */
 
 const LEFT = MARGIN;
@@ -28,6 +29,8 @@ export class MapChart {
     this.look = { variable: 0, scale: "viridis", log: false, limits: [0, 1] };
     /** @type {Line[]} */
     this.lines = [];
+    /** @type {Contour[]} */
+    this.contours = [];
     /** @type {Trials | null} */
     this.trials = null;
     /** @type {[number, number] | null} values at the cross */
@@ -198,7 +201,10 @@ export class MapChart {
     context.clip();
     context.translate(this.shift[0], this.shift[1]);
     if (this.cells.width) context.drawImage(this.cells, left, top);
+    const drawValues = this.contours.length
+      ? drawContours(this, context, this.contours, ratio) : () => {};
     for (const each of this.lines) drawLine(this, context, each, ratio);
+    drawValues();
     if (this.trials) drawTrials(this, context, this.trials, ratio);
     if (this.cross) drawCross(this, context, this.cross, ratio);
     context.restore();
@@ -213,15 +219,5 @@ export class MapChart {
       context.strokeRect(a, b, c - a, d - b);
     }
     drawAxes(this, context, ratio);
-  }
-
-  /** Offer the picture as a file. */
-  save() {
-    this.canvas.toBlob((blob) => {
-      if (!blob) return;
-      const address = URL.createObjectURL(blob);
-      el("a", { href: address, download: t("mapFile") }).click();
-      setTimeout(() => URL.revokeObjectURL(address), 1000);
-    });
   }
 }

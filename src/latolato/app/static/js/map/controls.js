@@ -1,10 +1,11 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el } from "../dom.js";
+import { el, tell } from "../dom.js";
 import { t } from "../strings.js";
 import { plainSymbol } from "../units.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
+import { OverControls } from "./overcontrols.js";
 
 /** @typedef {import("../state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -30,8 +31,14 @@ export class MapControls {
       new QuantityField(t(name), (v) => set({ [key]: v }), hint ? t(hint) : "");
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
-    this.x = choice(t("mapX"), (v) => set({ x: v, xlow: null, xhigh: null, at: null }));
-    this.y = choice(t("mapY"), (v) => set({ y: v, ylow: null, yhigh: null, at: null }));
+    this.x = choice(t("mapX"), (v) => this.turn("x", v));
+    this.y = choice(t("mapY"), (v) => this.turn("y", v));
+    const log = (/** @type {"x" | "y"} */ which, /** @type {string} */ name) => {
+      const made = tick(t("mapLog"), (on) => set(this.spacing(which, on)));
+      made.box.setAttribute("aria-label", t(name));
+      return made;
+    };
+    this.logs = { x: log("x", "mapLogX"), y: log("y", "mapLogY") };
     const end = (/** @type {string} */ name, /** @type {"x" | "y"} */ which,
       /** @type {"low" | "high"} */ side) => new QuantityField(t(name), (value) =>
       set(this.axis(which, side, value)));
@@ -49,29 +56,22 @@ export class MapControls {
     this.transient = number("mapTransient", "transient", "mapTransientHint");
     this.scale = choice(t("mapScale"), (v) => set({ scale: v === SCALES[0] ? null : v }));
     this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : null, low: null, high: null }));
-    this.low = number("mapLow", "low");
-    this.high = number("mapHigh", "high");
-    this.tongue = tick(t("mapTongue"), (on) => set({ tongue: on ? null : 0 }));
-    this.lift = tick(t("mapLift"), (on) => set({ lift: on ? null : 0 }));
-    this.overNote = el("p", { class: "hint" });
-    const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials",
-      on: { change: async () => {
-        const [chosen] = file.files ?? [];
-        trials(chosen ? await chosen.text() : null);
-      } } });
-    this.file = file;
-    this.trialNote = el("p", { class: "hint", role: "status" });
-    this.top = el("div", { class: "source" }, this.source.root, this.about);
+    this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v));
+    this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v));
+    /** @type {[number, number]} values of the darkest and the brightest colour on show */
+    this.limits = [0, 1];
+    this.log.box.setAttribute("aria-label", t("mapLogColours"));
+    this.over = new OverControls(set, trials);
+    this.top = el("div", { class: "source" }, this.source.root,
+      el("p", { class: "hint" }, t("mapIntro")), this.about);
     this.root = el("div", { class: "form" },
-      this.group("mapAxes", true, this.x.root, this.pair("xlow", "xhigh"),
-        this.y.root, this.pair("ylow", "yhigh"), this.select),
+      this.group("mapAxes", true, this.x.root, this.pair("xlow", "xhigh"), this.logs.x.root,
+        this.y.root, this.pair("ylow", "yhigh"), this.logs.y.root, this.select),
       this.group("mapWhat", true, this.observable.root, this.meaning, this.ball.root,
         this.size.root, this.duration.root, this.transient.root),
       this.group("mapColours", false, this.scale.root, this.log.root,
         this.low.root, this.high.root),
-      this.group("mapOver", false, this.tongue.root, this.lift.root, this.overNote,
-        el("div", { class: "field preset" }, el("label", { for: "map-trials" }, t("mapTrials")),
-          el("p", { class: "hint" }, t("mapTrialsHint")), file), this.trialNote));
+      this.group("mapOver", false, ...this.over.parts));
   }
 
   /**
@@ -100,9 +100,24 @@ export class MapControls {
    * @param {number | null} value
    */
   axis(which, side, value) {
-    const { name, low, high } = this.choices[which];
+    const { name, low, high, log } = this.choices[which];
     const ends = value === null ? { low: null, high: null } : { low, high, [side]: value };
-    return { [which]: name, [`${which}low`]: ends.low, [`${which}high`]: ends.high };
+    return { [which]: name, [`${which}low`]: ends.low, [`${which}high`]: ends.high,
+      [`${which}log`]: log ? 1 : null };
+  }
+
+  /**
+   * Return what the address keeps of an axis that is made logarithmic or linear; one that begins
+   * at zero gets the usual range.
+   * @param {"x" | "y"} which
+   * @param {boolean} on
+   */
+  spacing(which, on) {
+    if (this.store.state.extra["map.stored"]) return { [`${which}log`]: on ? 1 : 0 };
+    const { name, low, high } = this.choices[which];
+    const ends = on && !(low > 0) ? [null, null] : [low, high];
+    return { [which]: name, [`${which}low`]: ends[0], [`${which}high`]: ends[1],
+      [`${which}log`]: on ? 1 : null };
   }
 
   /**
@@ -116,6 +131,34 @@ export class MapControls {
       else extra[`map.${name}`] = String(value);
     }
     this.store.set({ extra }, "extra");
+  }
+
+  /**
+   * Keep an end of the colours; one beyond the other end is refused.
+   * @param {"low" | "high"} side
+   * @param {number | null} value
+   */
+  limit(side, value) {
+    const [low, high] = this.limits;
+    const fits = value === null || (side === "low" ? value < high : value > low);
+    this[side].input.setAttribute("aria-invalid", String(!fits));
+    if (fits) this.keep({ [side]: value });
+    else tell(t("mapLimits"));
+  }
+
+  /**
+   * Show another parameter along an axis; that of the other axis changes places with this one.
+   * @param {"x" | "y"} which
+   * @param {string} name
+   */
+  turn(which, name) {
+    const other = which === "x" ? "y" : "x";
+    const set = (/** @type {"x" | "y"} */ to, /** @type {any} */ { low, high, log }, key = "") =>
+      ({ [to]: key, [`${to}low`]: low, [`${to}high`]: high, [`${to}log`]: log ? 1 : null });
+    const none = { low: null, high: null, log: false };
+    if (name !== this.choices[other].name) return this.keep({ ...set(which, none, name), at: null });
+    this.keep({ ...set(which, this.choices[other], name),
+      ...set(other, this.choices[which], this.choices[which].name), at: null });
   }
 
   /** @param {string} value */
@@ -145,7 +188,8 @@ export class MapControls {
       { value: PAGE, text: t("mapPage"), group: t("mapOwn") },
     ];
     this.source.show(entries, stored ? `f:${stored}` : scenario ? `s:${scenario}` : PAGE);
-    this.about.textContent = scenario ? this.registry.scenarios[scenario]?.description ?? "" : "";
+    if (!stored)
+      this.about.textContent = this.registry.scenarios[scenario ?? ""]?.description ?? "";
   }
 
   /**
@@ -167,6 +211,7 @@ export class MapControls {
       const axis = about(choices[which].name);
       this.ends[`${which}low`].show(choices[which].low, axis.units);
       this.ends[`${which}high`].show(choices[which].high, axis.units);
+      this.logs[which].box.checked = choices[which].log;
     }
     this.observable.show(choices.variables.map((/** @type {any} */ v) => ({ value: v.name,
       text: v.label, title: v.description,
@@ -187,6 +232,10 @@ export class MapControls {
   showStored(about) {
     this.observable.show(about.names.map((/** @type {string} */ name) => ({ value: name,
       text: this.labelOf(name) })), about.observable);
+    for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
+      this.logs[which].box.checked = about[which].log;
+      this.logs[which].text.textContent = t("mapLogOf", { name: about[which].label });
+    }
     this.select.replaceChildren(...about.select.map((/** @type {any} */ each) => {
       const label = this.labelOf(each.dim, each.label);
       const made = choice(label, (v) => this.keep({ [`at_${each.dim}`]: v, at: null }));
@@ -195,6 +244,8 @@ export class MapControls {
       String(each.index));
       return made.root;
     }));
+    this.about.textContent = about.description.replace(/\$([^$]+)\$/g,
+      (/** @type {string} */ _, /** @type {string} */ tex) => plainSymbol(tex));
     this.parts(false);
   }
 
@@ -213,19 +264,9 @@ export class MapControls {
     const ends = Object.values(this.ends).map((end) => end.root);
     for (const part of [this.x.root, this.y.root, this.size.root, this.duration.root,
       this.transient.root, ...ends]) part.hidden = !computed;
-    if (computed) this.select.replaceChildren();
-  }
-
-  /**
-   * Show what is drawn over the map, and why something is not.
-   * @param {import("./over.js").Over} over
-   */
-  showOver({ lines, trials, outside, notes }) {
-    this.tongue.box.disabled = !lines.some(({ name }) => name === "tongue");
-    this.lift.box.disabled = !lines.some(({ name }) => name === "lift_off");
-    this.overNote.textContent = Object.values(notes).join(" ");
-    this.trialNote.textContent = trials
-      ? t("mapTrialCount", { count: trials.xs.length, outside }) : "";
+    if (!computed) return;
+    this.select.replaceChildren();
+    for (const { text } of Object.values(this.logs)) text.textContent = t("mapLog");
   }
 
   /**
@@ -238,6 +279,7 @@ export class MapControls {
     const variable = grid.variables[look.variable];
     this.scale.show(SCALES.map((name) => ({ value: name, text: name })), look.scale);
     this.log.box.checked = look.log;
+    this.limits = look.limits;
     this.low.show(look.limits[0], variable.units, "map.low" in extra);
     this.high.show(look.limits[1], variable.units, "map.high" in extra);
     const classes = variable.classes.length > 0;

@@ -47,8 +47,9 @@ export class QuantityField {
     if (!text) return change(null);
     const value = parsed && parsed.unit === "" ? parsed.number * (this.units[0]?.size ?? 1)
       : toSi(text, this.units);
-    this.input.setAttribute("aria-invalid", String(value === null));
-    if (value === null) tell(t("noNumber", { text }));
+    const bad = value === null || !Number.isFinite(value);
+    this.input.setAttribute("aria-invalid", String(bad));
+    if (bad) tell(t("noNumber", { text }));
     else change(value);
   }
 }
@@ -92,6 +93,7 @@ export function choice(label, change) {
  */
 export function tick(label, change) {
   const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
-  const root = el("label", { class: "check" }, box, label);
-  return { root, box };
+  const text = el("span", {}, label);
+  const root = el("label", { class: "check" }, box, text);
+  return { root, box, text };
 }

@@ -83,31 +83,6 @@ export class Grid {
   }
 
   /**
-   * Take over the cells of another map that lies some cells away; returns the part that is known
-   * here as first and last column and row.
-   * @param {Grid} other
-   * @param {number} columns how far this map lies to the right of it
-   * @param {number} rows how far up
-   * @returns {[number, number, number, number] | null}
-   */
-  takeOver(other, columns, rows) {
-    const first = Math.max(0, -columns);
-    const last = Math.min(this.width, other.width - columns) - 1;
-    const low = Math.max(0, -rows);
-    const high = Math.min(this.height, other.height - rows) - 1;
-    if (first > last || low > high) return null;
-    for (let r = low; r <= high; r += 1)
-      for (let c = first; c <= last; c += 1) {
-        const to = r * this.width + c;
-        const from = (r + rows) * other.width + c + columns;
-        this.status[to] = other.status[from];
-        this.stride[to] = other.stride[from];
-        this.values.forEach((values, k) => { values[to] = other.values[k][from]; });
-      }
-    return [first, last, low, high];
-  }
-
-  /**
    * Return the place of a variable among those that the cells have, -1 if they have it not.
    * @param {string} name
    * @param {string | null} [ball]
@@ -132,6 +107,11 @@ export class Grid {
     if (status === NOT_YET) return { value: NaN, why: "notYet", status: "", exact };
     if (status >= FIRST_BAD) return { value: NaN, why: "noAnswer", status: name, exact };
     return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };
+  }
+
+  /** Return the share of the cells that are known. */
+  share() {
+    return 1 - (this.about.points - this.done) / (this.width * this.height);
   }
 
   /** Return how many cells have no answer. */

@@ -19,6 +19,7 @@ export function lookOf(grid, extra) {
     const value = Number(extra[key] ?? NaN);
     return Number.isFinite(value) && (!log || value > 0) ? value : usual;
   };
+  const limits = /** @type {[number, number]} */ ([given("map.low", low), given("map.high", high)]);
   return { variable, scale: extra["map.scale"] ?? "viridis", log,
-    limits: [given("map.low", low), given("map.high", high)] };
+    limits: limits[0] < limits[1] ? limits : [low, high] };
 }

@@ -44,13 +44,16 @@ export function requestOf(registry, state) {
     const select = Object.fromEntries(Object.entries(state.extra)
       .filter(([name]) => name.startsWith(TAKEN))
       .map(([name, v]) => [name.slice(TAKEN.length), Math.abs(Math.round(Number(v))) || 0]));
-    return { stored, observable, select };
+    const log = (/** @type {"x" | "y"} */ which) => ({ 0: false, 1: true })[
+      /** @type {0 | 1} */ (number(`${which}log`))] ?? null;
+    return { stored, observable, select, xlog: log("x"), ylog: log("y") };
   }
   const axis = (/** @type {"x" | "y"} */ which) => {
     const name = get(which);
     const [low, high] = [number(`${which}low`), number(`${which}high`)];
     if (!name) return null;
-    return low === null || high === null ? { name } : { name, low, high };
+    const log = get(`${which}log`) === "1" ? true : null;
+    return low === null || high === null ? { name, log } : { name, low, high, log };
   };
   const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));
   const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);

@@ -50,13 +50,15 @@ export function cellText(grid, cell, k) {
 }
 
 /**
- * Return the entries that explain colours of classes, cells without an answer, curves and trials.
+ * Return the entries that explain colours of classes, cells without an answer, curves, trials and
+ * contour lines.
  * @param {Grid} grid
  * @param {Variable} variable
  * @param {{name: string}[]} lines
  * @param {boolean} trials
+ * @param {Variable | null} contours
  */
-export function legend(grid, variable, lines, trials) {
+export function legend(grid, variable, lines, trials, contours) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
     const key = el("span", { class: "swatch" });
     key.style.background = paint;
@@ -68,6 +70,8 @@ export function legend(grid, variable, lines, trials) {
     ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
     ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
       t(name === "tongue" ? "mapTongue" : "mapLift"))),
+    ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),
+      t("mapContoursOf", { what: contours.label }))] : []),
     ...Object.entries(trials ? TRIALS : {}).map(([name, mark]) => el("li", {},
       el("span", { class: `trial ${name}`, "aria-hidden": "true" }, mark), t(`trial_${name}`))),
   ];

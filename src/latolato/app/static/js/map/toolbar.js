@@ -1,10 +1,11 @@
-/** What stands above a map: stop, zoom, move, save, and how far it is. */
+/** What stands above a map: stop, zoom, move, and how far it is. */
 
 import { el } from "../dom.js";
 import { t } from "../strings.js";
 
-/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void,
- *   save: () => void}} Actions */
+/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */
+
+const STATES = { busy: "mapStop", stopped: "mapGoOn", done: "mapAgain" };
 
 export class Toolbar {
   /** @param {Actions} actions */
@@ -25,7 +26,16 @@ export class Toolbar {
     this.root = el("div", { class: "row map-bar" }, this.stop, this.back,
       button("mapIn", () => actions.scale(0.5), "+"),
       button("mapOut", () => actions.scale(2), "−"), this.pan,
-      button("mapPicture", actions.save), this.progress, this.text);
+      this.progress, this.text);
+  }
+
+  /**
+   * Show what there is to do: a stored map has its points and no others.
+   * @param {boolean} stored
+   */
+  show(stored) {
+    for (const part of this.root.children)
+      if (part !== this.text) /** @type {HTMLElement} */ (part).hidden = stored;
   }
 
   /**
@@ -39,11 +49,11 @@ export class Toolbar {
   }
 
   /**
-   * Show whether there is something to stop.
-   * @param {boolean} busy
+   * Show what the first button does: stop, go on, or ask once more.
+   * @param {"busy" | "stopped" | "done"} state
    */
-  busy(busy) {
-    const name = t(busy ? "mapStop" : "mapAgain");
+  state(state) {
+    const name = t(STATES[state]);
     if (this.stop.textContent === name) return;
     this.stop.textContent = this.stop.title = name;
     this.stop.setAttribute("aria-label", name);

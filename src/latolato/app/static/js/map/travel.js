@@ -1,8 +1,66 @@
-/** Ways over a map: enlarged, moved by whole cells. */
+/** Ways over a map: enlarged, moved by whole cells, and back. */
+
+import { tell } from "../dom.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("./chart.js").Box} Box */
-/** @typedef {{grid: Grid, columns: number, rows: number}} Moved */
+
+/** Ways over the map of a view, kept in the address. */
+export class Travel {
+  /** @param {import("../views/map.js").MapView} view */
+  constructor(view) {
+    this.view = view;
+    /** @type {Record<string, string>[]} keys of the address of maps that were seen */
+    this.seen = [];
+  }
+
+  /**
+   * Go to another part of the map; a stored one has no other.
+   * @param {(grid: Grid) => Box} box
+   */
+  go(box) {
+    const { grid, controls } = this.view;
+    if (!grid) return;
+    if (grid.about.select) {
+      tell(t("mapStoredZoom"));
+      return;
+    }
+    const [xlow, xhigh, ylow, yhigh] = box(grid);
+    controls.keep({ x: grid.xAxis.name, y: grid.yAxis.name, xlow, xhigh, ylow, yhigh,
+      xlog: grid.xAxis.log ? 1 : null, ylog: grid.yAxis.log ? 1 : null });
+  }
+
+  /** @param {Box} box */
+  zoom(box) {
+    const { extra } = this.view.page.store.state;
+    if (!this.view.grid?.about.select) this.seen.push(placeOf(extra));
+    this.go(() => box);
+  }
+
+  /** @param {number} by factor of the lengths of both axes */
+  scale(by) {
+    const { grid, chart } = this.view;
+    if (grid) this.zoom(scaledBox(grid, by, chart.cross));
+  }
+
+  /**
+   * Move to the cells beside.
+   * @param {number} columns
+   * @param {number} rows
+   */
+  pan(columns, rows) {
+    if (columns || rows) this.go((grid) => movedBy(grid, columns, rows));
+  }
+
+  /** Zoom out to the map before. */
+  back() {
+    const last = this.seen.pop();
+    const { store } = this.view.page;
+    if (last) store.set({ extra: { ...withoutPlace(store.state.extra), ...last } }, "extra");
+  }
+}
 
 /**
  * Return the keys of the address that say which part of which map is on show.
@@ -24,7 +82,27 @@ export function withoutPlace(extra) {
 
 /** @param {string} name */
 function isPlace(name) {
-  return /^map\.[xy](low|high)?$/.test(name);
+  return /^map\.[xy](low|high|log)?$/.test(name);
+}
+
+/**
+ * Return how far a value lies along an axis, and back: its logarithm on a logarithmic one.
+ * @param {Axis} axis
+ */
+function measure(axis) {
+  return axis.log ? { to: Math.log, from: Math.exp }
+    : { to: (/** @type {number} */ v) => v, from: (/** @type {number} */ v) => v };
+}
+
+/**
+ * Return where values may lie along an axis, in its measure.
+ * @param {Axis} axis
+ */
+function allowedOf(axis) {
+  const [least, most] = axis.allowed ?? [];
+  const { to } = measure(axis);
+  return [to(least ?? -Infinity), to(most ?? Infinity)].map((v, k) =>
+    Number.isNaN(v) ? [-Infinity, Infinity][k] : v);
 }
 
 /**
@@ -37,44 +115,35 @@ function isPlace(name) {
 export function scaledBox(grid, by, about) {
   const [x, y] = /** @type {const} */ ([[grid.xEdges, grid.xAxis], [grid.yEdges, grid.yAxis]])
     .map(([edges, axis], k) => {
-      const [low, high] = [edges[0], edges[edges.length - 1]];
-      const middle = by < 1 ? about?.[k] ?? 0.5 * (low + high) : 0.5 * (low + high);
+      const { to, from } = measure(axis);
+      const [low, high] = [to(edges[0]), to(edges[edges.length - 1])];
+      const place = by < 1 && about ? to(about[k]) : 0.5 * (low + high);
       const half = 0.5 * by * (high - low);
-      const [least, most] = axis.allowed ?? [];
-      const bottom = Math.max(least ?? -Infinity, middle - half);
-      return [bottom, Math.min(most ?? Infinity, middle + half)];
+      const [least, most] = allowedOf(axis);
+      return [from(Math.max(least, place - half)), from(Math.min(most, place + half))];
     });
   return [x[0], x[1], y[0], y[1]];
 }
 
 /**
- * Return the map so many cells to the right and up, and what of it is known; it stays inside of
- * what is allowed.
+ * Return the map so many cells to the right and up; it stays inside of what is allowed.
  * @param {Grid} grid
  * @param {number} columns
  * @param {number} rows
- * @returns {{box: Box, moved: Moved, known: [number, number, number, number] | null}}
+ * @returns {Box}
  */
 export function movedBy(grid, columns, rows) {
-  const along = (/** @type {Float64Array} */ values, /** @type {(number | null)[]} */ allowed,
+  const along = (/** @type {Float64Array} */ values, /** @type {Axis} */ axis,
     /** @type {number} */ by) => {
-    const last = values[values.length - 1];
-    const step = (last - values[0]) / (values.length - 1);
-    const [least, most] = allowed;
-    const down = Math.floor((values[0] - (least ?? -Infinity)) / step + 1e-9);
-    const up = Math.floor(((most ?? Infinity) - last) / step + 1e-9);
+    const { to, from } = measure(axis);
+    const [first, last] = [to(values[0]), to(values[values.length - 1])];
+    const step = (last - first) / (values.length - 1);
+    const [least, most] = allowedOf(axis);
+    const down = Math.floor((first - least) / step + 1e-9);
+    const up = Math.floor((most - last) / step + 1e-9);
     const cells = Math.min(Math.max(by, -down), up);
-    return { cells, low: values[0] + cells * step, high: last + cells * step };
+    return [from(first + cells * step), from(last + cells * step)];
   };
-  const x = along(grid.x, grid.xAxis.allowed ?? [], columns);
-  const y = along(grid.y, grid.yAxis.allowed ?? [], rows);
-  const first = Math.max(0, -x.cells);
-  const last = Math.min(grid.width, grid.width - x.cells) - 1;
-  const low = Math.max(0, -y.cells);
-  const high = Math.min(grid.height, grid.height - y.cells) - 1;
-  return {
-    box: [x.low, x.high, y.low, y.high],
-    moved: { grid, columns: x.cells, rows: y.cells },
-    known: grid.complete && first <= last && low <= high ? [first, last, low, high] : null,
-  };
+  const [x, y] = [along(grid.x, grid.xAxis, columns), along(grid.y, grid.yAxis, rows)];
+  return [x[0], x[1], y[0], y[1]];
 }

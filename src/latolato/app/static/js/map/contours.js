@@ -1,0 +1,173 @@
+/** Contour lines over a map, with their values on them. */
+
+/** @typedef {import("./chart.js").MapChart} MapChart */
+/** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */
+/** @typedef {{x: number, y: number, angle: number}} Place */
+
+const INK = "#14171d";
+const HALO = "#ffffff";
+const FONT = 11.5; // pixels of the page
+// A line shorter than its value and this much more bears none.
+const ROOM = 36;
+// Where along a line its value may stand, the best place first.
+const PLACES = [0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92];
+// A line that is this crooked under its value would make it hard to read.
+const STRAIGHT = 0.93;
+
+/**
+ * Draw contour lines; returns what draws their values, over whatever else crosses them.
+ * @param {MapChart} chart
+ * @param {CanvasRenderingContext2D} context
+ * @param {Contour[]} contours
+ * @param {number} ratio
+ */
+export function drawContours(chart, context, contours, ratio) {
+  const lines = contours.map((each) => ({ text: each.text, points: pointsOf(chart, each) }));
+  const path = new Path2D();
+  for (const { points } of lines)
+    for (let i = 0; i < points.length; i += 2)
+      path[i ? "lineTo" : "moveTo"](points[i], points[i + 1]);
+  context.lineJoin = "round";
+  context.globalAlpha = 0.6;
+  stroke(context, path, HALO, 2.8 * ratio);
+  context.globalAlpha = 1;
+  stroke(context, path, INK, 1.2 * ratio);
+  return () => drawValues(chart, context, lines, ratio);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Path2D} path
+ * @param {string} paint
+ * @param {number} width
+ */
+function stroke(context, path, paint, width) {
+  context.strokeStyle = paint;
+  context.lineWidth = width;
+  context.stroke(path);
+}
+
+/**
+ * Return the corners of a line on the canvas, x and y by turns.
+ * @param {MapChart} chart
+ * @param {Contour} contour
+ */
+function pointsOf(chart, { xs, ys }) {
+  const points = new Float64Array(2 * xs.length);
+  for (let i = 0; i < xs.length; i += 1) {
+    const [x, y] = chart.place(xs[i], ys[i]);
+    points[2 * i] = x;
+    points[2 * i + 1] = y;
+  }
+  return points;
+}
+
+/**
+ * Draw the value of each line that has room for it, long lines first, none over another.
+ * @param {MapChart} chart
+ * @param {CanvasRenderingContext2D} context
+ * @param {{text: string, points: Float64Array}[]} lines
+ * @param {number} ratio
+ */
+function drawValues(chart, context, lines, ratio) {
+  context.font = `600 ${FONT * ratio}px system-ui, sans-serif`;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  /** @type {(Place & {half: number})[]} */
+  const taken = [];
+  const { left, top, width, height } = chart.frame();
+  const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
+    .sort((a, b) => (b.along.at(-1) ?? 0) - (a.along.at(-1) ?? 0));
+  const told = new Set();
+  // Along the lines first; a level whose lines are all too crooked gets its value level.
+  for (const [line, level] of [...measured.map((m) => /** @type {const} */ ([m, false])),
+    ...measured.map((m) => /** @type {const} */ ([m, true]))]) {
+    const { text, points, along } = line;
+    const room = context.measureText(text).width;
+    if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && told.has(text))) continue;
+    const half = 0.5 * room + 5 * ratio;
+    const inside = (/** @type {Place} */ p) => p.x > left + half && p.x < left + width - half
+      && p.y > top + half && p.y < top + height - half;
+    const apart = (/** @type {Place} */ p) =>
+      taken.every((o) => Math.hypot(o.x - p.x, o.y - p.y) > half + o.half);
+    const place = PLACES.map((share) => level ? levelAt(points, along, share)
+      : placeAt(points, along, share, room)).find((p) => p && inside(p) && apart(p));
+    if (!place) continue;
+    told.add(text);
+    taken.push({ ...place, half });
+    context.save();
+    context.translate(place.x, place.y);
+    context.rotate(place.angle);
+    context.strokeStyle = HALO;
+    context.lineWidth = 4 * ratio;
+    context.strokeText(text, 0, 0);
+    context.fillStyle = INK;
+    context.fillText(text, 0, 0);
+    context.restore();
+  }
+}
+
+/**
+ * Return how far each corner lies along a line.
+ * @param {Float64Array} points
+ */
+function lengths(points) {
+  const found = new Float64Array(points.length / 2);
+  for (let i = 1; i < found.length; i += 1)
+    found[i] = found[i - 1]
+      + Math.hypot(points[2 * i] - points[2 * i - 2], points[2 * i + 1] - points[2 * i - 1]);
+  return found;
+}
+
+/**
+ * Return where a text of this width can stand at a share of a line, and at what angle: upright,
+ * along the line; null where the line is too crooked.
+ * @param {Float64Array} points
+ * @param {Float64Array} along
+ * @param {number} share
+ * @param {number} room
+ * @returns {Place | null}
+ */
+export function placeAt(points, along, share, room) {
+  const total = along[along.length - 1];
+  const middle = share * total;
+  if (middle < 0.5 * room || middle > total - 0.5 * room) return null;
+  const [ax, ay] = pointAt(points, along, middle - 0.5 * room);
+  const [bx, by] = pointAt(points, along, middle + 0.5 * room);
+  if (Math.hypot(bx - ax, by - ay) < STRAIGHT * room) return null;
+  const [x, y] = pointAt(points, along, middle);
+  let angle = Math.atan2(by - ay, bx - ax);
+  if (angle > Math.PI / 2) angle -= Math.PI;
+  else if (angle <= -Math.PI / 2) angle += Math.PI;
+  return { x, y, angle };
+}
+
+/**
+ * Return where a level text can stand at a share of a line.
+ * @param {Float64Array} points
+ * @param {Float64Array} along
+ * @param {number} share
+ * @returns {Place}
+ */
+function levelAt(points, along, share) {
+  const [x, y] = pointAt(points, along, share * along[along.length - 1]);
+  return { x, y, angle: 0 };
+}
+
+/**
+ * Return the point of a line so far along it.
+ * @param {Float64Array} points
+ * @param {Float64Array} along
+ * @param {number} distance
+ */
+function pointAt(points, along, distance) {
+  let low = 0;
+  let high = along.length - 1;
+  while (high - low > 1) {
+    const half = (low + high) >> 1;
+    if (along[half] <= distance) low = half;
+    else high = half;
+  }
+  const share = (distance - along[low]) / (along[high] - along[low] || 1);
+  return [0, 1].map((k) => points[2 * low + k] + share * (points[2 * high + k] - points[2 * low + k]));
+}

@@ -1,0 +1,88 @@
+/** The cross on a map: where it is, what is known there, and the run of its point. */
+
+import { t } from "../strings.js";
+import { askedOf } from "./shown.js";
+import { cellText, withName } from "./tell.js";
+
+export class Cursor {
+  /**
+   * @param {import("../views/map.js").MapView} view
+   * @param {HTMLElement} readout
+   */
+  constructor(view, readout) {
+    this.view = view;
+    this.readout = readout;
+  }
+
+  /**
+   * Say what is known of a place, by default that of the cross.
+   * @param {[number, number] | null} [at]
+   */
+  tell(at = null) {
+    const { grid, chart } = this.view;
+    const place = at ?? chart.cross;
+    const cell = place && grid ? chart.cell(...place) : -1;
+    this.readout.textContent = !grid || cell < 0 ? t("mapHoverHint")
+      : cellText(grid, cell, chart.look.variable);
+  }
+
+  /**
+   * Put the cross on the middle of the cell at these values.
+   * @param {number} x
+   * @param {number} y
+   */
+  put(x, y) {
+    const { grid, chart } = this.view;
+    const cell = chart.cell(x, y);
+    if (!grid || cell < 0) return;
+    const column = cell % grid.width;
+    chart.cross = [grid.x[column], grid.y[(cell - column) / grid.width]];
+    chart.draw();
+    this.tell();
+  }
+
+  /** Put the cross where the address has it, if that is on the map. */
+  restore() {
+    const { chart, page, point } = this.view;
+    const at = (page.store.state.extra["map.at"] ?? "").split(",").map(Number);
+    const inside = at.length === 2 && chart.cell(at[0], at[1]) >= 0;
+    chart.cross = inside ? [at[0], at[1]] : null;
+    if (chart.cross && !point.options) void this.run();
+  }
+
+  /**
+   * @param {number} columns
+   * @param {number} rows
+   */
+  step(columns, rows) {
+    const { grid, chart } = this.view;
+    if (!grid) return;
+    const [x, y] = chart.cross ?? [grid.x[grid.width >> 1], grid.y[grid.height >> 1]];
+    const cell = Math.max(0, chart.cell(x, y));
+    const column = (cell % grid.width) + (chart.cross ? columns : 0);
+    const line = Math.floor(cell / grid.width) + (chart.cross ? rows : 0);
+    if (column < 0 || column >= grid.width || line < 0 || line >= grid.height) return;
+    this.put(grid.x[column], grid.y[line]);
+  }
+
+  /** Show a point to begin with: somewhere in the upper middle. */
+  begin() {
+    const { grid } = this.view;
+    if (!grid) return;
+    this.put(grid.x[Math.floor(0.5 * grid.width)], grid.y[Math.floor(0.7 * grid.height)]);
+    void this.run(false);
+  }
+
+  /**
+   * Show the run of the point under the cross.
+   * @param {boolean} [chosen] whether the address keeps the point
+   */
+  async run(chosen = true) {
+    const { grid, chart, controls, point } = this.view;
+    const { cross } = chart;
+    if (!cross || !grid) return;
+    if (chosen) controls.keep({ at: cross.join(",") });
+    const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
+    await point.run({ ...askedOf(this.view), at: cross }, words.join(" · "));
+  }
+}

@@ -1,0 +1,136 @@
+/** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
+
+import { el, freshId, tell } from "../dom.js";
+import { t } from "../strings.js";
+import { parseQuantity, short, shownUnit, toSi } from "../units.js";
+import { axisLabel, sizeOf } from "./axes.js";
+import { choice, tick } from "./fields.js";
+import { OF_COLOURS } from "./over.js";
+
+/** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("./grid.js").Variable} Variable */
+/** @typedef {import("../units.js").Unit} Unit */
+
+export class OverControls {
+  /**
+   * @param {(values: Record<string, any>) => void} keep keeps values in the address
+   * @param {(text: string | null) => void} trials called with the text of a trial table
+   */
+  constructor(keep, trials) {
+    /** @type {Unit[]} */
+    this.units = [];
+    this.contours = choice(t("mapContours"), (v) => keep({ contours: v || null, levels: null }));
+    const id = freshId();
+    this.levels = el("input", { id, type: "text", autocomplete: "off", spellcheck: "false",
+      on: { change: () => this.read(keep) } });
+    this.unit = el("span", { class: "unit" });
+    this.levelBox = el("div", { class: "field levels" }, el("label", { for: id }, t("mapLevels")),
+      el("span", { class: "entry" }, this.levels, this.unit));
+    this.contourNote = el("p", { class: "hint", role: "status" });
+    this.tongue = tick(t("mapTongue"), (on) => keep({ tongue: on ? null : 0 }));
+    this.lift = tick(t("mapLift"), (on) => keep({ lift: on ? null : 0 }));
+    this.note = el("p", { class: "hint" });
+    const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials",
+      on: { change: async () => {
+        const [chosen] = file.files ?? [];
+        trials(chosen ? await chosen.text() : null);
+      } } });
+    this.file = file;
+    this.trialNote = el("p", { class: "hint", role: "status" });
+    this.parts = [this.contours.root, this.levelBox, this.contourNote, this.tongue.root,
+      this.lift.root, this.note,
+      el("div", { class: "field preset" }, el("label", { for: "map-trials" }, t("mapTrials")),
+        el("p", { class: "hint" }, t("mapTrialsHint")), file), this.trialNote];
+  }
+
+  /** @param {(values: Record<string, any>) => void} keep */
+  read(keep) {
+    const text = this.levels.value.trim();
+    const levels = levelsOf(text, this.units);
+    this.levels.setAttribute("aria-invalid", String(levels === null));
+    if (levels) keep({ levels: levels.length ? levels.join(",") : null });
+    else tell(t("noLevels", { text }));
+  }
+
+  /**
+   * Show what contour lines there may be of a map, and what is switched on.
+   * @param {Grid} grid
+   * @param {Record<string, string>} extra
+   */
+  showChoices(grid, extra) {
+    const names = new Map(grid.variables.filter((v) => !v.classes.length)
+      .map((v) => [v.name, v.label]));
+    const chosen = extra["map.contours"] ?? "";
+    this.contours.show([{ value: "", text: t("mapContoursNone") },
+      { value: OF_COLOURS, text: t("mapContoursColours") },
+      ...[...names].map(([value, text]) => ({ value, text }))],
+    chosen === OF_COLOURS || names.has(chosen) ? chosen : "");
+    this.levelBox.hidden = this.contourNote.hidden = !chosen;
+    this.tongue.box.checked = extra["map.tongue"] !== "0";
+    this.lift.box.checked = extra["map.lift"] !== "0";
+    const given = extra["map.levels"];
+    if (document.activeElement !== this.levels) this.levels.value = given ? this.text(given) : "";
+  }
+
+  /** @param {string} levels numbers in SI units */
+  text(levels) {
+    const size = this.units[0]?.size ?? 1;
+    return levels.split(",").map((v) => short(Number(v) / size, 6)).join(", ");
+  }
+
+  /**
+   * Say which contour lines are drawn, or why none are.
+   * @param {any} about
+   * @param {Variable | null} variable
+   */
+  showContours(about, variable) {
+    if (!variable) return;
+    this.units = variable.units;
+    this.unit.textContent = shownUnit(variable.units[0]?.name ?? "");
+    this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
+    const values = (/** @type {number[]} */ levels) =>
+      levels.map((v) => short(v / sizeOf(variable), 4)).join(", ");
+    this.levels.placeholder = about?.levels ? values(about.levels) : "";
+    const told = [];
+    if (about?.error) told.push(about.error);
+    else if (!about) told.push(t("mapContoursLater"));
+    else if (!about.levels.length) told.push(t("mapContoursFlat"));
+    else if (!about.lines) told.push(t("mapContoursNowhere"));
+    if (about?.tiny) told.push(t("mapContoursTiny", { count: about.tiny }));
+    this.contourNote.textContent = told.join(" ");
+    if (this.levels.value && document.activeElement !== this.levels && about?.levels)
+      this.levels.value = values(about.levels);
+  }
+
+  /**
+   * Show which curves and trials there are, and why something is not.
+   * @param {import("./over.js").Found} found
+   */
+  show({ lines, trials, outside, notes }) {
+    this.tongue.box.disabled = !lines.some(({ name }) => name === "tongue");
+    this.lift.box.disabled = !lines.some(({ name }) => name === "lift_off");
+    this.note.textContent = Object.values(notes).join(" ");
+    this.trialNote.textContent = trials
+      ? t("mapTrialCount", { count: trials.xs.length, outside }) : "";
+  }
+}
+
+/**
+ * Return the numbers of a text such as "0.5, 1, 2 kJ" in SI units, increasing; null if it is none.
+ * A unit at the end is that of all numbers without one of their own.
+ * @param {string} text
+ * @param {Unit[]} units
+ * @returns {number[] | null}
+ */
+export function levelsOf(text, units) {
+  const parts = text.split(/[,;]/).map((part) => part.trim()).filter(Boolean);
+  const last = parseQuantity(parts[parts.length - 1] ?? "")?.unit ?? "";
+  const usual = last || (units[0]?.name ?? "");
+  const found = parts.map((part) => {
+    const parsed = parseQuantity(part);
+    if (!parsed) return null;
+    return parsed.unit || !usual ? toSi(part, units) : toSi(`${parsed.number} ${usual}`, units);
+  });
+  if (found.some((v) => v === null || !Number.isFinite(v))) return null;
+  return [...new Set(/** @type {number[]} */ (found))].sort((a, b) => a - b);
+}
