@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 from pages import browsing, serving
 
+COLD_STARTS = 5
 # Moves a slider back and forth; resolves with the times from input event to painted curve [ms].
 SLIDE = """async ({ label, count }) => {
   const slider = document.querySelector(`input[type=range][aria-label="${label}"]`);
@@ -58,25 +59,50 @@ FRAMES = """async (seconds) => {
 }"""
 
 
-def open_page(browser: Any, address: str, samples: int) -> tuple[Any, list[Any]]:
-    """Return a page that shows a 300 s run, and its responses."""
+def new_page(browser: Any) -> tuple[Any, list[Any]]:
+    """Return an empty page and the list of its responses."""
     page = browser.new_context(viewport={"width": 1400, "height": 1000}).new_page()
     responses: list[Any] = []
     page.on("response", lambda response: responses.append(response))
+    return page, responses
+
+
+def show_run(page: Any, address: str, samples: int) -> None:
+    """Show a 300 s run on a page."""
     page.goto(f"{address}?scenario=fig04b_push&duration=300%20s&samples={samples}")
     page.wait_for_selector("[data-runs]", timeout=120_000)
-    return page, responses
+
+
+def open_page(browser: Any, address: str, samples: int) -> Any:
+    """Return a page that shows a 300 s run."""
+    page, _ = new_page(browser)
+    show_run(page, address, samples)
+    return page
+
+
+def cold_start(browser: Any) -> float:
+    """Return the time from the start of the server to the first curve of a waiting browser [s]."""
+    page, _ = new_page(browser)
+    with serving() as server:
+        show_run(page, server.address, 30_000)
+        shown = time.perf_counter() - server.begun
+    page.close()
+    return shown
 
 
 def main() -> None:
     """Print the figures."""
     with serving():
         pass  # files of Python and kernels are in the cache of the machine now
+    with browsing() as browser:
+        shown = [cold_start(browser) for _ in range(COLD_STARTS)]
+        print(
+            f"first curve {statistics.median(shown):.2f} s after a cold start, "
+            f"{min(shown):.2f} to {max(shown):.2f} s in {COLD_STARTS} (asked 1.5)"
+        )
     with browsing() as browser, serving() as server:
-        up = time.perf_counter() - server.begun
-        page, responses = open_page(browser, server.address, 30_000)
-        shown = time.perf_counter() - server.begun
-        print(f"server up after {up:.2f} s, first curve after {shown:.2f} s (asked 1.5)")
+        page, responses = new_page(browser)
+        show_run(page, server.address, 30_000)
         own = urlsplit(server.address).netloc
         outside = [r.url for r in responses if urlsplit(r.url).netloc != own]
         files = [r for r in responses if "/api/run" not in r.url]
@@ -85,7 +111,7 @@ def main() -> None:
         print(f"requests to elsewhere: {len(outside)} (asked 0)")
         page.close()
         for samples, asked in ((30_000, 60), (100_000, 100)):
-            page, _ = open_page(browser, server.address, samples)
+            page = open_page(browser, server.address, samples)
             found = page.evaluate(SLIDE, {"label": "driving amplitude, slider", "count": 40})
             late = sorted(found)[int(0.9 * len(found))]
             print(
@@ -94,7 +120,7 @@ def main() -> None:
                 f"(asked {asked})"
             )
             page.close()
-        page, _ = open_page(browser, server.address, 30_000)
+        page = open_page(browser, server.address, 30_000)
         print(f"frames at 10x: {page.evaluate(FRAMES, 5):.1f} per second (asked 60)")
         slow = page.context.new_cdp_session(page)
         slow.send("Emulation.setCPUThrottlingRate", {"rate": 4})
