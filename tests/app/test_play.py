@@ -172,6 +172,17 @@ def test_the_address_brings_the_same_run_back(page):
     assert page.evaluate(state) == before
 
 
+def test_a_row_can_be_added_before_the_run_has_come(page):
+    open_play(page, "&scenario=fig02&duration=5%20s")
+    page.route("**/api/run", lambda route: None)  # it never comes
+    page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
+    page.get_by_role("button", name="Add a row").click()
+    page.wait_for_function(
+        """() => new URLSearchParams(location.search).get("drive_times")?.split(",").length === 3"""
+    )
+    page.unroute_all(behavior="ignoreErrors")
+
+
 def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
     open_play(page, "&scenario=fig02&duration=5%20s")
     for system in ("latolato", "ballpair", "mathieu", "pendulum"):

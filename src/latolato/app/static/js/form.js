@@ -358,6 +358,7 @@ export class Form {
         error.textContent = text ?? "";
       },
     }));
+    for (const name of names) this.fields.get(name)?.read(this.text(name));
     const add = el("button", { type: "button", class: "plain", on: { click: () => {
       columns.forEach((c, k) => {
         const last = c[c.length - 1] ?? 0;
