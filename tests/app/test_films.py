@@ -237,8 +237,8 @@ def bad_files(clip, folder):
     yield "long.mp4", long.read_bytes(), "at most 600 s"
     few = encoded(folder / "few.mp4", GREY[:4])
     yield "few.mp4", few.read_bytes(), "has 4 frames"
-    large = encoded(folder / "large.mp4", [np.zeros((1600, 2560), np.uint8)])
-    yield "large.mp4", large.read_bytes(), "frames of 2560 x 1600 pixels, at most"
+    large = encoded(folder / "large.mp4", [np.zeros((2304, 4096), np.uint8)])
+    yield "large.mp4", large.read_bytes(), "frames of 4096 x 2304 pixels, at most"
 
 
 def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, tmp_path):

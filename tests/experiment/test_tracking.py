@@ -13,6 +13,7 @@ from latolato.experiment.track import track
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
 TOY = ll.LatoLato(length=0.245, mass=0.1064, damping=0.005, radius=0.02, restitution=0.9)
+NEAR = ll.Pendulum(length=0.2, mass=0.108, damping=0.00274)
 SMALL = {"width": 640, "height": 480}
 
 
@@ -69,6 +70,21 @@ CLIPS = {
         Scene(post_width=0.02),
         Camera(**SMALL, jitter=0.15, drop=0.04),
         0.012,
+    ),
+    # The pivot goes from end to end by 0.7 of the length.
+    "far": (
+        lambda: _driven(SINGLE, 2.1, drive_amplitude=0.13, initial_angle=0.4, duration=1.5),
+        Scene(ball_radius=0.02),
+        Camera(**SMALL),
+        0.002,
+    ),
+    # Filmed from near, as in 3840 x 2160 pixels: arm of 640 pixels, radius of 58, and a pivot that
+    # moves by 70 pixels from frame to frame.
+    "near": (
+        lambda: _driven(NEAR, 3.5, drive_amplitude=0.06, initial_angle=0.1, duration=1.2),
+        Scene(ball_radius=0.018),
+        Camera(width=960, height=1200, pixels_per_metre=3200.0, pivot_u=480.0, pivot_v=260.0),
+        0.001,
     ),
     "decay": (
         _free,

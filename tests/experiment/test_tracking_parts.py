@@ -17,8 +17,11 @@ from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.predict import Predictor
-from latolato.experiment.tracking.sample import _is_wanted
+from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.video import Frame
+
+# Luma of more pixels than are taken together, and chroma.
+SHAPES = ((150, 202), (75, 101), (75, 101))
 
 
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
@@ -317,3 +320,15 @@ def test_the_sample_meets_a_drive_at_many_phases(period):
     # Rows of even distance of nearly whole periods would all have one phase.
     phases = np.exp(2j * math.pi * np.array(starts) / period)
     assert abs(phases.mean()) < 0.75
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 96])
+def test_medians_of_planes_are_lower_medians(count):
+    random = np.random.default_rng(count)
+    frames = [
+        Frame(n, n / 60, *(random.integers(0, 256, shape, np.uint8) for shape in SHAPES))
+        for n in range(count)
+    ]
+    for k, median in enumerate(median_planes(frames)):
+        ranked = np.sort([frame[2 + k] for frame in frames], axis=0)
+        assert np.array_equal(median, ranked[(count - 1) // 2])

@@ -65,7 +65,7 @@ class Allowance:
     desk_films: int = 16
     desks: int = 50
     duration: float = 600.0
-    pixels: int = 2560 * 1440
+    pixels: int = 3840 * 2160
     frames: int = 40_000
     memory: float = 6e9
     cpu_time: float = 1800.0

@@ -140,11 +140,10 @@ class _Follower:
     def pivot_in(self, frame: Frame) -> np.ndarray:
         """Return the pivot's place in a frame."""
         tracker = self.scene.pivot
-        guess, velocity, room = None, np.zeros(2), 3
+        guess, velocity, room = None, np.zeros(2), 0.0
         if len(self.pivots) >= 3:
-            guess, velocity, jerk = self._extrapolated(frame.time)
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
-            room = 3 + math.ceil(jerk)
+            guess, velocity, room = self._extrapolated(frame.time)
         shift, cost = tracker.locate(frame.luma, guess, velocity, room)
         if guess is not None and cost > 1.4 * self.pivot_cost + 0.1:
             wide, wide_cost = tracker.locate(frame.luma, None, velocity)

@@ -14,8 +14,13 @@ from latolato.experiment.video import Frame
 _LIMIT = 16.0
 # Shifts smaller than this are noise: the pivot rests [pixels].
 _STILL = 0.2
-# Half sides of templates that are tried [pixels].
-_SIZES = (6, 9, 13, 19, 27, 38, 54)
+# Arm up to which the sizes of the picture's details below hold as they are, and grow beyond: in a
+# larger picture of the same pivot they are larger, and it moves by more pixels [pixels].
+_USUAL_ARM = 340.0
+# Half sides of templates that are tried, and of the part that shows the change [pixels].
+_SIZES, _INNER = (6, 9, 13, 19, 27, 38, 54), 9
+# Half side, as a share of the arm, of the template that all that moves with the pivot may join.
+_GROWN = 0.15
 # Least difference from the wall that shows the pivot: luma levels, share of the contrast.
 _SHOWS, _SHOWS_SHARE = 4.0, 0.3
 # How much of the wall around the pivot belongs to its edge [pixels].
@@ -29,12 +34,18 @@ _MOVES, _SUFFICES = 4.0, 0.5
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
 _SHARE = 0.08
-# Pixels of a template that a search over its whole reach looks at.
-_LOOKED_AT = 250.0
-# How far the pivot may come from one frame to the next [pixels].
-_NEXT = 40
+# Pixels of a template that a search over its whole reach looks at, and their largest distance.
+_LOOKED_AT, _APART = 250.0, 6.0
+# How far the pivot may come from where it is in the first frame, and from one frame to the next, as
+# shares of the arm: a drive amplitude of 0.4 of the length from end to end, 0.3 at 3 Hz and 25
+# frames a second; and in small pictures at least [pixels].
+_FARTHEST, _NEXT, _LEAST_NEXT = 0.8, 0.25, 37.0
 # Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
 _SIDEWAYS, _TILT = 3.0, 0.15
+# How far from where it is expected a pivot is looked for, sideways and up or down [pixels].
+_ASIDE, _ROOM = 2.0, 3.0
+# How far beyond the shifts of the sample the pivot may move: pixels, and share of their range.
+_SLACK, _SLACK_SHARE = 4.0, 0.3
 
 
 @dataclass
@@ -55,6 +66,8 @@ class PivotTracker:
         Shift that the template has in the first frame, where the pivot was pointed at.
     is_still : bool
         Whether the pivot rests.
+    enlarged : float
+        How many times larger than usual the pivot's picture is, from 1 on.
     """
 
     origin: np.ndarray
@@ -64,6 +77,7 @@ class PivotTracker:
     exposure: float = 0.0
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(2))
     is_still: bool = False
+    enlarged: float = 1.0
 
     @property
     def half(self) -> int:
@@ -80,7 +94,7 @@ class PivotTracker:
         luma: np.ndarray,
         guess: np.ndarray | None,
         velocity: np.ndarray,
-        room: int = 3,
+        room: float = 0.0,
     ) -> tuple[np.ndarray, float]:
         """Return the pivot's shift from the origin [pixels] and how badly the template fits.
 
@@ -92,8 +106,8 @@ class PivotTracker:
             Expected shift; None searches the whole reach.
         velocity : numpy.ndarray
             Pixels per frame interval, by which the template is smeared.
-        room : int
-            How far from the guess it may be [pixels].
+        room : float
+            How much farther from the guess than usual it may be [pixels].
         """
         if self.is_still:
             return np.zeros(2), 0.0
@@ -120,27 +134,32 @@ class PivotTracker:
         return averaged
 
     def _costs(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int = 3
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return corners by whole pixels and how badly the template fits there."""
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
-            low, high = near - 2, near + 2
-            low[1], high[1] = near[1] - room, near[1] + room
-        columns, rows = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
+            around = np.ceil(
+                self.enlarged * np.array([_ASIDE, _ROOM]) + np.array([_TILT, 1.0]) * room
+            )
+            low, high = near - around, near + around
+        # In an enlarged picture the template's details are too: what is left between is refined.
+        step = 1 if guess is not None else round(self.enlarged)
+        columns = np.arange(low[0], high[0] + step, step)
+        rows = np.arange(low[1], high[1] + step, step)
         shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
-        fan = _SIDEWAYS + _TILT * np.abs(shifts[:, 1])
+        fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
         shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
         corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
         cost = np.empty(len(corners))
-        stride = _stride(self.weight > 0.0, near=guess is not None)
+        stride = _stride(self.weight > 0.0, guess is not None, _APART * self.enlarged)
         kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
         return corners, cost
 
     def _search(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: int
+        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float
     ) -> np.ndarray:
         """Return the best shift by whole pixels."""
         corners, cost = self._costs(luma, guess, model, room)
@@ -179,19 +198,21 @@ def learn_pivot(
     if room < 4:
         raise ValueError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
     tracker = _distinct(frames, behind, click.astype(float), arm, room)
-    shifts = _first_shifts(tracker, frames)
+    shifts = _first_shifts(tracker, frames, arm)
     # What rests is not learned anew: rods that swing about it would join.
     rounds = 0 if _is_resting(shifts) else 4
     for round_ in range(rounds):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
-        slack = 4.0 + 0.3 * (spread[1] - spread[0])
+        slack = _SLACK * tracker.enlarged + _SLACK_SHARE * (spread[1] - spread[0])
         tracker.reach = spread + np.array([-slack, slack])
         if round_ == 1:  # the shifts are known: more of what moves with the pivot joins
-            grown = min(max(2 * tracker.half, int(0.1 * arm)), int(max(_SIZES)), room)
+            largest = int(tracker.enlarged * max(_SIZES))
+            grown = min(max(2 * tracker.half, int(_GROWN * arm)), largest, room)
             tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
         learn_template(tracker, frames, behind, shifts)
     if rounds:
+        _trim(tracker)
         shifts = locate_all(tracker, frames, shifts)
     if _is_resting(shifts):
         tracker.is_still = True
@@ -200,10 +221,20 @@ def learn_pivot(
     return tracker, shifts
 
 
-def _stride(used: np.ndarray, near: bool) -> int:
+def _trim(tracker: PivotTracker) -> None:
+    """Cut off the rim of a template that is not compared anywhere."""
+    half = tracker.half
+    used = np.abs(np.argwhere(tracker.weight > 0.0) - half)
+    kept = min(half, int(used.max(initial=0)) + _EDGE)
+    inner = slice(half - kept, half + kept + 1)
+    tracker.template = tracker.template[inner, inner].copy()
+    tracker.weight = tracker.weight[inner, inner].copy()
+
+
+def _stride(used: np.ndarray, near: bool, apart: float) -> int:
     """Return of how many pixels along a line one is looked at: of small objects all."""
     enough = _LOOKED_AT * (4.0 if near else 1.0)
-    return int(min(max((np.count_nonzero(used) / enough) ** 0.5, 1.0), 6.0))
+    return int(min(max((np.count_nonzero(used) / enough) ** 0.5, 1.0), apart))
 
 
 def _is_resting(shifts: np.ndarray) -> bool:
@@ -216,13 +247,14 @@ def _is_resting(shifts: np.ndarray) -> bool:
     return bool(scatter < _STILL and np.quantile(away, 0.9) < 2.0 * _STILL)
 
 
-def _first_shifts(tracker: PivotTracker, frames: list[Frame]) -> np.ndarray:
+def _first_shifts(tracker: PivotTracker, frames: list[Frame], arm: float) -> np.ndarray:
     """Return the pivot's shifts in the sample; a frame's successor is looked for nearby."""
     shifts: list[np.ndarray] = []
+    room = max(_LEAST_NEXT, _NEXT * arm)
     for k, frame in enumerate(frames):
         follows = k > 0 and frame.number == frames[k - 1].number + 1
         guess = shifts[-1] if follows else None
-        shifts.append(tracker.locate(frame.luma, guess, np.zeros(2), _NEXT)[0])
+        shifts.append(tracker.locate(frame.luma, guess, np.zeros(2), room)[0])
     return np.array(shifts)
 
 
@@ -334,23 +366,26 @@ def _distinct(
     A textured wall is found very clearly, always at the same place: templates are tried with and
     without what looks as the median of the frames does, and one that moves needs less to win.
     """
-    tall, wide = 0.4 * arm, 3.0
+    enlarged = max(1.0, arm / _USUAL_ARM)
+    tall, wide = _FARTHEST * arm, _SIDEWAYS * enlarged
+    inner = int(_INNER * enlarged)
     reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
     best: dict[bool, tuple[float, PivotTracker]] = {}
-    for half in sorted({min(size, room) for size in _SIZES}):
+    for half in sorted({min(int(size * enlarged), room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
         inside = np.hypot(*(np.indices(template.shape) - half)) <= half + 0.5
         contrast = float(np.ptp(np.quantile(template, [0.05, 0.95])))
         change = np.abs(template - _patch(behind, click, half))
-        near = slice(max(half - 9, 0), half + 10)
+        near = slice(max(half - inner, 0), half + inner + 1)
         own = float(np.quantile(change[near, near], 0.95))
         shows = inside & binary_dilation(change > max(_SHOWS, _SHOWS_SHARE * own))
         for used, height in ((inside, contrast), (shows, own)):
             if np.count_nonzero(used) < _FEWEST:
                 continue
             noise = min(max(_SHARE * height, 1.0), 8.0)
-            tracker = PivotTracker(click, template, np.where(used, 1.0 / noise**2, 0.0), reach)
+            weight = np.where(used, 1.0 / noise**2, 0.0)
+            tracker = PivotTracker(click, template, weight, reach, enlarged=enlarged)
             margins, rows = np.transpose([tracker.margin(f.luma) for f in some])
             margin, moves = float(np.quantile(margins, 0.25)), bool(np.ptp(rows) > _MOVES)
             if moves not in best or margin > best[moves][0]:

@@ -12,6 +12,8 @@ from latolato.experiment.video import Frame, Video
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
 _PAIRS = 24
 _GOLDEN = 0.6180339887498949
+# Pixels of which a median is taken at the same time: those of all frames stay in the cache.
+_PART = 16384
 
 
 @dataclass(frozen=True)
@@ -66,14 +68,24 @@ def _is_wanted(number: int, step: int) -> bool:
 
 def median_planes(frames: list[Frame]) -> tuple[np.ndarray, ...]:
     """Return the median of each plane over frames."""
-    return tuple(
-        _median(np.stack([frame[2 + plane] for frame in frames])).astype(np.float32)
-        for plane in range(3)
-    )
+    _, _, *planes = zip(*frames, strict=True)
+    return tuple(_median(list(same)) for same in planes)
 
 
-def _median(stack: np.ndarray) -> np.ndarray:
-    """Return the lower median along the first axis of whole numbers."""
-    middle = (stack.shape[0] - 1) // 2
-    median: np.ndarray = np.partition(stack, middle, axis=0)[middle]
-    return median
+def _median(planes: list[np.ndarray]) -> np.ndarray:
+    """Return the lower median of at most 255 planes of 8-bit numbers.
+
+    Bit by bit: the largest number than which no more than half of them are smaller. That is many
+    times faster than sorting, and by parts of the picture it needs little memory.
+    """
+    middle = (len(planes) - 1) // 2
+    median = np.empty(planes[0].size, np.float32)
+    flat = [plane.ravel() for plane in planes]
+    for first in range(0, len(median), _PART):
+        part = np.stack([plane[first : first + _PART] for plane in flat])
+        found = np.zeros(part.shape[1], np.uint8)
+        for bit in np.uint8(1) << np.arange(8, dtype=np.uint8)[::-1]:
+            smaller = (part < (found | bit)).view(np.uint8).sum(axis=0, dtype=np.uint8)
+            found[smaller <= middle] |= bit
+        median[first : first + _PART] = found
+    return median.reshape(planes[0].shape)
