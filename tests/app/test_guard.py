@@ -5,6 +5,7 @@ import re
 import pytest
 from starlette.testclient import TestClient
 
+from latolato.app.files import STATIC
 from latolato.app.serve import serve
 from latolato.app.server import MOST_BODY, Settings, make_app
 
@@ -59,6 +60,30 @@ def test_an_address_that_others_reach_needs_a_flag():
 )
 def test_nothing_but_the_pages_is_served(client, path):
     assert client.get(path).status_code == 404
+
+
+@pytest.mark.parametrize("path", ["/static/", "/static//etc/passwd", "/static/js", "/static/%00"])
+def test_no_other_path_leads_to_a_file(client, path):
+    assert client.get(path).status_code == 404
+
+
+def test_every_file_of_the_pages_is_served_with_its_type(client):
+    types = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+    paths = [p for p in STATIC.rglob("*") if p.is_file()]
+    assert len(paths) > 50
+    for path in paths:
+        answer = client.get(f"/static/{path.relative_to(STATIC).as_posix()}")
+        assert answer.content == path.read_bytes()
+        if path.suffix in types:
+            assert answer.headers["content-type"].split(";")[0] == types[path.suffix]
+
+
+def test_what_a_page_has_already_is_not_sent_again(client):
+    first = client.get("/static/app.css")
+    again = client.get("/static/app.css", headers={"if-none-match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    other = client.get("/static/icon.svg", headers={"if-none-match": first.headers["etag"]})
+    assert other.status_code == 200
 
 
 @pytest.mark.parametrize(

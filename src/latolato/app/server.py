@@ -15,11 +15,10 @@ from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import HTTPConnection, Request
-from starlette.responses import FileResponse, JSONResponse, Response
-from starlette.routing import BaseRoute, Mount, Route
-from starlette.staticfiles import StaticFiles
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
-from latolato.app.files import STATIC
+from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
@@ -72,7 +71,7 @@ def make_app(settings: Settings) -> Starlette:
             Route("/api/registry", _registry),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
-            Mount("/static", StaticFiles(directory=STATIC)),
+            Route("/static/{path:path}", static),
         ],
         middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
         exception_handlers={HTTPException: _refused},
@@ -169,7 +168,7 @@ async def _refused(request: Request, error: Exception) -> Response:
 
 
 async def _index(request: Request) -> Response:
-    return FileResponse(STATIC / "index.html", headers={"Cache-Control": "no-cache"})
+    return page_file("index.html", request)
 
 
 async def _registry(request: Request) -> Response:

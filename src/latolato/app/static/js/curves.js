@@ -122,7 +122,8 @@ export class Curves {
       });
       this.root.append(el("figure", { class: "panel" },
         el("figcaption", {}, el("strong", {}, panel.label), legend), host));
-      const plot = new UPlot(this.options(panel, all[i]), data(this.motion, all[i]), host);
+      // Empty: `show` fills one chart after the other.
+      const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
       plot.over.append(head);
       return { plot, head, values, curves: all[i], host, panel };
     });
