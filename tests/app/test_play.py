@@ -183,6 +183,25 @@ def test_a_row_can_be_added_before_the_run_has_come(page):
     page.unroute_all(behavior="ignoreErrors")
 
 
+def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
+    open_play(page, "&scenario=toy")
+    lengths = """() => ["times", "frequencies", "amplitudes"].map((name) =>
+      new URLSearchParams(location.search).get(`drive_${name}`)?.split(",").length ?? 0)"""
+    page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
+    for rows in (3, 4):
+        page.get_by_role("button", name="Add a row").click()
+        page.wait_for_function(f"() => ({lengths})()[0] === {rows}")
+    page.get_by_label("Drive", exact=True).select_option("stages")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive === 'stages'"
+    )
+    assert page.evaluate(lengths) == [4, 4, 4]
+    page.get_by_role("button", name="Add a row").click()
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_amplitudes?.length === 5"
+    )
+
+
 def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
     open_play(page, "&scenario=fig02&duration=5%20s")
     for system in ("latolato", "ballpair", "mathieu", "pendulum"):

@@ -360,7 +360,9 @@ export class Form {
     }));
     for (const name of names) this.fields.get(name)?.read(this.text(name));
     const add = el("button", { type: "button", class: "plain", on: { click: () => {
+      const rows = Math.max(...columns.map((c) => c.length));
       columns.forEach((c, k) => {
+        while (c.length < rows) c.push(c[c.length - 1] ?? 0); // a column that an address left short
         const last = c[c.length - 1] ?? 0;
         c.push(k === 0 ? last + (c.length > 1 ? last - c[c.length - 2] : 1) : last);
       });

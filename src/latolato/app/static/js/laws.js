@@ -57,7 +57,29 @@ export function withLaws(registry, options, resolved, system, drive) {
   if (two !== isTwo) delete found.initial_angular_velocity;
   if (!two && (isTwo || (before === undefined && !("initial_offset" in found))))
     found.initial_angle = "20 deg";
-  return found;
+  return { ...found, ...levelled(registry, found, options, drive) };
+}
+
+/**
+ * Return a drive's lists in the length of the first that was kept: what others begin with has
+ * another one.
+ * @param {any} registry
+ * @param {Record<string, any>} found
+ * @param {Record<string, any>} kept
+ * @param {string} drive
+ * @returns {Record<string, string>}
+ */
+function levelled(registry, found, kept, drive) {
+  const lists = registry.drives[drive].options.filter((/** @type {string} */ name) =>
+    registry.options[name].several && name in found);
+  const parts = (/** @type {string} */ name) => String(found[name]).split(",").map((p) => p.trim());
+  const first = lists.find((/** @type {string} */ name) => name in kept);
+  if (!first) return {};
+  const { length } = parts(first);
+  return Object.fromEntries(lists.map((/** @type {string} */ name) => {
+    const own = parts(name);
+    return [name, Array.from({ length }, (_, i) => own[Math.min(i, own.length - 1)]).join(", ")];
+  }));
 }
 
 /**
