@@ -29,12 +29,13 @@ export class Setup {
         if (value === null) delete this.values[name];
         else this.values[name] = value;
         this.form.fields.get(name)?.read(value);
-        this.error(null);
+        this.tellWrong();
         store.keep(`experiment.${name}`, value);
         on.changed();
       },
     });
     this.form = new Form(el("div", {}), { options: fields }, own);
+    this.isReady = false;
     const id = freshId();
     this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },
       ...[1, 2].map((n) => el("option", { value: String(n) }, String(n))));
@@ -77,7 +78,7 @@ export class Setup {
     this.stage.textContent = t("progressOf", { stage: t(`stage_${film.stage ?? "waiting"}`),
       percent: Math.round(100 * film.share) });
     this.body.hidden = film.about === null;
-    this.track.disabled = film.about === null || film.stage !== null;
+    this.isReady = film.about !== null && film.stage === null;
     this.track.textContent = t(film.track ? "trackAgain" : "track");
     this.track.hidden = this.hint.hidden = !isSetup;
     this.again.hidden = isSetup;
@@ -87,7 +88,8 @@ export class Setup {
       : film.isPartly ? "setupNoPivot" : "setupNotFound");
     this.found.hidden = !isSetup || !film.isProposed;
     const isOwn = film.field !== null && film.field in this.fields && film.about !== null;
-    this.error(isOwn ? film.error : null, film.field);
+    this.tellWrong();
+    if (isOwn) this.error(film.error, film.field);
     this.failed.hidden = !film.error || isOwn;
     this.failed.textContent = isOwn ? "" : film.error;
     if (this.count) this.count.value = film.places.ball_2 ? "2" : "1";
@@ -102,7 +104,14 @@ export class Setup {
       this.values[name] = text;
       this.form.fields.get(name)?.read(text);
     }
-    this.error(null);
+    this.tellWrong();
+  }
+
+  /** Tell a text that is no quantity beside its field; nothing can be tracked with it. */
+  tellWrong() {
+    const wrong = Object.keys(this.values).find((name) => this.number(name) === null) ?? null;
+    this.error(wrong === null ? null : t("noNumber", { text: this.values[wrong] }), wrong);
+    this.track.disabled = !this.isReady || wrong !== null;
   }
 
   /**
