@@ -26,6 +26,7 @@ def test_a_steady_drive_is_found_within_its_sigma(correlation):
             assert found[name].value == pytest.approx(truth, rel=4e-3)
         assert found.drive.drive_frequency == pytest.approx(10.09, rel=1e-4)
         assert "It is steady." in found.verdict
+        assert "leaves out that of the scale" in found.verdict
     assert np.mean(np.abs(misses) < 2.0) > 0.85
     assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
 

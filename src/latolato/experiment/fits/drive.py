@@ -122,6 +122,9 @@ def fit_drive(
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
     elif drift:
         words.append("It is steady.")
+    words.append(
+        "The uncertainty of the amplitude leaves out that of the scale, which all heights share."
+    )
     curves = {
         "time": ("sample", data.times),
         "pivot_height": ("sample", data.values),

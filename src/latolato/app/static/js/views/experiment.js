@@ -184,8 +184,9 @@ export class ExperimentView {
   updateTrials() {
     const { films, trials, desk } = this.session;
     this.trials.hidden = !films.some((film) => film.track);
-    const named = films.map(({ key, name, track, noTrial }) => ({ key, name,
-      reason: track ? noTrial : null }));
+    // Of a film that was not tracked: what the server said when it could not read it.
+    const named = films.map(({ key, name, track, noTrial, about, error }) => ({ key, name,
+      reason: track ? noTrial : about ? null : error }));
     refresh(this.trials, [trials, named, desk.hello?.desk], () => [el("h2", {}, t("trials")),
       el("p", { class: "hint" }, t("trialsHint")),
       trialTable(trials, named, (key) => this.open(films.find((film) => film.key === key))),
