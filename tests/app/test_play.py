@@ -197,9 +197,8 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
     )
     assert page.evaluate(lengths) == [4, 4, 4]
     page.get_by_role("button", name="Add a row").click()
-    page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive_amplitudes?.length === 5"
-    )
+    options = "window.latolato.views.play.player.motion.about.options"
+    page.wait_for_function(f"() => {options}.drive_amplitudes?.length === 5")
 
 
 def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
