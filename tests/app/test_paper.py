@@ -217,3 +217,46 @@ def test_a_film_is_made_on_a_click_only(page):
     assert inner["y"] + inner["height"] < outer["y"] + outer["height"]
     assert plate.get_by_text("Not judged yet.").count() == 1
     assert plate.get_by_role("progressbar").count() == 0
+
+
+def test_a_figure_that_waits_for_another_says_so_and_can_be_taken_out(page):
+    asked = []
+
+    def hold(route):  # a server that never answers, so that the first figure stays in the making
+        route.on_message(lambda message: asked.append(json.loads(message)["figure"]))
+
+    page.route_web_socket("**/ws/paper", hold)
+    page.goto("/?view=paper&paper.figure=fig07")
+    plate = page.locator("#paper-fig07")
+    button = plate.get_by_role("button", name="Make this figure from a film")
+    button.wait_for()
+    page.get_by_role("button", name="Judge everything now").click()
+    page.wait_for_function("() => window.latolato.views.paper.making")
+    making = page.evaluate("() => window.latolato.views.paper.making.entry.name")
+    label = page.evaluate("() => window.latolato.views.paper.making.entry.label")
+    assert making != "fig07"
+    others = page.get_by_text("Waiting for its turn …")
+    assert others.count() > 5
+    for _ in range(2):
+        button.click()
+        assert plate.get_by_role("status").inner_text() == f"Waiting for {label} …"
+        assert button.is_disabled()
+        plate.get_by_role("button", name="Cancel").click()
+        assert button.is_enabled()
+        assert plate.get_by_role("status").count() == 0
+    button.click()
+    page.get_by_role("button", name="Judge everything now").click()
+    assert button.is_disabled()  # what somebody asked for stays asked for
+    page.evaluate(
+        """() => { const { near, queue, making } = window.latolato.views.paper;
+          near.disconnect();
+          for (const other of [...queue, making])
+            if (other.entry.name !== "fig07") other.job.stop(); }"""
+    )
+    plate.get_by_text("Waiting for other work to end …").wait_for()
+    assert plate.get_by_role("progressbar").is_visible()
+    assert button.is_disabled()
+    assert set(asked) >= {making, "fig07"}
+    plate.get_by_role("button", name="Cancel").click()
+    page.wait_for_function("() => !window.latolato.views.paper.making")
+    assert button.is_enabled()

@@ -12,6 +12,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 import anyio
@@ -164,8 +165,9 @@ async def _desk(websocket: WebSocket) -> None:
     try:
         desk = store.open_desk()
     except TooLargeError as error:
-        await websocket.send_json({"error": str(error)})
-        await websocket.close(1013)
+        with suppress(RuntimeError, WebSocketDisconnect):
+            await websocket.send_json({"error": str(error)})
+            await websocket.close(1013)
         return
     clerk = _Clerk(websocket, store, desk)
     try:

@@ -31,6 +31,8 @@ _PAUSE = 0.2
 _BAD_FRAME = 1007
 # What bad input raises; anything else is a fault of ours.
 _REFUSED = (TypeError, ValueError, ModuleNotFoundError)
+# What starlette raises for a page that has gone.
+_GONE = (WebSocketDisconnect, RuntimeError)
 
 
 @dataclass(frozen=True)
@@ -78,9 +80,10 @@ async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None
     try:
         given = json.loads(message.get("text") or "")
     except (ValueError, RecursionError):
-        await websocket.close(_BAD_FRAME, "a request must be JSON")
+        with suppress(*_GONE):
+            await websocket.close(_BAD_FRAME, "a request must be JSON")
         return
-    with suppress(WebSocketDisconnect, RuntimeError):
+    with suppress(*_GONE):
         try:
             job = await in_thread(websocket, prepare, given)
             block = job.ready if job.ready is not None else await _done(websocket, job)
@@ -108,7 +111,7 @@ async def _done(websocket: WebSocket, job: Job) -> bytes | None:
         group.start_soon(until_gone)
         try:
             block = await _work(websocket, job)
-        except _REFUSED as caught:  # as it is, not in the group of a task group
+        except (*_REFUSED, WebSocketDisconnect) as caught:  # as it is, not in a group
             error = caught
         group.cancel_scope.cancel()
     if error is not None:
@@ -134,17 +137,24 @@ async def _work(websocket: WebSocket, job: Job) -> bytes:
             begun = time.monotonic()
             told["state"] = "working" if message["begun"] else "starting"
 
-    async def report() -> None:
-        while True:
-            await websocket.send_json({**told, "elapsed": round(time.monotonic() - begun, 1)})
-            await anyio.sleep(_PAUSE)
+    gone: WebSocketDisconnect | None = None
+
+    async def report(scope: anyio.CancelScope) -> None:
+        nonlocal gone
+        try:
+            while True:
+                await websocket.send_json({**told, "elapsed": round(time.monotonic() - begun, 1)})
+                await anyio.sleep(_PAUSE)
+        except _GONE:  # nobody waits for the work any more
+            gone = WebSocketDisconnect()
+            scope.cancel()
 
     folder = Path(tempfile.mkdtemp(prefix="latolato-"))
     found: dict[str, Any] = {}
-    error: JobError | None = None
+    error: Exception | None = None
     try:
         async with anyio.create_task_group() as group:
-            group.start_soon(report)
+            group.start_soon(report, group.cancel_scope)
             try:
                 found = await workers.do(job.name, job.given, folder, hear, seconds=MOST_SECONDS)
             except JobError as caught:  # as it is, not in the group of a task group
@@ -154,6 +164,7 @@ async def _work(websocket: WebSocket, job: Job) -> bytes:
                     f"this takes more than {MOST_SECONDS / 60:.0f} minutes: ask for less"
                 )
             group.cancel_scope.cancel()
+        error = gone or error
         if error is not None:
             raise error
         return await anyio.to_thread.run_sync(job.finish, found, folder)

@@ -77,10 +77,12 @@ export class JobLine {
   constructor() {
     /** @type {AbortController | null} */
     this.running = null;
+    /** @type {(() => void) | null} what takes work that has not begun out of its queue */
+    this.leave = null;
     this.expected = 0; // s
     this.bar = el("progress", { max: "1", "aria-label": t("job_bar") });
     this.text = el("span", { class: "soft", role: "status" });
-    this.cancel = el("button", { type: "button", on: { click: () => this.running?.abort() } },
+    this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
       t("cancel"));
     this.error = el("p", { class: "error", role: "alert", hidden: true });
     this.line = el("div", { class: "row job", hidden: true }, this.bar, this.text, this.cancel);
@@ -97,6 +99,9 @@ export class JobLine {
   async run(path, given, expected) {
     this.running?.abort();
     const own = this.running = new AbortController();
+    this.leave = null;
+    this.text.ariaLive = "polite";
+    this.bar.hidden = false;
     this.error.hidden = true;
     this.line.hidden = false;
     this.told = "";
@@ -139,9 +144,29 @@ export class JobLine {
     this.text.textContent = text;
   }
 
-  /** Cancel what runs. */
+  /**
+   * Say what work waits for that is yet to begin with `run`.
+   * @param {string} text
+   * @param {() => void} leave called if it is cancelled before
+   * @param {"polite" | "off"} [live] how screen readers tell it
+   */
+  wait(text, leave, live = "polite") {
+    this.leave = leave;
+    this.error.hidden = true;
+    this.bar.hidden = true;
+    this.text.ariaLive = live;
+    if (this.text.textContent !== text) this.text.textContent = text;
+    this.line.hidden = false;
+  }
+
+  /** Cancel what runs or waits. */
   stop() {
-    this.running?.abort();
+    const { leave } = this;
+    this.leave = null;
+    if (leave) {
+      this.line.hidden = true;
+      leave();
+    } else this.running?.abort();
   }
 }
 

@@ -253,6 +253,8 @@ export const STRINGS = {
   paperOpen: "{count} of {total} not judged yet",
   paperUnjudged: "Not judged yet.",
   paperFilm: "Make this figure from a film",
+  paperTurn: "Waiting for its turn …",
+  paperWaits: "Waiting for {name} …",
   paperFilmHint: "A synthetic video is made, tracked and measured: some tens of seconds.",
   paperQuick: "Quick numbers: scans have fewer points than in the full report.",
   paperReport: "From the stored report.",

@@ -74,13 +74,12 @@ export class PaperView {
   hide() {
     this.isShown = false;
     this.near.disconnect();
-    this.queue = [];
+    for (const plate of [...this.queue]) plate.job.stop();
     this.making?.job.stop();
   }
 
   /** Make every figure that needs no video. */
   makeAll() {
-    this.queue = [];
     this.want(this.plates.filter((plate) => !plate.entry.film));
   }
 
@@ -91,7 +90,21 @@ export class PaperView {
   want(plates) {
     const wanted = plates.filter((plate) => !plate.isMade && plate !== this.making);
     this.queue = [...wanted, ...this.queue.filter((plate) => !wanted.includes(plate))];
-    if (!this.making) void this.work();
+    if (this.making) this.tellWaiting();
+    else void this.work();
+  }
+
+  /**
+   * Make a figure no more that waits.
+   * @param {Plate} plate
+   */
+  drop(plate) {
+    this.queue = this.queue.filter((other) => other !== plate);
+  }
+
+  /** Say at each figure that waits that it does. */
+  tellWaiting() {
+    if (this.making) for (const plate of this.queue) plate.wait(this.making);
   }
 
   /** Make what waits, one after the other. */
@@ -100,6 +113,7 @@ export class PaperView {
       const plate = this.queue.shift();
       if (!plate) return;
       this.making = plate;
+      this.tellWaiting();
       try {
         await plate.make();
       } finally {
@@ -151,6 +165,8 @@ class Plate {
       } } }, el("b", {}, entry.label), ` ${entry.title}`), this.marks);
     this.heading = el("h2", { tabindex: "-1" }, name);
     this.job = new JobLine();
+    this.filmed = el("button", { type: "button", on: { click: () => this.view.want([this]) } },
+      t("paperFilm"));
     this.picture = el("div", { class: "picture" });
     this.links = el("div", { class: "links" }, ...this.scenarioLinks());
     this.list = el("div", { class: "claims" }, ...entry.statements.map((s) => openClaim(s)));
@@ -165,9 +181,8 @@ class Plate {
 
   filmButton() {
     const { missing } = this.entry;
-    const button = el("button", { type: "button", disabled: missing !== "", on: { click: () =>
-      this.view.want([this]) } }, t("paperFilm"));
-    return el("div", { class: "filming" }, button,
+    this.filmed.disabled = missing !== "";
+    return el("div", { class: "filming" }, this.filmed,
       el("p", { class: "hint" }, missing || t("paperFilmHint")));
   }
 
@@ -183,12 +198,37 @@ class Plate {
     });
   }
 
+  /**
+   * Say that another figure is made first.
+   * @param {Plate} making
+   */
+  wait({ entry }) {
+    this.filmed.disabled = true;
+    const leave = () => {
+      this.view.drop(this);
+      this.release();
+      if (this.view.isShown) this.filmed.focus({ preventScroll: true });
+    };
+    // Figures that come by themselves are not read out.
+    if (!this.film) this.job.wait(t("paperTurn"), leave, "off");
+    else this.job.wait(t("paperWaits", { name: entry.caption ? entry.label : entry.title }), leave);
+  }
+
+  /** Let the film be asked for again. */
+  release() {
+    this.filmed.disabled = this.entry.missing !== "";
+  }
+
   /** Compute, draw and judge. */
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
+    this.filmed.disabled = true;
     const block = await this.job.run("/ws/paper", { figure: this.entry.name });
     this.picture.classList.remove("waiting");
-    if (!block) return;
+    if (!block) {
+      this.release();
+      return;
+    }
     this.isMade = true;
     this.claims = block.about.claims;
     this.film?.remove();

@@ -1,0 +1,98 @@
+"""A page that goes at any moment ends its work and leaves no error on the server's terminal."""
+
+import json
+import threading
+import time
+
+import pytest
+from starlette.testclient import TestClient
+
+from latolato.app import paper
+from latolato.app.film_store import Allowance
+from latolato.app.server import Settings, make_app
+
+HOME = "http://127.0.0.1:8000"
+FIRST = {
+    "/ws/paper": {"figure": "fig02"},
+    "/ws/analyse": {
+        "analysis": "basins",
+        "scenario": "fig02",
+        "given": {"transient_periods": "20000"},
+    },
+    "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
+    "/ws/map": {"scenario": "fig04a"},
+    "/ws/live": {"hello": {"scenario": "fig02"}},
+}
+JOBS = ("/ws/paper", "/ws/analyse")
+
+
+class Unreachable:
+    """An app whose pages hear some frames, and then nothing more."""
+
+    def __init__(self, app, heard):
+        self.app, self.heard = app, heard
+        self.failed = threading.Event()
+
+    async def __call__(self, scope, receive, send):
+        sent = 0
+
+        async def lossy(message):
+            nonlocal sent
+            if message["type"] in ("websocket.send", "websocket.close"):
+                sent += 1
+                if sent > self.heard:
+                    self.failed.set()
+                    raise OSError("the page has gone")  # what uvicorn raises
+            await send(message)
+
+        await self.app(scope, receive, lossy)
+
+
+@pytest.fixture
+def app(tmp_path, monkeypatch):
+    monkeypatch.setattr(paper, "_place", lambda name: tmp_path / f"{name}.block")
+    monkeypatch.setattr(paper, "_known", {})
+    return make_app(Settings())
+
+
+def speak(lossy, path, given):
+    """Send the first frame, and go when a frame did not arrive; what the app raises is raised."""
+    client = TestClient(lossy, base_url=HOME, headers={"origin": HOME})
+    with client, client.websocket_connect(f"ws://127.0.0.1:8000{path}") as socket:
+        if given is not None:
+            socket.send_text(given if isinstance(given, str) else json.dumps(given))
+        assert lossy.failed.wait(timeout=60)
+        yield
+
+
+@pytest.mark.parametrize("path", list(FIRST))
+def test_a_page_that_cannot_be_told_is_no_fault(app, path):
+    for _ in speak(Unreachable(app, 0), path, FIRST[path]):
+        pass
+
+
+@pytest.mark.parametrize("path", JOBS)
+def test_work_ends_when_its_page_cannot_be_told(app, path):
+    for _ in speak(Unreachable(app, 2), path, FIRST[path]):
+        end = time.monotonic() + 20
+        while (app.state.jobs.busy or app.state.jobs.limiter.borrowed_tokens) and (
+            time.monotonic() < end
+        ):
+            time.sleep(0.02)
+        assert not app.state.jobs.busy
+        assert not app.state.jobs.limiter.borrowed_tokens
+
+
+@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map", "/ws/live"])
+@pytest.mark.parametrize("given", ["{", "[3]", "{}"])
+def test_a_page_that_goes_before_it_is_refused_is_no_fault(app, path, given):
+    for _ in speak(Unreachable(app, 0), path, given):
+        pass
+
+
+@pytest.mark.parametrize("most", [0, 4])
+def test_a_desk_of_films_whose_page_goes_at_once_is_no_fault(most):
+    app = make_app(Settings(films=Allowance(desks=most)))
+    for _ in speak(Unreachable(app, 0), "/api/films/desk", None):
+        pass
+    assert not app.state.films.desks
