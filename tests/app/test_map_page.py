@@ -353,11 +353,14 @@ def test_both_ends_of_an_axis_typed_at_once_stay(page):
 def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(page):
     open_map(page)
     low = page.get_by_label("from", exact=True).nth(1)
+    border = "(e) => getComputedStyle(e).borderColor"
+    usual = low.evaluate(border)
     low.fill("abc")
     low.press("Tab")
     line = page.get_by_role("alert").get_by_text("“abc” is no number")
     line.wait_for()
     assert low.get_attribute("aria-invalid") == "true"
+    assert low.evaluate(border) != usual
     assert low.get_attribute("aria-describedby") == line.get_attribute("id")
     # It lies right below the field.
     field, told = low.bounding_box(), line.bounding_box()
