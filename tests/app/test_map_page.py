@@ -149,7 +149,7 @@ def test_a_box_is_computed_in_full_and_escape_leads_back(page):
     # A move computes the new cells only.
     field.press("Shift+ArrowRight")
     wait_done(page, 3)
-    page.get_by_text(re.compile(rf"^{5 * 24} runs in")).wait_for()
+    page.get_by_text(re.compile(rf"^576 points, {5 * 24} of them new")).wait_for()
     field.press("Escape")
     page.wait_for_function("() => window.latolato.views.map.grid.x[0] === 0")
     page.get_by_text("576 points", exact=True).wait_for()
@@ -286,8 +286,8 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, wat
     watch.faults = [each for each in watch.faults if "422" not in each]
     page.get_by_role("button", name="Go on").click()
     wait_done(page, 2)
-    again = page.get_by_text(re.compile(r"^\d+ runs in")).inner_text()
-    assert int(again.split()[0]) <= 10_000 - known
+    again = page.get_by_text(re.compile(r"^10000 points, \d+ of them new")).inner_text()
+    assert int(again.split()[2]) <= 10_000 - known
     with page.expect_download() as waiting:
         page.get_by_role("button", name="NetCDF").click()
     waiting.value.save_as(tmp_path / "map.nc")
@@ -328,6 +328,101 @@ def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
     assert page.evaluate("() => window.latolato.views.map.grid.y[23]") == pytest.approx(0.3)
 
 
+def test_an_end_just_typed_stays_when_the_axis_is_made_logarithmic(page):
+    open_map(page)
+    low = page.get_by_label("from", exact=True).nth(1)
+    low.fill("1 cm")
+    page.get_by_label("logarithmic, upwards").click()
+    wait_done(page, 2)
+    values = page.evaluate("() => Array.from(window.latolato.views.map.grid.y)")
+    np.testing.assert_allclose(values, np.geomspace(0.01, 0.5, 24), rtol=1e-12)
+    page.wait_for_function("() => /map.ylog=1&map.ylow=0.01(&|$)/.test(location.search)")
+    assert low.input_value() == "10"
+
+
+def test_both_ends_of_an_axis_typed_at_once_stay(page):
+    open_map(page)
+    page.get_by_label("from", exact=True).nth(1).fill("1 cm")
+    page.get_by_label("to", exact=True).nth(1).fill("20 cm")
+    page.keyboard.press("Enter")
+    wait_done(page, 2)
+    ends = page.evaluate("() => [0, 23].map(i => window.latolato.views.map.grid.y[i])")
+    assert ends == pytest.approx([0.01, 0.2])
+
+
+def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(page):
+    open_map(page)
+    low = page.get_by_label("from", exact=True).nth(1)
+    border = "(e) => getComputedStyle(e).borderColor"
+    usual = low.evaluate(border)
+    low.fill("abc")
+    low.press("Tab")
+    line = page.get_by_role("alert").get_by_text("“abc” is no number")
+    line.wait_for()
+    assert low.get_attribute("aria-invalid") == "true"
+    assert low.evaluate(border) != usual
+    assert low.get_attribute("aria-describedby") == line.get_attribute("id")
+    # It lies right below the field.
+    field, told = low.bounding_box(), line.bounding_box()
+    assert 0 <= told["y"] - (field["y"] + field["height"]) < 20
+    page.evaluate("() => window.latolato.views.map.controls.keep({ size: 8 })")
+    wait_done(page, 2)
+    assert line.is_visible()
+    assert low.input_value() == "abc"
+    low.fill("1 cm")
+    low.press("Tab")
+    wait_done(page, 3)
+    assert not line.is_visible()
+    assert low.get_attribute("aria-invalid") == "false"
+
+
+def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):
+    open_map(page, f"{QUERY}&map.contours=colours".replace("size=24", "size=8"))
+    page.get_by_text("Curves and trials").click()
+    levels = page.get_by_label("Contour lines at these values", exact=False)
+    page.wait_for_function("() => window.latolato.views.map.chart.contours.length > 0")
+    alert = page.get_by_role("alert")
+    levels.fill("45,,90")
+    levels.press("Enter")
+    alert.get_by_text("“45,,90” is no list of numbers").wait_for()
+    # The test fails where the console tells of a refusal.
+    levels.fill(",".join(map(str, range(10, 31))))
+    levels.press("Enter")
+    alert.get_by_text("At most 20 values at a time, got 21.").wait_for()
+    assert levels.get_attribute("aria-invalid") == "true"
+    levels.fill("45, 90")
+    levels.press("Enter")
+    page.wait_for_function("() => location.search.includes('map.levels=')")
+    assert levels.get_attribute("aria-invalid") == "false"
+    assert alert.filter(visible=True).count() == 0
+
+
+def test_what_an_address_says_in_vain_is_told_and_left_out(page):
+    small = QUERY.replace("size=24", "size=8")
+    open_map(page, f"{small}&map.xlow=abc&map.levels=abc&map.ylow=0.1&map.xlog=1")
+    page.get_by_role("alert").get_by_text(
+        "Left out of the address, for it cannot be read: map.levels=abc, map.xlow=abc."
+    ).wait_for()
+    page.wait_for_function("() => !location.search.includes('abc')")
+    # The others are about the axes on show.
+    found = page.evaluate(
+        """() => {
+          const { grid } = window.latolato.views.map;
+          return { log: grid.xAxis.log, y: Array.from(grid.y) };
+        }"""
+    )
+    assert found["log"]
+    np.testing.assert_allclose(found["y"], np.linspace(0.1, 0.5, 8), rtol=1e-12)
+    page.get_by_label("Scale").evaluate("(e) => { e.closest('details').open = true; }")
+    page.get_by_label("Scale").select_option("magma")
+    page.get_by_text("Left out of the address").wait_for(state="hidden")
+
+
+def test_ends_in_the_wrong_order_in_an_address_are_told(page):
+    page.goto(f"/?view=map{QUERY}&map.xlow=5&map.xhigh=1")
+    page.get_by_role("alert").get_by_text("the end must lie above the start, got 5 to 1").wait_for()
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_map_is_open_to_everybody(page, scheme):
     page.emulate_media(color_scheme=scheme)
@@ -341,12 +436,19 @@ def test_the_map_is_open_to_everybody(page, scheme):
 
 def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
     axes = {"drive_amplitude": [0.1, 0.2, 0.4], "frequency_ratio": [1.0, 2.0, 4.0]}
-    ll.load_scenario("fig05_push").sweep(axes=axes, duration=5.0, store=tmp_path / "own.zarr")
-    server = start_server("--open", str(tmp_path / "own.zarr"))
+    made = ll.load_scenario("fig05_push").sweep(
+        axes=axes, duration=5.0, store=tmp_path / "own.zarr"
+    )
+    made.status[0, 1] = -1
+    made.to_netcdf(tmp_path / "part.nc")
+    files = [f"--open={tmp_path / name}" for name in ("own.zarr", "part.nc")]
+    server = start_server(*files)
     context = browser.new_context(base_url=server.address)
     try:
         page = context.new_page()
-        page.goto("/?view=map&map.scenario=fig05_push&map.duration=5&map.size=8")
+        page.goto(
+            "/?view=map&map.scenario=fig05_push&map.duration=5&map.size=8&map.contours=colours"
+        )
         page.wait_for_selector("[data-done]", timeout=PATIENCE)
         page.get_by_label("Map of").select_option("own.zarr")
         wait_done(page, 2)
@@ -356,6 +458,19 @@ def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
             0.4,
         ]
         page.get_by_text("9 points", exact=True).wait_for()
+        # Contour lines stay switched on.
+        page.wait_for_function("() => window.latolato.views.map.chart.contours.length > 0")
+        assert page.evaluate("() => window.latolato.views.map.controls.over.contours.select.value")
+        assert "Drawn when" not in page.locator("body").inner_text()
+        assert "map.contours=colours" in page.url
+        # Those of what the next map does not have leave no word.
+        page.evaluate("() => window.latolato.views.map.controls.keep({ contours: 'nothing' })")
+        page.get_by_label("Map of").select_option("part.nc")
+        wait_done(page, 3)
+        page.get_by_text("9 points, 1 of them not computed", exact=True).wait_for()
+        over = "window.latolato.views.map.controls.over"
+        assert page.evaluate(f"() => {over}.contourNote.textContent") == ""
+        assert page.evaluate(f"() => {over}.levelBox.hidden")
     finally:
         context.close()
         stop_server(server)

@@ -237,6 +237,20 @@ def test_a_bad_axis_is_told_by_the_name_of_its_quantity(client, which, span, wor
     assert words in texts[-1]["error"]
 
 
+def test_an_axis_has_the_usual_end_and_parameter_where_none_is_given():
+    from latolato.app.map_asked import MapAsked, make_map
+
+    def spans(**asked):
+        shown = make_map(MapAsked.from_json({"scenario": "fig05_push", "options": {}, **asked}))
+        return shown.x, shown.y
+
+    usual_x, usual_y = spans()
+    x, y = spans(x={"low": 1.0}, y={"high": 0.2, "log": True})
+    assert (x.name, x.low, x.high) == (usual_x.name, 1.0, usual_x.high)
+    # Two decades, as a logarithmic axis has to begin with.
+    assert (y.name, y.low, y.high, y.log) == (usual_y.name, pytest.approx(0.002), 0.2, True)
+
+
 def test_closing_the_socket_stops_the_kernels(client):
     plan = {"scenario": "fig05_push", "width": 400, "height": 400, "options": {}}
     with connected(client) as socket:
@@ -292,7 +306,7 @@ def test_a_map_that_is_too_large_is_refused_before_any_work(client, changed, wor
                 {"width": 0},
                 {"width": True},
                 {"x": {"name": "frequency_ratio", "low": 2.0, "high": 1.0}},
-                {"x": {"name": "frequency_ratio", "low": 2.0}},
+                {"x": {"name": "frequency_ratio", "low": 9.0}},
                 {"x": {"name": "drive_amplitude", "low": 0.1, "high": 0.2}},
                 {"x": {"name": "frequencyratio", "low": 1.0, "high": 2.0}},
                 {"y": {"name": "restitution", "low": 0.5, "high": 2.0}},

@@ -29,7 +29,8 @@ _LOG_SPAN = 0.01
 class Span:
     """One axis: the parameter that varies along it and its first and last value [SI].
 
-    Ends of NaN stand for a range to begin with; `log` is None for the spacing to begin with.
+    An end of NaN stands for that of the range to begin with, an empty name for the parameter to
+    begin with; `log` is None for the spacing to begin with.
     """
 
     name: str
@@ -41,17 +42,23 @@ class Span:
     def from_json(cls, which: str, value: Any) -> Span:
         """Return an axis, or raise TypeError or ValueError."""
         own = set(value) - {"log"} if isinstance(value, Mapping) else set()
-        if own not in ({"name"}, {"name", "low", "high"}):
+        if not isinstance(value, Mapping) or own - {"name", "low", "high"}:
             raise TypeError(f"{which} must be an object with name, low and high, got {value!r}")
-        name, log = value["name"], value.get("log")
+        name, log = value.get("name", ""), value.get("log")
         if not isinstance(name, str):
             raise TypeError(f"the name of {which} must be a text, got {name!r}")
         if log is not None and not isinstance(log, bool):
             raise TypeError(f"log of {which} must be true or false, got {log!r}")
-        if "low" not in value:
-            return cls(name, math.nan, math.nan, log)
-        low, high = (checked_number(name, value[k], ANY, "SI") for k in ("low", "high"))
+        low, high = (
+            checked_number(f"{k} of {which}", value[k], ANY, "SI") if k in value else math.nan
+            for k in ("low", "high")
+        )
         return cls(name, low, high, log)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether an end is that of the range to begin with."""
+        return math.isnan(self.low) or math.isnan(self.high)
 
     def values(self, count: int) -> NDArray[np.float64]:
         """Return the values at the middles of the cells, both ends included."""
@@ -93,10 +100,12 @@ def spans_of(
     y, x = sorted(usual, key=lambda s: s.name in ("frequency_ratio", "drive_frequency"))
     chosen = []
     for span, own in zip(asked, (x, y), strict=True):
+        if span is not None and not span.name:
+            span = replace(span, name=own.name)
         if span is not None and span.name not in known:
             raise ValueError(f"unknown parameter '{span.name}': {suggest(span.name, list(known))}")
-        if span is not None and math.isnan(span.low):
-            span = _span(span.name, known, scenario, span.log)
+        if span is not None and span.is_open:
+            span = _span(span.name, known, scenario, span.log, (span.low, span.high))
         chosen.append(_checked(span or own, known))
     if DERIVED.get(chosen[0].name, chosen[0].name) == DERIVED.get(chosen[1].name, chosen[1].name):
         a, b = (known[span.name].quantity.long_name for span in chosen)
@@ -109,15 +118,23 @@ def spans_of(
 
 
 def _span(
-    name: str, known: Mapping[str, Parameter], scenario: Scenario, log: bool | None = None
+    name: str,
+    known: Mapping[str, Parameter],
+    scenario: Scenario,
+    log: bool | None = None,
+    given: tuple[float, float] = (math.nan, math.nan),
 ) -> Span:
-    """Return an axis with the range to begin with; a logarithmic one ends two decades below."""
-    low, high = suggested_range(name, known, scenario)
+    """Return an axis with the range to begin with; a logarithmic one ends two decades below.
+
+    Ends that are given stay; NaN stands for one that is not.
+    """
+    usual = suggested_range(name, known, scenario)
+    low, high = (u if math.isnan(g) else g for u, g in zip(usual, given, strict=True))
     if log is None:
         values = scenario.varied.get("axes", {}).get(name)
-        given = values is not None and not isinstance(values, Mapping)
-        log = given and is_geometric(np.sort(np.array(values, dtype=float)))
-    if log and not low > 0.0 and high > 0.0:
+        listed = values is not None and not isinstance(values, Mapping)
+        log = listed and is_geometric(np.sort(np.array(values, dtype=float)))
+    if log and math.isnan(given[0]) and not low > 0.0 and high > 0.0:
         low = _LOG_SPAN * high
     return Span(name, low, high, log)
 

@@ -50,8 +50,9 @@ def contour_block(shown: Shown, given: Mapping[str, Any]) -> bytes:
     """
     levels, lines, tiny = contours(shown, given)
     numbers = {level: number for number, level in enumerate(levels)}
+    about = {"levels": levels, "most": MOST_LEVELS, "lines": len(lines), "tiny": tiny}
     return pack(
-        {"levels": levels, "lines": len(lines), "tiny": tiny, "missing": shown.missing},
+        {**about, "missing": shown.missing},
         {
             "x": np.concatenate([*(line.x for line in lines), np.empty(0)]),
             "y": np.concatenate([*(line.y for line in lines), np.empty(0)]),

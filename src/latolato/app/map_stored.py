@@ -116,6 +116,7 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
             "names": names,
             "select": rest,
             "points": drawing.values.size,
+            "missing": int(np.sum(drawing.status < 0)),
             "description": _description(grid, drawing),
             "title": grid.attrs.get("title", path.name),
             "python": f'import latolato as ll\n\ngrid = ll.load("{path.name}")',

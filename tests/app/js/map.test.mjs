@@ -5,7 +5,9 @@ import test from "node:test";
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
+import { misread } from "../../../src/latolato/app/static/js/map/address.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
+import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/units.js";
 
@@ -109,4 +111,29 @@ test("symbols become one line of text", () => {
   assert.equal(plainSymbol("\\omega/\\omega_0"), "ω/ω₀");
   assert.equal(plainSymbol("\\langle E\\rangle"), "⟨E⟩");
   assert.equal(plainSymbol("\\theta_{max}"), "θ_max");
+});
+
+test("a list of levels with a hole is none", () => {
+  assert.equal(levelsOf("45,,90", []), null);
+  assert.deepEqual(levelsOf("45, 90", []), [45, 90]);
+  assert.deepEqual(levelsOf(" ", []), []);
+});
+
+test("an axis is changed from what the address says, not from what was on show", () => {
+  const shown = { x: { name: "a", low: 0, high: 5, log: false },
+    y: { name: "b", low: 0, high: 1, log: false } };
+  const extra = { "map.y": "b", "map.ylow": "0.01" };
+  assert.deepEqual(ended({ extra, shown }, "y", "high", 0.2),
+    { y: "b", ylow: "0.01", yhigh: 0.2, ylog: null });
+  assert.deepEqual(spaced({ extra, shown }, "y", true),
+    { y: "b", ylow: "0.01", yhigh: null, ylog: 1 });
+  assert.equal(spaced({ extra: { "map.ylow": "0" }, shown }, "y", true).ylow, null);
+  assert.deepEqual(turned({ extra, shown }, "x", "b"), { x: "b", xlow: "0.01", xhigh: null,
+    xlog: null, y: "a", ylow: null, yhigh: null, ylog: null, at: null });
+});
+
+test("parts of an address that cannot be read are found", () => {
+  assert.deepEqual(misread({ "map.xlow": "abc", "map.levels": "1,,2", "map.ylog": "yes",
+    "map.scale": "rainbow", "map.size": "25", "map.high": "1e3", "map.x": "length",
+    "play.time": "abc" }), ["map.levels", "map.scale", "map.xlow", "map.ylog"]);
 });

@@ -1,11 +1,12 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el, tell } from "../dom.js";
+import { el } from "../dom.js";
 import { t } from "../strings.js";
 import { plainSymbol } from "../units.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
+import { ended, spaced, turned } from "./span.js";
 
 /** @typedef {import("../state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -31,17 +32,17 @@ export class MapControls {
       new QuantityField(t(name), (v) => set({ [key]: v }), hint ? t(hint) : "");
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
-    this.x = choice(t("mapX"), (v) => this.turn("x", v));
-    this.y = choice(t("mapY"), (v) => this.turn("y", v));
+    this.x = choice(t("mapX"), (v) => set(turned(this.now(), "x", v)));
+    this.y = choice(t("mapY"), (v) => set(turned(this.now(), "y", v)));
     const log = (/** @type {"x" | "y"} */ which, /** @type {string} */ name) => {
-      const made = tick(t("mapLog"), (on) => set(this.spacing(which, on)));
+      const made = tick(t("mapLog"), (on) => set(spaced(this.now(), which, on)));
       made.box.setAttribute("aria-label", t(name));
       return made;
     };
     this.logs = { x: log("x", "mapLogX"), y: log("y", "mapLogY") };
     const end = (/** @type {string} */ name, /** @type {"x" | "y"} */ which,
       /** @type {"low" | "high"} */ side) => new QuantityField(t(name), (value) =>
-      set(this.axis(which, side, value)));
+      set(ended(this.now(), which, side, value)));
     this.ends = { xlow: end("mapFrom", "x", "low"), xhigh: end("mapTo", "x", "high"),
       ylow: end("mapFrom", "y", "low"), yhigh: end("mapTo", "y", "high") };
     /** @type {any} */
@@ -92,32 +93,9 @@ export class MapControls {
     return el("div", { class: "two" }, this.ends[low].root, this.ends[high].root);
   }
 
-  /**
-   * Return what the address keeps of an axis of which one end was changed; an empty end stands for
-   * the usual range.
-   * @param {"x" | "y"} which
-   * @param {"low" | "high"} side
-   * @param {number | null} value
-   */
-  axis(which, side, value) {
-    const { name, low, high, log } = this.choices[which];
-    const ends = value === null ? { low: null, high: null } : { low, high, [side]: value };
-    return { [which]: name, [`${which}low`]: ends.low, [`${which}high`]: ends.high,
-      [`${which}log`]: log ? 1 : null };
-  }
-
-  /**
-   * Return what the address keeps of an axis that is made logarithmic or linear; one that begins
-   * at zero gets the usual range.
-   * @param {"x" | "y"} which
-   * @param {boolean} on
-   */
-  spacing(which, on) {
-    if (this.store.state.extra["map.stored"]) return { [`${which}log`]: on ? 1 : 0 };
-    const { name, low, high } = this.choices[which];
-    const ends = on && !(low > 0) ? [null, null] : [low, high];
-    return { [which]: name, [`${which}low`]: ends[0], [`${which}high`]: ends[1],
-      [`${which}log`]: on ? 1 : null };
+  /** Return the axes as the address has them; what was on show last may be out of date. */
+  now() {
+    return { extra: this.store.state.extra, shown: this.choices };
   }
 
   /**
@@ -141,31 +119,15 @@ export class MapControls {
   limit(side, value) {
     const [low, high] = this.limits;
     const fits = value === null || (side === "low" ? value < high : value > low);
-    this[side].input.setAttribute("aria-invalid", String(!fits));
     if (fits) this.keep({ [side]: value });
-    else tell(t("mapLimits"));
-  }
-
-  /**
-   * Show another parameter along an axis; that of the other axis changes places with this one.
-   * @param {"x" | "y"} which
-   * @param {string} name
-   */
-  turn(which, name) {
-    const other = which === "x" ? "y" : "x";
-    const set = (/** @type {"x" | "y"} */ to, /** @type {any} */ { low, high, log }, key = "") =>
-      ({ [to]: key, [`${to}low`]: low, [`${to}high`]: high, [`${to}log`]: log ? 1 : null });
-    const none = { low: null, high: null, log: false };
-    if (name !== this.choices[other].name) return this.keep({ ...set(which, none, name), at: null });
-    this.keep({ ...set(which, this.choices[other], name),
-      ...set(other, this.choices[which], this.choices[which].name), at: null });
+    else this[side].problem.say(t("mapLimits"));
   }
 
   /** @param {string} value */
   choose(value) {
     const { extra } = this.store.state;
     const kept = Object.fromEntries(Object.entries(extra).filter(([name]) =>
-      !name.startsWith("map.") || ["map.size", "map.scale"].includes(name)));
+      !name.startsWith("map.") || ["map.size", "map.scale", "map.contours"].includes(name)));
     const [kind, name] = value === PAGE ? ["", ""] : [value.slice(0, 1), value.slice(2)];
     if (kind === "s" || value === PAGE) kept["map.scenario"] = name || PAGE;
     if (kind === "f") kept["map.stored"] = name;

@@ -1,10 +1,26 @@
 /** Small fields of the Map view: a number with its unit, a choice, a switch. */
 
-import { el, freshId, tell } from "../dom.js";
+import { el, freshId } from "../dom.js";
 import { t } from "../strings.js";
 import { short, shownUnit, toSi, parseQuantity } from "../units.js";
 
 /** @typedef {{name: string, size: number}} Unit */
+
+/**
+ * Return the line below a field that says what is wrong with it; null takes it away.
+ * @param {HTMLInputElement} input
+ */
+export function problemOf(input) {
+  const line = el("p", { class: "error", id: freshId(), role: "alert", hidden: true });
+  const say = (/** @type {string | null} */ text) => {
+    line.hidden = text === null;
+    line.textContent = text ?? "";
+    input.setAttribute("aria-invalid", String(text !== null));
+    if (text === null) input.removeAttribute("aria-describedby");
+    else input.setAttribute("aria-describedby", line.id);
+  };
+  return { line, say };
+}
 
 /** A number field that shows one unit and reads any that is known. */
 export class QuantityField {
@@ -20,20 +36,26 @@ export class QuantityField {
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       spellcheck: "false", on: { change: () => this.read(change) } });
     this.unit = el("span", { class: "unit" });
+    this.problem = problemOf(this.input);
+    this.seen = "";
     this.root = el("div", { class: "field" }, el("label", { for: id, title: hint }, label),
-      el("span", { class: "entry" }, this.input, this.unit));
+      el("span", { class: "entry" }, this.input, this.unit), this.problem.line);
   }
 
   /**
-   * Show a value in SI units; `shown` says whether it was chosen or stands for the usual one.
+   * Show a value in SI units; `chosen` says whether it was chosen or stands for the usual one.
+   * What could not be read stays, with what is wrong with it, until there is another value.
    * @param {number | null} value
    * @param {Unit[]} units
    * @param {boolean} [chosen]
    */
   show(value, units, chosen = true) {
+    const now = JSON.stringify([value, units[0]?.name]);
+    if (!this.problem.line.hidden && now === this.seen) return;
+    this.seen = now;
     this.units = units;
     this.unit.textContent = shownUnit(units[0]?.name ?? "");
-    this.input.setAttribute("aria-invalid", "false");
+    this.problem.say(null);
     if (document.activeElement === this.input) return;
     const text = value === null ? "" : short(value / (units[0]?.size ?? 1), 4);
     this.input.value = chosen ? text : "";
@@ -44,12 +66,11 @@ export class QuantityField {
   read(change) {
     const text = this.input.value.trim();
     const parsed = parseQuantity(text);
+    this.problem.say(null);
     if (!text) return change(null);
     const value = parsed && parsed.unit === "" ? parsed.number * (this.units[0]?.size ?? 1)
       : toSi(text, this.units);
-    const bad = value === null || !Number.isFinite(value);
-    this.input.setAttribute("aria-invalid", String(bad));
-    if (bad) tell(t("noNumber", { text }));
+    if (value === null || !Number.isFinite(value)) this.problem.say(t("noNumber", { text }));
     else change(value);
   }
 }

@@ -1,10 +1,10 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
 
-import { el, freshId, tell } from "../dom.js";
+import { el, freshId } from "../dom.js";
 import { t } from "../strings.js";
 import { parseQuantity, short, shownUnit, toSi } from "../units.js";
 import { axisLabel, sizeOf } from "./axes.js";
-import { choice, tick } from "./fields.js";
+import { choice, problemOf, tick } from "./fields.js";
 import { OF_COLOURS } from "./over.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -19,13 +19,19 @@ export class OverControls {
   constructor(keep, trials) {
     /** @type {Unit[]} */
     this.units = [];
-    this.contours = choice(t("mapContours"), (v) => keep({ contours: v || null, levels: null }));
+    this.contours = choice(t("mapContours"), (v) => {
+      this.problem.say(null);
+      keep({ contours: v || null, levels: null });
+    });
     const id = freshId();
     this.levels = el("input", { id, type: "text", autocomplete: "off", spellcheck: "false",
       on: { change: () => this.read(keep) } });
     this.unit = el("span", { class: "unit" });
+    this.problem = problemOf(this.levels);
+    /** How many values the server draws at most, known from its first answer. */
+    this.most = Infinity;
     this.levelBox = el("div", { class: "field levels" }, el("label", { for: id }, t("mapLevels")),
-      el("span", { class: "entry" }, this.levels, this.unit));
+      el("span", { class: "entry" }, this.levels, this.unit), this.problem.line);
     this.contourNote = el("p", { class: "hint", role: "status" });
     this.tongue = tick(t("mapTongue"), (on) => keep({ tongue: on ? null : 0 }));
     this.lift = tick(t("mapLift"), (on) => keep({ lift: on ? null : 0 }));
@@ -47,9 +53,10 @@ export class OverControls {
   read(keep) {
     const text = this.levels.value.trim();
     const levels = levelsOf(text, this.units);
-    this.levels.setAttribute("aria-invalid", String(levels === null));
-    if (levels) keep({ levels: levels.length ? levels.join(",") : null });
-    else tell(t("noLevels", { text }));
+    const many = levels !== null && levels.length > this.most;
+    this.problem.say(!levels ? t("noLevels", { text })
+      : many ? t("tooManyLevels", { most: this.most, count: levels.length }) : null);
+    if (levels && !many) keep({ levels: levels.length ? levels.join(",") : null });
   }
 
   /**
@@ -65,11 +72,12 @@ export class OverControls {
       { value: OF_COLOURS, text: t("mapContoursColours") },
       ...[...names].map(([value, text]) => ({ value, text }))],
     chosen === OF_COLOURS || names.has(chosen) ? chosen : "");
-    this.levelBox.hidden = this.contourNote.hidden = !chosen;
+    this.levelBox.hidden = this.contourNote.hidden = !this.contours.select.value;
     this.tongue.box.checked = extra["map.tongue"] !== "0";
     this.lift.box.checked = extra["map.lift"] !== "0";
     const given = extra["map.levels"];
-    if (document.activeElement !== this.levels) this.levels.value = given ? this.text(given) : "";
+    if (document.activeElement !== this.levels && this.problem.line.hidden)
+      this.levels.value = given ? this.text(given) : "";
   }
 
   /** @param {string} levels numbers in SI units */
@@ -84,7 +92,11 @@ export class OverControls {
    * @param {Variable | null} variable
    */
   showContours(about, variable) {
-    if (!variable) return;
+    if (!variable) {
+      this.contourNote.textContent = "";
+      return;
+    }
+    this.most = about?.most ?? this.most;
     this.units = variable.units;
     this.unit.textContent = shownUnit(variable.units[0]?.name ?? "");
     this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
@@ -98,7 +110,8 @@ export class OverControls {
     else if (!about.lines) told.push(t("mapContoursNowhere"));
     if (about?.tiny) told.push(t("mapContoursTiny", { count: about.tiny }));
     this.contourNote.textContent = told.join(" ");
-    if (this.levels.value && document.activeElement !== this.levels && about?.levels)
+    if (this.levels.value && document.activeElement !== this.levels && this.problem.line.hidden
+      && about?.levels)
       this.levels.value = values(about.levels);
   }
 
@@ -116,14 +129,15 @@ export class OverControls {
 }
 
 /**
- * Return the numbers of a text such as "0.5, 1, 2 kJ" in SI units, increasing; null if it is none.
+ * Return the numbers of a text such as "0.5, 1, 2 kJ" in SI units, increasing, none of an empty
+ * text; null if a part is no number.
  * A unit at the end is that of all numbers without one of their own.
  * @param {string} text
  * @param {Unit[]} units
  * @returns {number[] | null}
  */
 export function levelsOf(text, units) {
-  const parts = text.split(/[,;]/).map((part) => part.trim()).filter(Boolean);
+  const parts = text.trim() ? text.split(/[,;]/).map((part) => part.trim()) : [];
   const last = parseQuantity(parts[parts.length - 1] ?? "")?.unit ?? "";
   const usual = last || (units[0]?.name ?? "");
   const found = parts.map((part) => {

@@ -49,11 +49,11 @@ export function requestOf(registry, state) {
     return { stored, observable, select, xlog: log("x"), ylog: log("y") };
   }
   const axis = (/** @type {"x" | "y"} */ which) => {
-    const name = get(which);
-    const [low, high] = [number(`${which}low`), number(`${which}high`)];
-    if (!name) return null;
-    const log = get(`${which}log`) === "1" ? true : null;
-    return low === null || high === null ? { name, log } : { name, low, high, log };
+    const log = get(`${which}log`);
+    const given = Object.entries({ name: get(which), low: number(`${which}low`),
+      high: number(`${which}high`), log: log === null ? null : log === "1" });
+    const said = given.filter(([, value]) => value !== null);
+    return said.length ? Object.fromEntries(said) : null;
   };
   const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));
   const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);
@@ -67,4 +67,16 @@ export function requestOf(registry, state) {
  */
 export function sameBut(request) {
   return JSON.stringify({ ...request, observable: null });
+}
+
+/**
+ * Open a run of a map in Play; the way back leads to the same map.
+ * @param {import("../main.js").Page} page
+ * @param {Record<string, string>} options
+ */
+export function openInPlay({ registry, store }, options) {
+  const { scenario } = sourceOf(registry, store.state);
+  const extra = { ...store.state.extra };
+  if (scenario) extra["map.scenario"] = scenario;
+  store.set({ view: "play", scenario: null, options, extra }, "view");
 }

@@ -76,3 +76,17 @@ export function legend(grid, variable, lines, trials, contours) {
       el("span", { class: `trial ${name}`, "aria-hidden": "true" }, mark), t(`trial_${name}`))),
   ];
 }
+
+/**
+ * Return what is said of a finished map: its points, and those that are new or missing.
+ * @param {Grid} grid
+ * @param {Record<string, any>} done what the server says of it
+ */
+export function doneText(grid, { points, seconds, rate }) {
+  const all = grid.width * grid.height;
+  const { missing } = grid.about;
+  if (missing) return t("mapKnownPart", { points: all, missing });
+  if (!(seconds > 0)) return t("mapKnown", { points: all });
+  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: short(seconds, 2),
+    rate: Math.round(rate) });
+}

@@ -4,6 +4,7 @@ import { askJson } from "../api.js";
 import { codeBlocks } from "../code.js";
 import { el, tell } from "../dom.js";
 import { Form } from "../form.js";
+import { Misread } from "../map/address.js";
 import { axisLabel, sizeOf } from "../map/axes.js";
 import { ColourBar } from "../map/bar.js";
 import { MapChart } from "../map/chart.js";
@@ -16,13 +17,12 @@ import { MapJob } from "../map/job.js";
 import { lookOf } from "../map/look.js";
 import { contourVariable, Over } from "../map/over.js";
 import { PointPanel } from "../map/point.js";
-import { requestOf, sameBut, sourceOf } from "../map/request.js";
+import { openInPlay, requestOf, sameBut, sourceOf } from "../map/request.js";
 import { fileBodyOf } from "../map/shown.js";
-import { legend } from "../map/tell.js";
+import { doneText, legend } from "../map/tell.js";
 import { Toolbar } from "../map/toolbar.js";
 import { Travel } from "../map/travel.js";
 import { t } from "../strings.js";
-import { short } from "../units.js";
 
 /** @typedef {import("../main.js").Page} Page */
 /** @typedef {import("../block.js").Block} Block */
@@ -68,13 +68,14 @@ export class MapView {
     this.barTitle = el("p", { class: "bar-title" });
     this.classes = el("ul", { class: "legend" });
     const barBox = el("div", { class: "bar-box" }, this.barTitle, bar, this.classes);
+    this.misread = new Misread();
     this.notes = el("p", { class: "error", role: "alert", hidden: true });
-    this.point = new PointPanel(page.registry, (options) => this.openInPlay(options));
+    this.point = new PointPanel(page.registry, (options) => openInPlay(page, options));
     this.files = new MapFiles(() => fileBodyOf(this));
     this.code = el("div", {});
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
-      el("div", { class: "main" }, this.tools.root, this.notes,
+      el("div", { class: "main" }, this.tools.root, this.misread.root, this.notes,
         el("div", { class: "map-and-point" },
           el("div", { class: "panel map-panel" }, this.field, readout, barBox), this.point.root),
         this.files.root,
@@ -128,6 +129,7 @@ export class MapView {
    */
   update(now = false) {
     const { registry, store } = this.page;
+    this.misread.heed(store);
     const source = sourceOf(registry, store.state);
     this.controls.showSource(source);
     this.parameters.hidden = source.stored !== null;
@@ -216,9 +218,7 @@ export class MapView {
     this.change();
     const grid = /** @type {Grid} */ (this.grid);
     grid.complete = true;
-    const { points, seconds, rate } = block.about;
-    this.tools.say(seconds > 0 ? t("mapDone", { points, seconds: short(seconds, 2),
-      rate: Math.round(rate) }) : t("mapKnown", { points: grid.width * grid.height }), 1);
+    this.tools.say(doneText(grid, block.about), 1);
     this.tools.state("done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
@@ -285,15 +285,5 @@ export class MapView {
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.tell();
     this.over.contours();
-  }
-
-  /** @param {Record<string, string>} options */
-  openInPlay(options) {
-    const { registry, store } = this.page;
-    const { scenario } = sourceOf(registry, store.state);
-    const extra = { ...store.state.extra };
-    // The way back leads to the same map.
-    if (scenario) extra["map.scenario"] = scenario;
-    store.set({ view: "play", scenario: null, options, extra }, "view");
   }
 }
