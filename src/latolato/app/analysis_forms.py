@@ -113,7 +113,7 @@ def label_of(name: str) -> str:
     Examples
     --------
     >>> label_of("transient_periods"), label_of("damping"), label_of("inverted")
-    ('Shakes that are left out at the beginning', 'Damping coefficient', 'Inverted')
+    ('Shakes that are left out at the beginning', 'Linear damping coefficient', 'Inverted')
     """
     from latolato.app.questions import OPTION_WORDS
     from latolato.quantities import QUANTITIES
