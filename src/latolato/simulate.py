@@ -167,7 +167,7 @@ def record(*args: Any, **options: Any) -> Record:
     Examples
     --------
     >>> import latolato as ll
-    >>> float(record(ll.Pendulum(length=1.0, mass=0.1), initial_angle=0.1, duration=2.0)["time"][-1])
+    >>> float(record(ll.Pendulum(length=1.0, mass=1), initial_angle=0.1, duration=2.0)["time"][-1])
     2.0
     """
     given = signature(simulate).bind(*args, **options)
