@@ -169,7 +169,7 @@ def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
     page.goto("/?view=experiment")
     page.get_by_role("button", name="A pendulum on a driven pivot").click()
     page.get_by_role("button", name="Cancel").click()
-    page.get_by_text("Cancelled.").wait_for()
+    page.get_by_role("alert").get_by_text("Cancelled.").wait_for()
     page.get_by_role("button", name="Remove A pendulum on a driven pivot").click()
     state(page, "empty")
 
