@@ -37,6 +37,16 @@ def run():
     return ll.simulate(toy, drive, initial_angle=0.5, duration=3.0)
 
 
+def show(page, widget):
+    """Show a widget on a page as anywidget would."""
+    given = {
+        "source": bundle(),
+        "block": base64.b64encode(widget.block).decode(),
+        "sheet": style_sheet(),
+    }
+    page.evaluate(PAGE, given)
+
+
 def test_the_widget_holds_the_run(run):
     widget = ll.play(run)
     about, arrays = unpack(widget.block)
@@ -123,12 +133,7 @@ def test_a_cell_shows_balls_where_the_run_has_them(browser, run, scheme):
     page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
     page.on("request", lambda r: requests.append(r.url))
     page.set_content("<body></body>")
-    given = {
-        "source": bundle(),
-        "block": base64.b64encode(widget.block).decode(),
-        "sheet": style_sheet(),
-    }
-    page.evaluate(PAGE, given)
+    show(page, widget)
     page.get_by_role("button", name="Play", exact=True).wait_for()
     found = page.evaluate(
         """() => {
@@ -169,12 +174,7 @@ def test_the_theme_is_that_of_the_page_around(browser, run):
     widget = ll.play(run)
     page = browser.new_page()
     page.set_content("<body></body>")
-    given = {
-        "source": bundle(),
-        "block": base64.b64encode(widget.block).decode(),
-        "sheet": style_sheet(),
-    }
-    page.evaluate(PAGE, given)
+    show(page, widget)
     found = page.evaluate(
         """async () => {
           const { body } = document;
