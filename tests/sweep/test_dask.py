@@ -87,7 +87,8 @@ def test_killed_worker_is_survived(client, plan, expected):
     assert results.dataset().identical(expected)
 
 
-def test_closing_cancels_what_waits_and_leaves_the_cluster(client, plan):
+def test_closing_cancels_what_waits_and_leaves_the_cluster(client, plan, monkeypatch):
+    monkeypatch.setattr(EXECUTOR, "_PATIENCE", 0.02)  # it waits in vain before the first comes
     results = execute(plan, range(plan.chunks), client=client)
     next(results)
 

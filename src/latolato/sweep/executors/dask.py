@@ -141,7 +141,11 @@ def _run_all(
                 return
             for future in _completed(client, list(running)):
                 number = running.pop(future)
-                yield number, _result(future, number, client)
+                try:
+                    result = _result(future, number, client)
+                finally:
+                    future.release()  # a wait in vain before may still hold it
+                yield number, result
     finally:
         if running and client.status == "running":
             client.cancel(list(running), force=True)
