@@ -236,6 +236,8 @@ def test_an_axis_is_made_logarithmic_and_a_zero_on_it_is_refused(page):
     open_map(page)
     page.get_by_label("logarithmic, upwards").check()
     wait_done(page, 2)
+    # Curves come by themselves, before or after the cells.
+    page.wait_for_function("() => window.latolato.views.map.over.lines.length === 2")
     found = page.evaluate(
         """() => {
           const { chart, grid } = window.latolato.views.map;
