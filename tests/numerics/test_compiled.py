@@ -20,19 +20,36 @@ for name in sys.argv[1:]:
     found[name] = [float(run.angle[-1]), float(run.drive_work[-1]), float(run.total_energy[-1])]
 print(json.dumps(found))
 """
+# A kernel, what is imported then, and with an argument a law and a function that are new.
+MIXED = """
+import sys
+import latolato as ll
+def swing(**drag):
+    system = ll.Pendulum(length=1.0, mass=0.8, **drag)
+    return float(ll.simulate(system, initial_angle=0.5, duration=5.0).angle[-1])
+found = [swing(), "numba.cpython.unicode" in sys.modules]
+if sys.argv[1:]:
+    import numba
+    found += [swing(coulomb_damping=0.01), numba.njit(lambda text: len(text + "a"))("bc")]
+print(found)
+"""
 
 
-def in_new_process(cache: Path, *names: str) -> dict[str, list[float]]:
-    """Return the ends of runs made by a process of its own."""
-    environment = {**os.environ, "LATOLATO_CACHE_DIR": str(cache)}
+def output_of(cache: Path, code: str, *given: str) -> str:
+    """Return what code prints in a process of its own."""
     done = subprocess.run(
-        [sys.executable, "-c", RUN, *names],
-        env=environment,
+        [sys.executable, "-c", code, *given],
+        env={**os.environ, "LATOLATO_CACHE_DIR": str(cache)},
         capture_output=True,
         text=True,
         check=True,
     )
-    return dict(json.loads(done.stdout))
+    return done.stdout
+
+
+def in_new_process(cache: Path, *names: str) -> dict[str, list[float]]:
+    """Return the ends of runs made by a process of its own."""
+    return dict(json.loads(output_of(cache, RUN, *names)))
 
 
 def test_kernels_cached_by_two_processes_serve_a_third(tmp_path: Path) -> None:
@@ -44,3 +61,14 @@ def test_kernels_cached_by_two_processes_serve_a_third(tmp_path: Path) -> None:
     assert in_new_process(tmp_path, "mathieu", "pendulum") == alone
     after = {f.name: f.stat().st_mtime_ns for f in tmp_path.rglob("*.nbc")}
     assert after == files, "the third process compiled again instead of reading the cache"
+
+
+def test_reading_a_kernel_imports_no_compiler_and_leaves_compiling_possible(tmp_path: Path) -> None:
+    angle, was_imported = json.loads(output_of(tmp_path, MIXED).lower())
+    assert was_imported  # it was compiled
+
+    found = json.loads(output_of(tmp_path, MIXED, "more").lower())
+
+    assert found[:2] == [angle, False]
+    assert abs(found[2]) < abs(angle)
+    assert found[3] == 3

@@ -12,12 +12,14 @@ import os
 import sys
 from collections.abc import Callable, Iterable
 from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.runtime.nrt import rtsys
 from numba.extending import register_jitable
 
 from latolato.numerics.compiler import tell_it_is_there
@@ -106,6 +108,14 @@ class _KernelCache(FunctionCache):
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         return (sig, codegen.magic_tuple(), self._key)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load a kernel without what only compiling needs: 0.2 s of imports, half of them SciPy."""
+        # What compiled code may call lies in these two.
+        rtsys.initialize(target_context)
+        import_module("numba.cpython.hashing")
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
 
 
 def law_key(*laws: Callable[..., Any]) -> str:
