@@ -50,6 +50,7 @@ SCHEMA = {
             }
         },
         "/api/registry": {"get": {"responses": ANSWERS}},
+        "/api/compiling": {"get": {"responses": ANSWERS}},
     },
 }
 HOME = "http://127.0.0.1:8000"

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from numba.core import event
 from starlette.testclient import TestClient
 
 from latolato.app.files import STATIC
@@ -115,3 +116,13 @@ def test_a_message_names_the_field_that_it_is_about(client):
     answer = client.post("/api/run", json={"scenario": "zeno", "options": {"radius": "2 m"}})
     assert answer.status_code == 422
     assert answer.json()["field"] == "radius"
+
+
+def test_the_server_says_while_a_kernel_is_compiled(client):
+    def told():
+        return client.get("/api/compiling").json()
+
+    assert told() == {"compiling": False}
+    with event.trigger_event("numba:compile"), event.trigger_event("numba:compile"):
+        assert told() == {"compiling": True}
+    assert told() == {"compiling": False}

@@ -175,6 +175,15 @@ def test_a_toy_that_is_not_seen_stands_still(page):
     page.wait_for_function("t => window.latolato.views.live.motion.frame.time > t", arg=time)
 
 
+def test_a_toy_that_does_not_come_at_once_says_why(page):
+    page.route_web_socket("**/ws/live", lambda socket: None)  # accepted, and nothing more
+    page.route("**/api/compiling", lambda route: route.fulfill(json={"compiling": True}))
+    page.goto("/?view=live")
+    page.get_by_text("Preparing").wait_for()
+    page.unroute_all()
+    page.get_by_text("Computing").wait_for()
+
+
 def test_a_value_out_of_range_is_told_beside_its_field(page):
     open_live(page)
     field = page.get_by_label("angular driving frequency", exact=False).first

@@ -172,6 +172,18 @@ def test_the_address_brings_the_same_run_back(page):
     assert page.evaluate(state) == before
 
 
+@pytest.mark.parametrize("compiling, words", [(False, "Computing"), (True, "Preparing")])
+def test_a_run_that_does_not_come_at_once_says_why(page, compiling, words):
+    held = []
+    page.route("**/api/run", lambda route: held.append(route))
+    page.route("**/api/compiling", lambda route: route.fulfill(json={"compiling": compiling}))
+    page.goto("/")
+    page.get_by_role("status").filter(has_text=words).wait_for()
+    held[0].continue_()
+    page.wait_for_selector("[data-runs]")
+    assert page.get_by_text(words).count() == 0
+
+
 def test_a_row_can_be_added_before_the_run_has_come(page):
     open_play(page, "&scenario=fig02&duration=5%20s")
     page.route("**/api/run", lambda route: None)  # it never comes

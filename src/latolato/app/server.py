@@ -22,6 +22,7 @@ from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
+from latolato.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
@@ -69,6 +70,7 @@ def make_app(settings: Settings) -> Starlette:
         routes=[
             Route("/", _index),
             Route("/api/registry", _registry),
+            Route("/api/compiling", _compiling),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
             Route("/static/{path:path}", static),
@@ -85,13 +87,19 @@ def make_app(settings: Settings) -> Starlette:
     app.state.maps = None
     app.state.map_cells = None
     app.state.stored = dict(settings.stored)
+    app.state.is_compiling = False
     return app
 
 
 @asynccontextmanager
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
-    """Leave neither processes nor files behind when the server stops."""
-    yield
+    """Know when kernels compile; leave neither processes nor files behind in the end."""
+
+    def note(is_compiling: bool) -> None:
+        app.state.is_compiling = is_compiling
+
+    with compiling(partial(note, True), partial(note, False)):
+        yield
     for workers in (app.state.jobs, app.state.film_jobs):
         if workers is not None:
             workers.close()
@@ -175,6 +183,11 @@ async def _registry(request: Request) -> Response:
     from latolato.app.forms import registry
 
     return await answered(request, lambda: JSONResponse(registry()))
+
+
+async def _compiling(request: Request) -> Response:
+    """Say whether a kernel is being compiled: then answers take long, once."""
+    return JSONResponse({"compiling": request.app.state.is_compiling})
 
 
 async def _run(request: Request) -> Response:

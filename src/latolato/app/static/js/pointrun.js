@@ -6,6 +6,7 @@ import { openLink } from "./links.js";
 import { Motion } from "./motion.js";
 import { Preview } from "./preview.js";
 import { t } from "./strings.js";
+import { waited } from "./waiting.js";
 
 /** @typedef {{scenario: string | null, options: Record<string, string>}} Asked */
 
@@ -40,8 +41,10 @@ export class PointRun {
     this.actions.replaceChildren(
       openLink(this.page, { view: "play", ...asked }, t("openCase")),
       el("button", { type: "button", on: { click: () => this.use(asked) } }, t("pointUse")));
+    const note = el("p", { class: "hint" });
+    this.place.prepend(note);
     try {
-      const block = await askBlock("/api/run", asked);
+      const block = await waited(note, askBlock("/api/run", asked));
       if (turn !== this.turn) return;
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);

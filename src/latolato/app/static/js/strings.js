@@ -197,7 +197,6 @@ export const STRINGS = {
   mapStoredPart: "{name} is stored. {missing} points are not computed yet.",
   mapProgress: "How much is computed",
   mapBegins: "Asking for the map …",
-  mapCompiling: "Preparing this combination for your processor: 10 to 30 s, once only …",
   mapWaiting: "Waiting for other maps …",
   mapRate: "{percent} %, {rate} runs/s, {left} s left",
   mapDone: "{points} runs in {seconds} s, {rate} runs/s",
@@ -221,6 +220,8 @@ export const STRINGS = {
   rest: "rest",
   release: "release",
   // long work
+  computing: "Computing …",
+  preparing: "Preparing this combination for your processor: 10 to 30 s, once only …",
   cancel: "Cancel",
   job_bar: "How far the work is",
   job_waiting: "Waiting for other work to end …",

@@ -6,6 +6,7 @@ import { textOf } from "../laws.js";
 import { Motion } from "../motion.js";
 import { Preview } from "../preview.js";
 import { t } from "../strings.js";
+import { waited } from "../waiting.js";
 
 export class PointPanel {
   /**
@@ -42,7 +43,7 @@ export class PointPanel {
     const { turn } = this;
     this.title.textContent = t("mapRunning");
     try {
-      const block = await askBlock("/api/map/point", asked);
+      const block = await waited(this.title, askBlock("/api/map/point", asked));
       if (turn !== this.turn) return;
       this.options = block.about.options;
       this.preview.root.hidden = false;

@@ -15,6 +15,7 @@ import { Watch } from "../live/watch.js";
 import { presetField } from "../presets.js";
 import { Scene } from "../scene.js";
 import { t } from "../strings.js";
+import { waited } from "../waiting.js";
 
 /** @typedef {import("../main.js").Page} Page */
 /** @typedef {import("../live/link.js").Frame} Frame */
@@ -55,6 +56,8 @@ export class LiveView {
     this.signature = "";
     this.dirty = false;
     this.readAt = 0;
+    /** Called when the toy moves, or cannot. @type {() => void} */
+    this.arrived = () => {};
     this.preset = presetField(page);
     this.link = new Link({
       hello: () => this.hello(),
@@ -118,6 +121,10 @@ export class LiveView {
     this.last = null;
     this.controls = null;
     this.link.open();
+    this.arrived();
+    /** @type {Promise<void>} */
+    const ready = new Promise((resolve) => { this.arrived = resolve; });
+    void waited(this.parts.notice, ready);
   }
 
   /** Return the greeting: what to run and, after a break, where it was. */
@@ -136,6 +143,7 @@ export class LiveView {
 
   /** @param {any} about */
   ready(about) {
+    this.arrived();
     this.about = about;
     this.motion = new LiveMotion(about);
     this.controls = about.controls;
@@ -286,6 +294,7 @@ export class LiveView {
    * @param {string | null} field
    */
   refuse(text, field) {
+    this.arrived();
     if (this.last && !this.link.isReady) {
       // The server no longer takes what it was asked to go on from: begin anew.
       this.last = this.controls = null;

@@ -157,7 +157,7 @@ export class MapView {
     this.tools.say(t("mapBegins"), 0);
     this.job = new MapJob(request, {
       choices: (choices) => this.takeChoices(choices),
-      phase: (name) => this.tools.say(t(name === "compiling" ? "mapCompiling" : "mapWaiting")),
+      phase: (name) => this.tools.say(t(name === "compiling" ? "preparing" : "mapWaiting")),
       begin: (block) => this.begin(new Grid(block)),
       cells: (block) => this.take(block),
       done: (block) => this.finish(block),

@@ -10,6 +10,7 @@ import { Motion } from "../motion.js";
 import { Player } from "../player.js";
 import { presetField } from "../presets.js";
 import { t } from "../strings.js";
+import { waited } from "../waiting.js";
 
 /** @typedef {import("../main.js").Page} Page */
 
@@ -100,7 +101,7 @@ export class PlayView {
     const asked = this.recording() ?? askBlock("/api/run", { scenario, options });
     this.form.build();
     try {
-      const block = await asked;
+      const block = await waited(this.notes, Promise.resolve(asked));
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
