@@ -207,16 +207,21 @@ def test_claims_stand_beside_their_figure_and_lead_to_play(page):
     )
 
 
-def test_a_film_is_made_on_a_click_only(page):
-    page.goto("/?view=paper&paper.figure=fig07")
-    plate = page.locator("#paper-fig07")
-    button = plate.get_by_role("button", name="Make this figure from a film")
+def test_a_figure_through_the_chain_is_made_on_a_click_only_and_says_what_was_filmed(page):
+    page.goto("/?view=paper&paper.figure=fig08_chain")
+    plate = page.locator("#paper-fig08_chain")
+    button = plate.get_by_role("button", name="Make this figure")
     button.wait_for()
     inner, outer = button.bounding_box(), plate.bounding_box()
     assert outer["y"] < inner["y"]
     assert inner["y"] + inner["height"] < outer["y"] + outer["height"]
     assert plate.get_by_text("Not judged yet.").count() == 1
     assert plate.get_by_role("progressbar").count() == 0
+    button.click()
+    plate.get_by_text("no video in a quick run").wait_for(timeout=240_000)
+    assert plate.get_by_text("Not judged yet.").count() == 0
+    plate.get_by_role("img", name="Figure 8 through the chain").wait_for()
+    assert button.count() == 0
 
 
 def test_a_figure_that_waits_for_another_says_so_and_can_be_taken_out(page):
@@ -228,7 +233,7 @@ def test_a_figure_that_waits_for_another_says_so_and_can_be_taken_out(page):
     page.route_web_socket("**/ws/paper", hold)
     page.goto("/?view=paper&paper.figure=fig07")
     plate = page.locator("#paper-fig07")
-    button = plate.get_by_role("button", name="Make this figure from a film")
+    button = plate.get_by_role("button", name="Make this figure")
     button.wait_for()
     page.get_by_role("button", name="Judge everything now").click()
     page.wait_for_function("() => window.latolato.views.paper.making")

@@ -199,11 +199,12 @@ def stored(name: str, report: Path) -> bytes | None:
 
 
 def told(module: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the claims that a dataset decides and the runs behind it."""
+    """Return the claims that a dataset decides, the runs behind it and what was filmed for it."""
     from latolato.figures.catalogue import judge
 
     claims = [claim_of(claim) for claim in judge(module, dataset)]
-    return {"claims": claims, "cases": cases_of(dataset)}
+    made = shown(str(dataset.attrs.get("chain", "")))
+    return {"claims": claims, "cases": cases_of(dataset), "made": made}
 
 
 def claim_of(claim: Claim) -> dict[str, Any]:

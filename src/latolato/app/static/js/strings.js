@@ -257,10 +257,11 @@ export const STRINGS = {
   paperAll: "Judge everything now (about half a minute)",
   paperOpen: "{count} of {total} not judged yet",
   paperUnjudged: "Not judged yet.",
-  paperFilm: "Make this figure from a film",
+  paperFilm: "Make this figure",
   paperTurn: "Waiting for its turn …",
   paperWaits: "Waiting for {name} …",
-  paperFilmHint: "A synthetic video is made, tracked and measured: some tens of seconds.",
+  paperFilmHint: "A synthetic experiment is made and measured, in up to some tens of seconds. " +
+    "What of it is filmed and tracked, and what simulated with the tracker’s noise, is told with it.",
   paperQuick: "Quick numbers: scans have fewer points than in the full report.",
   paperReport: "From the stored report.",
   paperAssumed: "Assumed:",

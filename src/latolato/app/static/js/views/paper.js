@@ -233,9 +233,10 @@ class Plate {
     this.claims = block.about.claims;
     this.film?.remove();
     if (block.arrays.svg) this.showPicture(fileOf(block, "svg", "image/svg+xml"));
-    const source = block.about.source === "report" ? "paperReport" : "paperQuick";
+    const { made, source } = block.about;
     this.list.replaceChildren(...this.claims.map(judgedClaim),
-      el("p", { class: "hint" }, t(source)));
+      el("p", { class: "hint" }, made && `${made} `,
+        t(source === "report" ? "paperReport" : "paperQuick")));
     this.marks.textContent = this.claims.map((claim) => claim.shape).join("");
     this.marks.title = this.claims.map((claim) => claim.says).join(", ");
     this.showCases(block.about.cases);
