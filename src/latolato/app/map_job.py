@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 import numpy as np
@@ -204,21 +204,3 @@ def sides(shown: Map) -> tuple[Side, Side]:
 def sides_of(x: Side, y: Side) -> dict[str, Any]:
     """Return the arrays of both axes: middles and borders of the cells."""
     return {"x": x.values, "x_edges": x.edges, "y": y.values, "y_edges": y.edges}
-
-
-def compiling(report: Callable[[str], None]) -> Any:
-    """Return a context in which it is reported, once, that a kernel is being compiled."""
-    from numba.core import event
-
-    class Listener(event.Listener):
-        told = False
-
-        def on_start(self, event: Any) -> None:
-            if not self.told:
-                self.told = True
-                report("compiling")
-
-        def on_end(self, event: Any) -> None:
-            """Nothing has to be told."""
-
-    return event.install_listener("numba:compile", Listener())

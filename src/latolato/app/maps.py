@@ -18,6 +18,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.server import answered, field_of, json_of
+from latolato.progress import compiling
 
 if TYPE_CHECKING:
     from latolato.app.map_asked import Map
@@ -113,7 +114,7 @@ def _line(error: Exception) -> str:
 
 def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], None]) -> None:
     """Compute a map in a thread and send its frames one after the other."""
-    from latolato.app.map_job import compiling, frames
+    from latolato.app.map_job import frames
     from latolato.sweep.chunk import Cancelled
 
     def send(frame: bytes | str) -> None:
@@ -128,7 +129,10 @@ def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], No
             return
         shown, choices = _map(given)
         send(json.dumps({"choices": choices}))
-        with compiling(report), closing(frames(shown, cancel, cells_of(socket.app))) as found:
+        with (
+            compiling(lambda: report("compiling"), lambda: None),
+            closing(frames(shown, cancel, cells_of(socket.app))) as found,
+        ):
             for frame in found:
                 send(frame)
     except Cancelled:
