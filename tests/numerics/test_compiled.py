@@ -22,7 +22,7 @@ print(json.dumps(found))
 """
 # A kernel, what is imported then, and with an argument a law and a function that are new.
 MIXED = """
-import sys
+import json, sys
 import latolato as ll
 def swing(**drag):
     system = ll.Pendulum(length=1.0, mass=0.8, **drag)
@@ -31,7 +31,7 @@ found = [swing(), "numba.cpython.unicode" in sys.modules]
 if sys.argv[1:]:
     import numba
     found += [swing(coulomb_damping=0.01), numba.njit(lambda text: len(text + "a"))("bc")]
-print(found)
+print(json.dumps(found))
 """
 
 
@@ -64,10 +64,10 @@ def test_kernels_cached_by_two_processes_serve_a_third(tmp_path: Path) -> None:
 
 
 def test_reading_a_kernel_imports_no_compiler_and_leaves_compiling_possible(tmp_path: Path) -> None:
-    angle, was_imported = json.loads(output_of(tmp_path, MIXED).lower())
+    angle, was_imported = json.loads(output_of(tmp_path, MIXED))
     assert was_imported  # it was compiled
 
-    found = json.loads(output_of(tmp_path, MIXED, "more").lower())
+    found = json.loads(output_of(tmp_path, MIXED, "more"))
 
     assert found[:2] == [angle, False]
     assert abs(found[2]) < abs(angle)
