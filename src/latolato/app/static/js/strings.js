@@ -178,7 +178,6 @@ export const STRINGS = {
   mapPickHint: "Click a point of the map, or move the cross with the arrow keys and press Enter: its "
     + "run appears here.",
   mapHoverHint: "Click for a run. Drag a box to zoom in, with Shift to move. Escape zooms out.",
-  mapRunning: "Computing the run …",
   mapOpenInPlay: "Open in Play",
   mapStop: "Stop",
   mapGoOn: "Go on",

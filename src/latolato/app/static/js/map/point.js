@@ -41,7 +41,7 @@ export class PointPanel {
   async run(asked, words) {
     this.turn += 1;
     const { turn } = this;
-    this.title.textContent = t("mapRunning");
+    this.title.textContent = t("computing");
     try {
       const block = await waited(this.title, askBlock("/api/map/point", asked));
       if (turn !== this.turn) return;
