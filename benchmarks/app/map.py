@@ -33,8 +33,13 @@ WATCH = """() => {
     paint();
     if (view.job && !view.job.ended) window.pictures.push(performance.now() - window.begun);
   };
+  const finish = view.finish.bind(view);
+  view.finish = (block) => {
+    finish(block);
+    window.ended = performance.now() - window.begun;
+  };
 }"""
-RESULT = "() => ({ pictures: window.pictures, end: performance.now() - window.begun })"
+RESULT = "() => ({ pictures: window.pictures, end: window.ended })"
 
 
 def recompute(page: Any, size: int) -> list[float]:

@@ -25,7 +25,7 @@ _ARGUMENTS = [
 
 @dataclass
 class Server:
-    """A server: its address, its process and when it was started."""
+    """A server: its address, its process and when it was started [s of the epoch]."""
 
     address: str
     pid: int
@@ -35,7 +35,7 @@ class Server:
 @contextlib.contextmanager
 def serving() -> Iterator[Server]:
     """Yield a server that has just been started."""
-    begun = time.perf_counter()
+    begun = time.time()
     command = [sys.executable, "-m", "latolato", "app", "--no-browser", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

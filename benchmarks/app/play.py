@@ -6,24 +6,25 @@ Beside each figure stands what is asked for. Nothing is asserted: machines diffe
 from __future__ import annotations
 
 import statistics
-import time
 from typing import Any
 from urllib.parse import urlsplit
 
 from pages import browsing, serving
 
 COLD_STARTS = 9
+# Calls a function once the next frame is painted: a message comes after it, as a timer may not.
+PAINTED = """(tell) => requestAnimationFrame(() => {
+  const after = new MessageChannel();
+  after.port1.onmessage = tell;
+  after.port2.postMessage(0);
+})"""
 # Notes on a page that begins when the frame with its first curve was painted [ms of the epoch].
 # Waiting for the curve from outside would be coarse: a browser is asked twice a second only.
-WATCH = """new MutationObserver((_, self) => {
+WATCH = f"""new MutationObserver((_, self) => {{
   if (!document.querySelector("[data-runs]")) return;
   self.disconnect();
-  requestAnimationFrame(() => {
-    const after = new MessageChannel(); // its message comes when the frame is painted
-    after.port1.onmessage = () => { window.shown = performance.timeOrigin + performance.now(); };
-    after.port2.postMessage(0);
-  });
-}).observe(document, { subtree: true, childList: true, attributeFilter: ["data-runs"] });"""
+  ({PAINTED})(() => {{ window.shown = performance.timeOrigin + performance.now(); }});
+}}).observe(document, {{ subtree: true, childList: true, attributeFilter: ["data-runs"] }});"""
 # Moves a slider back and forth; resolves with the times from input event to painted curve [ms].
 SLIDE = """async ({ label, count }) => {
   const slider = document.querySelector(`input[type=range][aria-label="${label}"]`);
@@ -36,11 +37,7 @@ SLIDE = """async ({ label, count }) => {
     slider.dispatchEvent(new Event("input", { bubbles: true }));
     await new Promise((resolve) => {
       const look = () => {
-        if (view.dataset.runs !== runs) requestAnimationFrame(() => {
-          const after = new MessageChannel(); // its message comes when the frame is painted
-          after.port1.onmessage = resolve;
-          after.port2.postMessage(0);
-        });
+        if (view.dataset.runs !== runs) (PAINTED)(resolve);
         else setTimeout(look, 1);
       };
       look();
@@ -49,7 +46,7 @@ SLIDE = """async ({ label, count }) => {
     await new Promise((resolve) => setTimeout(resolve, 60));
   }
   return found;
-}"""
+}""".replace("PAINTED", PAINTED)
 FRAMES = """async (seconds) => {
   const player = window.latolato.views.play.player;
   player.clock.speed = 10;
@@ -95,14 +92,11 @@ def cold_start(browser: Any) -> float:
     """Return the time from the start of the server to the first curve of a waiting browser [s]."""
     page, _ = new_page(browser)
     page.add_init_script(WATCH)
-    begun = time.time()
     with serving() as server:
         show_run(page, server.address, 30_000)
-        shown: float = page.evaluate("() => new Promise(function look(give) {"
-                                     "  if (window.shown) give(window.shown);"
-                                     "  else setTimeout(look, 1, give); })")  # fmt: skip
+        shown: float = page.wait_for_function("() => window.shown").json_value()
     page.close()
-    return 1e-3 * shown - begun
+    return 1e-3 * shown - server.begun
 
 
 def main() -> None:
