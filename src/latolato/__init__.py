@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.observables import (
     BottomContacts,
     Crossings,
