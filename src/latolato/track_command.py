@@ -323,16 +323,16 @@ def _child(job: Job, pipe: Connection) -> None:
 def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
     """Track one video, write what is asked for and return the summary."""
     from latolato.experiment import track
-    from latolato.experiment.sidecar import sidecar_path, write_sidecar
+    from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
     from latolato.experiment.table import write_table
 
     tell = progress or (lambda share: None)
     more = job.overlay is not None or job.report is not None
     part = _TRACKED if more else 1.0
     sidecar = job.sidecar
-    if sidecar is None and job.output is not None and not job.propose:
-        beside = sidecar_path(job.video, job.output.parent)
-        sidecar = beside if beside.is_file() else None
+    is_pointed_at = job.pivot is not None or isinstance(job.balls, tuple)
+    if sidecar is None and job.output is not None and not (job.propose or is_pointed_at):
+        sidecar = own_sidecar(job.output, job.video)
     task = track.prepare(
         job.video, job.pivot, job.balls, dict(job.given), sidecar, lambda share: tell(part * share)
     )
@@ -342,8 +342,7 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     files: list[Path] = []
     if job.output is not None:
         files.append(write_table(table, job.output))
-        beside = sidecar_path(job.video, job.output.parent)
-        files.append(write_sidecar(task.setup, job.video, beside))
+        files.append(write_sidecar(task.setup, job.video, sidecar_path(job.output)))
     if job.overlay is not None:
         from latolato.experiment.overlay import write_overlay
 
@@ -359,7 +358,12 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
         from latolato.report.track_page import write_track_report
 
         files.append(write_track_report(table, task.video, job.report))
-    return {"video": str(job.video), **summary(table), "files": [str(file) for file in files]}
+    return {
+        "video": str(job.video),
+        "setup_file": None if task.setup_file is None else str(task.setup_file),
+        **summary(table),
+        "files": [str(file) for file in files],
+    }
 
 
 def _proposed(job: Job, task: Any) -> dict[str, Any]:
@@ -370,6 +374,7 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
     setup = task.setup
     return {
         "video": str(job.video),
+        "setup_file": None if task.setup_file is None else str(task.setup_file),
         "pivot": setup.pivot,
         "ball": list(setup.balls),
         "is_proposed": setup.is_proposed,
@@ -419,10 +424,14 @@ def as_text(found: Mapping[str, Any]) -> str:
         if found["pivot"] is not None:
             u, v = found["pivot"]
             clicks = f"--pivot {u:g},{v:g} {clicks}"
-        return _lined({"video": found["video"], "found": clicks, "drawn": found["files"][0]})
+        return _lined(
+            {"video": found["video"], **_setup_file(found), "found": clicks,
+             "drawn": found["files"][0]}
+        )  # fmt: skip
     shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in found["flags"].items())
     lines = {
         "video": f"{found['video']}, {found['frames']} frames, {found['duration']:.6g} s",
+        **_setup_file(found),
         "balls": f"{found['balls']}, {shares}",
     }
     if found["angle_sigma"] is not None:
@@ -451,6 +460,11 @@ def as_text(found: Mapping[str, Any]) -> str:
     if found["files"]:
         lines["written"] = ", ".join(found["files"])
     return _lined(lines)
+
+
+def _setup_file(found: Mapping[str, Any]) -> dict[str, str]:
+    """Return the line that names the file of the set-up, if it was read from one."""
+    return {"set-up read from": found["setup_file"]} if found["setup_file"] else {}
 
 
 def _lined(lines: Mapping[str, str]) -> str:

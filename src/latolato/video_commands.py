@@ -143,7 +143,9 @@ def track(
     ] = None,
     sidecar: Annotated[
         Path | None,
-        typer.Option(help="How it was tracked before; by default VIDEO.track.toml if it is there."),
+        typer.Option(
+            help="Set-up of an earlier table; by default OUTPUT.track.toml, if it is of this video."
+        ),
     ] = None,
     propose: Annotated[
         bool,

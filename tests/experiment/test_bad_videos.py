@@ -186,7 +186,7 @@ def test_a_sidecar_of_another_video_is_refused(swing, toy, tmp_path, capsys):
     from latolato.experiment.sidecar import Setup, write_sidecar
 
     setup = Setup(pivot=swing.pivot, balls=tuple(swing.balls), length=0.363)
-    sidecar = write_sidecar(setup, toy.path, tmp_path / "toy.mp4.track.toml")
+    sidecar = write_sidecar(setup, toy.path, tmp_path / "toy.csv.track.toml")
     told = refused(capsys, tmp_path, swing.path, "--sidecar", sidecar)
     assert "belongs to another video" in told
 

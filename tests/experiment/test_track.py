@@ -51,11 +51,56 @@ def test_angles_and_times_are_those_of_the_truth(swing, tracked):
     assert np.sqrt(np.mean(error**2)) < 4e-3  # a pixel is 8 mrad here
 
 
-def test_a_sidecar_makes_the_identical_table_again(swing, tracked):
-    sidecar = sidecar_path(swing.path, tracked)
-    again = tracked / "again.csv"
+def test_a_sidecar_makes_the_identical_table_again(swing, tracked, tmp_path, capsys):
+    sidecar, again = sidecar_path(tracked / "swing.csv"), tmp_path / "again.csv"
     assert main(["track", str(swing.path), "--sidecar", str(sidecar), "--output", str(again)]) == 0
+    assert f"set-up read from {sidecar}\n" in capsys.readouterr().out
     assert again.read_text() == (tracked / "swing.csv").read_text()
+    # A table's own set-up needs no naming.
+    assert main(["track", str(swing.path), "--output", str(again)]) == 0
+    assert f"set-up read from {sidecar_path(again)}\n" in capsys.readouterr().out
+    assert again.read_text() == (tracked / "swing.csv").read_text()
+
+
+def test_a_click_lives_on_in_no_other_table(swing, tmp_path, capsys):
+    wrong = Setup(pivot=(300.0, 200.0), balls=((20.0, 20.0),))
+    for earlier in (tmp_path / "wrong.csv", swing.path):
+        write_sidecar(wrong, swing.path, sidecar_path(earlier))
+    try:
+        arguments = ["track", str(swing.path), "--length", f"{swing.length} m", "--json"]
+        assert main([*arguments, "--output", str(tmp_path / "right.csv")]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert main([*arguments, "--propose", "--output", str(tmp_path / "right.png")]) == 0
+        proposed = json.loads(capsys.readouterr().out)
+    finally:
+        sidecar_path(swing.path).unlink()
+    assert found["setup_file"] is None
+    assert any("found in the video" in text for text in found["warnings"])
+    assert read_sidecar(sidecar_path(tmp_path / "wrong.csv"), swing.path) == wrong
+    assert np.hypot(*(np.array(proposed["ball"][0]) - swing.balls[0])) < 2.0
+    assert proposed["setup_file"] is None
+
+
+def test_a_set_up_of_another_video_is_replaced_with_its_table(swing, toy, tmp_path, capsys):
+    output = tmp_path / "one.csv"
+    setup = Setup(pivot=toy.pivot, balls=tuple(toy.balls))
+    write_sidecar(setup, toy.path, sidecar_path(output))
+    assert main(["track", str(swing.path), "--length", "36.3 cm", "--output", str(output)]) == 0
+    assert "set-up read from" not in capsys.readouterr().out
+    assert len(read_sidecar(sidecar_path(output), swing.path).balls) == 1
+
+
+def test_a_sidecar_that_is_read_is_warned_of_and_so_is_what_was_found_for_it(swing, tmp_path):
+    setup = Setup(
+        pivot=swing.pivot, balls=tuple(swing.balls), length=swing.length, is_proposed=True
+    )
+    sidecar = write_sidecar(setup, swing.path, tmp_path / "one.toml")
+    with pytest.warns(RuntimeWarning) as told:
+        table = ll.track(swing.path, sidecar=sidecar)
+    texts = [str(one.message) for one in told]
+    assert texts[0] == f"set-up read from {sidecar}"
+    assert texts[1].startswith("found in the video: --pivot")
+    assert table.attrs["warnings"] == texts[1]
 
 
 def test_a_setup_survives_its_file(swing, tmp_path):
@@ -192,7 +237,7 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
     assert code == 1
     assert "bad.mp4 cannot be read" in told.err
     assert "1 of 2 videos failed" in told.err
-    assert sorted(p.name for p in folder.iterdir()) == ["swing.csv", "swing.mp4.track.toml"]
+    assert sorted(p.name for p in folder.iterdir()) == ["swing.csv", "swing.csv.track.toml"]
 
 
 def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monkeypatch):

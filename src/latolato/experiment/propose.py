@@ -66,13 +66,14 @@ class Proposal:
     residual: float = math.nan
     arc: float = math.nan
 
-    def told(self) -> str:
-        """Return the proposal in words, with the options that would say the same."""
-        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in self.balls)
-        if self.pivot is None:
-            return f"found in the video: {clicks}; no pivot was found in the picture"
-        u, v = self.pivot
-        return f"found in the video: --pivot {u:g},{v:g} {clicks}"
+
+def found_in_video(pivot: Sequence[float] | None, balls: Sequence[Sequence[float]]) -> str:
+    """Return in words what was found, with the options that would say the same."""
+    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in balls)
+    if pivot is None:
+        return f"found in the video: {clicks}; no pivot was found in the picture"
+    u, v = pivot
+    return f"found in the video: --pivot {u:g},{v:g} {clicks}"
 
 
 def propose(

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
@@ -56,16 +57,30 @@ class Setup:
     is_proposed: bool = False
 
 
-def sidecar_path(video: str | Path, folder: str | Path | None = None) -> Path:
-    """Return where a video's set-up is kept: ``VIDEO.track.toml``, beside it or in a folder.
+def sidecar_path(table: str | Path) -> Path:
+    """Return where the set-up of a track table is kept: ``TABLE.track.toml`` beside it.
 
     Examples
     --------
-    >>> sidecar_path("clips/swing.mp4", "tables").as_posix()
-    'tables/swing.mp4.track.toml'
+    >>> sidecar_path("tables/swing.csv").as_posix()
+    'tables/swing.csv.track.toml'
     """
-    video = Path(video)
-    return (video.parent if folder is None else Path(folder)) / f"{video.name}{SUFFIX}"
+    table = Path(table)
+    return table.with_name(f"{table.name}{SUFFIX}")
+
+
+def own_sidecar(table: str | Path, video: str | Path) -> Path | None:
+    """Return the set-up of an earlier table of this name and video, None if there is none.
+
+    Raises
+    ------
+    ValueError
+        If the file beside the table is no set-up.
+    """
+    path = sidecar_path(table)
+    if not path.is_file() or _parsed(path)["sha256"] != digest_of(video):
+        return None
+    return path
 
 
 def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
@@ -124,28 +139,35 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         If it cannot be read.
     """
     path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"'{path}' is no TOML file: {error}") from None
-    if not isinstance(tables.get("sha256"), str):
-        raise ValueError(f"'{path}' does not name its video (sha256); it is no set-up of a track")
+    tables = _parsed(path)
     if tables["sha256"] != digest_of(video):
-        raise ValueError(
+        raise InputError(
             f"'{path}' belongs to another video ('{tables.get('video', '?')}' with other content "
-            f"than '{video}'); remove it, or point at pivot and balls"
+            f"than '{video}')",
+            way_out="remove it, or point at pivot and balls",
         )
     try:
         return _setup(tables)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"'{path}': {error}") from None
+        raise InputError(f"'{path}': {error}") from None
 
 
 def with_changes(setup: Setup, given: Mapping[str, Any]) -> Setup:
     """Return a set-up with the values that are not None put in."""
     return replace(setup, **{name: value for name, value in given.items() if value is not None})
+
+
+def _parsed(path: Path) -> dict[str, Any]:
+    """Return the tables of a set-up's file, which names its video."""
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"'{path}' is no TOML file: {error}") from None
+    if not isinstance(tables.get("sha256"), str):
+        raise InputError(f"'{path}' does not name its video (sha256)", way_out="remove it")
+    return tables
 
 
 def _setup(tables: Mapping[str, Any]) -> Setup:

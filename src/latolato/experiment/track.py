@@ -11,15 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
-from latolato.experiment.propose import propose
-from latolato.experiment.sidecar import (
-    Setup,
-    read_sidecar,
-    sidecar_path,
-    with_changes,
-    write_sidecar,
-)
+from latolato.experiment.propose import found_in_video, propose
+from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.table import track_table
 from latolato.experiment.tracking.follow import Followed, follow
 from latolato.experiment.tracking.learn import Scene, learn_scene
@@ -53,6 +48,8 @@ class Task:
     sample: Sample | None = None
     warnings: list[str] = field(default_factory=list)
     radius: float | None = None
+    # Where the set-up was read from, None if it was given or found.
+    setup_file: Path | None = None
 
 
 def track(
@@ -94,9 +91,9 @@ def track(
     limits : Limits, optional
         Largest duration, size and memory that a video may ask for.
     sidecar : str or Path, optional
-        Keeps the set-up. It is read if it exists and neither pivot nor balls are pointed at, and
-        written otherwise. Without it ``VIDEO.track.toml`` beside the video is read if it is there.
-        What is given here as well replaces what a sidecar says.
+        Keeps the set-up. It is read if it exists and neither pivot nor balls are pointed at; it is
+        always written. What is given here as well replaces what a sidecar says. Without it the
+        set-up of no earlier table is used.
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
 
@@ -125,7 +122,7 @@ def track(
     Warns
     -----
     RuntimeWarning
-        For what was found instead of pointed at, a radius that does not fit the length, a path that
+        For a set-up that was read, what was found instead of pointed at, a radius that does not fit the length, a path that
         is no circle, an unknown direction of gravity, an unknown geometry.
 
     Notes
@@ -151,6 +148,8 @@ def track(
     table = run(task, progress)
     if sidecar is not None:
         write_sidecar(task.setup, path, sidecar)
+    if task.setup_file is not None:
+        alarms.warn(f"set-up read from {task.setup_file}", RuntimeWarning, stacklevel=2)
     for text in task.warnings:
         alarms.warn(text, RuntimeWarning, stacklevel=2)
     return table
@@ -177,17 +176,16 @@ def prepare(
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise ValueError(f"balls must be 1 or 2, got {count}")
-    if pivot is None and clicks is None:
-        found = _sidecar_of(path, sidecar)
-        if found is not None:
-            setup = with_changes(read_sidecar(found, path), given)
-            if count is not None and count != len(setup.balls):
-                raise ValueError(
-                    f"'{found}' is made for --balls {len(setup.balls)}, not {count}; remove it, or "
-                    "point at pivot and balls"
-                )
-            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
-            return Task(video, _checked(setup, video))
+    if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
+        setup = with_changes(read_sidecar(sidecar, path), given)
+        if count is not None and count != len(setup.balls):
+            raise InputError(
+                f"'{sidecar}' is made for --balls {len(setup.balls)}, not {count}",
+                way_out="remove it, or point at pivot and balls",
+            )
+        video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+        found = [found_in_video(setup.pivot, setup.balls)] if setup.is_proposed else []
+        return Task(video, _checked(setup, video), warnings=found, setup_file=Path(sidecar))
     if pivot is not None and clicks is not None:
         setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), given)
         return Task(video, _checked(setup, video))
@@ -204,7 +202,13 @@ def prepare(
         balls=proposal.balls,
         is_proposed=True,
     )
-    return Task(video, with_changes(setup, given), sample, [proposal.told()], proposal.radius)
+    return Task(
+        video,
+        with_changes(setup, given),
+        sample,
+        [found_in_video(proposal.pivot, proposal.balls)],
+        proposal.radius,
+    )
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
@@ -229,12 +233,6 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
-
-
-def _sidecar_of(path: Path, sidecar: str | Path | None) -> Path | None:
-    """Return the sidecar to read, if there is one."""
-    file = sidecar_path(path) if sidecar is None else Path(sidecar)
-    return file if file.is_file() else None
 
 
 def _sample_of(video: Video, progress: Progress | None) -> Sample:

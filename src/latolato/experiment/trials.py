@@ -151,7 +151,7 @@ def gather_trials(
         Folders (with their folders), track tables and videos. A video is tracked first; one whose
         table lies in the same folder is not tracked again.
     length, radius, pivot, balls : optional
-        For `latolato.track`, the same for all videos; without places each video's sidecar is used.
+        For `latolato.track`, the same for all videos; without places they are found in each video.
     gravity, transient, start, end
         As for `trial_of`.
     sets : {"auto", "folder", "amplitude"}

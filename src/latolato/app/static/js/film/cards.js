@@ -60,8 +60,8 @@ export function filmList(session, open) {
  */
 export function exportsCard(session, film) {
   const stem = film.name.replace(/\.[^.]*$/, "");
-  const saved = (/** @type {string} */ file) => (file === "setup.toml"
-    ? `${film.name}.track.toml` : `${stem}.${file}`);
+  const saved = (/** @type {string} */ file) => (file === EXPORTS.toml
+    ? `${stem}.${EXPORTS.csv}.track.toml` : `${stem}.${file}`);
   const link = (/** @type {string} */ file, /** @type {string} */ text) =>
     el("a", { href: filmAddress(film.key, file), download: saved(file) }, text);
   const make = async (/** @type {string} */ file) => {
