@@ -9,7 +9,7 @@ import pytest
 import latolato as ll
 from latolato.cli import main
 from latolato.experiment.video import Limits, open_video
-from little_videos import encoded, sound_alone
+from little_videos import encoded, sound_alone, trimmed
 
 GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
 
@@ -65,6 +65,35 @@ def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp
     with pytest.warns(RuntimeWarning, match="frames that the file declares could not be decoded"):
         table = ll.track(cut, pivot=swing.pivot, balls=swing.balls, length=swing.length)
     assert 3 < swing.truth.sizes["frame"] - table.sizes["frame"] < 12
+
+
+@pytest.mark.parametrize("begin,end", [(0.5, None), (0.5, 1.5)])
+def test_what_an_edit_list_cuts_away_is_not_missing(swing, tmp_path, begin, end):
+    path = trimmed(swing.path, tmp_path / "trimmed.mp4", begin, end)
+    times = swing.truth.time.values
+    shown = np.flatnonzero((times > begin - 1e-6) & (times < (end or np.inf) - 1e-6))
+    video = open_video(path)
+    assert video.frame_count == len(shown)
+    found = [frame.time for frame in video.frames()]
+    np.testing.assert_allclose(found, times[shown] - begin, atol=1e-3)
+
+
+def test_a_trimmed_video_is_tracked_without_a_word_about_its_frames(swing, tmp_path):
+    path = trimmed(swing.path, tmp_path / "trimmed.mp4", 1.0)
+    with pytest.warns(RuntimeWarning) as told:
+        table = ll.track(path, length=swing.length)
+    assert [str(one.message)[:18] for one in told] == ["found in the video"]
+    truth = swing.truth.angle_1.values[-table.sizes["frame"] :]
+    error = (table.angle_1.values - truth)[table.flag_1.values == "ok"]
+    assert np.sqrt(np.mean(error**2)) < 4e-3  # a pixel is 8 mrad here
+
+
+def test_a_trimmed_video_that_is_cut_off_is_refused(swing, tmp_path, capsys):
+    whole = trimmed(swing.path, tmp_path / "trimmed.mp4", 0.5)
+    data = whole.read_bytes()  # its index comes first
+    cut = tmp_path / "cut.mp4"
+    cut.write_bytes(data[: int(0.6 * len(data))])
+    assert "is cut off" in refused(capsys, tmp_path, cut, *swing.options)
 
 
 def test_a_video_without_frames_is_refused(tmp_path, capsys):

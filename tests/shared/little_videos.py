@@ -1,5 +1,6 @@
 """Little videos for tests, with time stamps as asked for."""
 
+import struct
 from fractions import Fraction
 
 import numpy as np
@@ -36,4 +37,28 @@ def sound_alone(path):
             frame.sample_rate, frame.pts = 8000, 1024 * k
             file.mux(stream.encode(frame))
         file.mux(stream.encode())
+    return path
+
+
+def trimmed(source, path, begin, end=None):
+    """Copy all packets of an MP4, with an edit list that shows those from `begin` to `end` [s]."""
+    import av
+
+    options = {"movflags": "+faststart"}
+    with av.open(str(source)) as old, av.open(str(path), "w", options=options) as new:
+        stream = old.streams.video[0]
+        copy = new.add_stream_from_template(stream)
+        for packet in old.demux(stream):
+            if packet.dts is not None:
+                packet.pts -= round(begin / stream.time_base)
+                packet.dts -= round(begin / stream.time_base)
+                packet.stream = copy
+                new.mux(packet)
+    if end is not None:
+        # ISO/IEC 14496-12: version and flags, number of edits, then each one's duration [ms here].
+        whole = bytearray(path.read_bytes())
+        place = whole.index(b"elst") + 8
+        assert struct.unpack_from(">I", whole, place) == (1,)
+        struct.pack_into(">I", whole, place + 4, round(1000 * (end - begin)))
+        path.write_bytes(whole)
     return path

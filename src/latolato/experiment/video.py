@@ -78,7 +78,8 @@ class Video:
     frame_rate : float
         Mean number of frames per second as declared; 0 if unknown.
     frame_count : int
-        Number of frames that the container declares; 0 if unknown.
+        Number of frames that the container shows, without those that an edit list cuts away; 0 if
+        unknown.
     matrix : str
         Which luma coefficients turn planes into colours: ``"bt601"`` or ``"bt709"``.
     is_full_range : bool
@@ -226,9 +227,10 @@ def open_video(
                 f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut "
                 'it or raise the limit: --limit "duration = 2 h"'
             )
-        if stream.frames > limits.frames:
+        count = _frame_count(container, stream)
+        if count > limits.frames:
             raise ValueError(
-                f"{path}: {stream.frames} frames, at most {limits.frames} are read; cut it "
+                f"{path}: {count} frames, at most {limits.frames} are read; cut it "
                 "or raise the limit: --limit frames=1e6"
             )
         picture = next(_pictures(container, stream, path), None)
@@ -242,7 +244,7 @@ def open_video(
             height=picture.width if turned else picture.height,
             rotation=rotation,
             frame_rate=float(stream.average_rate or 0.0) * slow_motion,
-            frame_count=int(stream.frames),
+            frame_count=count,
             matrix=_matrix(picture),
             is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
             slow_motion=slow_motion,
@@ -297,6 +299,18 @@ def _pictures(container: Any, stream: Any, path: Path) -> Iterator[Any]:
         yield from container.decode(stream)
     except av.error.FFmpegError as error:
         raise ValueError(f"{path}: decoding fails ({error.strerror}); is the file whole?") from None
+
+
+def _frame_count(container: Any, stream: Any) -> int:
+    """Return how many frames a container says that it shows, 0 if it does not say.
+
+    The edit list of a trimmed MP4 leaves frames out of the index, or marks those that are decoded
+    only because later ones build on them.
+    """
+    declared = int(stream.frames)
+    if "mp4" not in container.format.name or not len(stream.index_entries):
+        return declared
+    return min(declared, sum(not entry.is_discard for entry in stream.index_entries))
 
 
 def _duration(container: Any, stream: Any) -> float:
