@@ -10,8 +10,15 @@ import pytest
 import latolato as ll
 from latolato.experiment.calibrate import Optics, undistorted
 from latolato.experiment.deviations import honest_deviations, scatter_of
-from latolato.experiment.gravity import angle_offset_sigma, find_extremes
+from latolato.experiment.gravity import (
+    LEVELLED,
+    Gravity,
+    angle_offset_sigma,
+    find_extremes,
+    find_gravity,
+)
 from latolato.experiment.hinge import find_hinge
+from latolato.experiment.lens import lens_errors
 from latolato.experiment.tracking import fitting, kernels, smears
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
@@ -262,6 +269,41 @@ def test_undistorting_undoes_the_lens():
     assert np.allclose(undistorted(seen, (1280, 960), optics), places, atol=1e-6)
 
 
+def _filmed(k1, wide, stroke=15.0):
+    """Return places of a ball and its pivot in a picture of 640 x 480, and true and seen angles."""
+    random = np.random.default_rng(6)
+    angles = wide * np.sin(np.linspace(0.0, 25.0, 300))
+    pivots = np.stack([np.full(300, 320.0), 150.0 + stroke * np.sin(np.arange(300.0))], axis=-1)
+    balls = pivots + 250.0 * np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+    balls, pivots = (
+        np.array([319.5, 239.5])
+        + (places - [319.5, 239.5])
+        * (1.0 + k1 * np.sum((places - [319.5, 239.5]) ** 2, axis=1, keepdims=True) / 400.0**2)
+        for places in (balls, pivots)
+    )
+    balls = balls + 0.05 * random.standard_normal((300, 2))
+    away = balls - pivots
+    return balls[:, None], pivots[:, None], angles[:, None], np.arctan2(*away.T)[:, None]
+
+
+@pytest.mark.parametrize("wide", [0.7, 1.2])
+def test_a_lens_shows_in_the_path_and_what_it_does_to_angles_is_known(wide):
+    balls, pivots, true, seen = _filmed(-0.08, wide)
+    found = lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480))
+    assert found is not None
+    assert np.ptp(seen - true) > 4e-3
+    # What is left is the noise of 0.05 pixels in 250, and the common place of the centre.
+    assert np.std(seen + found - true) < 1e-3
+
+
+@pytest.mark.parametrize(
+    "k1,wide,stroke", [(0.0, 1.2, 15.0), (0.0, 0.7, 15.0), (0.0, 0.7, 0.0), (-0.08, 0.1, 0.0)]
+)
+def test_no_lens_is_seen_without_one_or_in_a_narrow_arc_about_a_still_pivot(k1, wide, stroke):
+    balls, pivots, _, seen = _filmed(k1, wide, stroke)
+    assert lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480)) is None
+
+
 def test_scatter_is_the_noise_and_not_the_swing():
     times = np.cumsum(np.random.default_rng(1).uniform(0.8, 1.2, 2000)) / 60
     swing = 0.7 * np.sin(6.0 * times)
@@ -293,21 +335,76 @@ def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
     noise = 0.02 * random.standard_normal(600)
     straight = np.stack([noise, rows], axis=-1)
     bent = np.stack([noise + 0.05 * np.sin(rows / 6.0), rows], axis=-1)
-    told = [angle_offset_sigma(p, "drive axis", 3.0, 0.0, 400.0) for p in (straight, bent)]
+    nothing = np.full((600, 1), np.nan)
+    down, other = (
+        find_gravity(np.arange(600) / 60, path, nothing, np.isfinite(nothing))
+        for path in (straight, bent)
+    )
+    assert down.source == other.source == "drive axis"
+    told = [angle_offset_sigma(one, 3.0, 0.0, 400.0) for one in (down, other)]
     assert told[0] < 2e-4
     assert 3e-4 < told[1] < 3e-3
     # A click of a narrow arc is a pixel uncertain.
-    assert angle_offset_sigma(straight, "drive axis", 0.1, 0.0, 400.0) > 1.0 / 400.0
-    assert math.isnan(angle_offset_sigma(straight, "image", 3.0, 0.0, 400.0))
+    assert angle_offset_sigma(down, 0.1, 0.0, 400.0) > 1.0 / 400.0
+    assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), 3.0, 0.0, 400.0) >= LEVELLED
 
 
 def test_extremes_give_the_rest_position_of_a_decay():
     times = np.arange(900) / 60
     swing = 0.02 + 0.6 * np.exp(-0.1 * times) * np.cos(5.2 * times)
-    found = find_extremes(swing)
-    middles = 0.25 * (found[:-2] + 2.0 * found[1:-1] + found[2:])
+    angles = np.array([one.angle for one in find_extremes(times, swing)])
+    middles = 0.25 * (angles[:-2] + 2.0 * angles[1:-1] + angles[2:])
     # Second order of the decrement: (k T / 2)^2 / 4 of the amplitude.
     assert np.median(middles) == pytest.approx(0.02, abs=6e-4)
+
+
+def _swing(rest, seen_from, drags):
+    """Return times, a pivot at rest, and a free swing of which only a part is seen."""
+    random = np.random.default_rng(8)
+    times = np.arange(360) / 60
+    system = ll.Pendulum(length=0.363, mass=0.1, **drags)
+    angles = ll.simulate(system, initial_angle=0.7, times=times).angle.values
+    is_seen = angles > seen_from
+    angles = rest + angles + 2e-4 * random.standard_normal(360)
+    return times, 0.02 * random.standard_normal((360, 2)), angles[:, None], is_seen[:, None]
+
+
+def test_the_edge_of_the_picture_is_no_turning_point():
+    times, _, angles, is_seen = _swing(0.0, -0.3, {"damping": 0.0})
+    found = find_extremes(times, np.where(is_seen, angles, np.nan)[:, 0])
+    assert len(found) >= 4
+    assert min(one.angle for one in found) > 0.69
+
+
+@pytest.mark.parametrize("drags", [{"damping": 0.003}, {"quadratic_damping": 0.01}])
+@pytest.mark.parametrize("seen_from", [-0.5, -0.3, -0.1, 0.05])
+@pytest.mark.parametrize("rest", [0.0, -0.122])
+def test_gravity_is_found_where_one_turning_point_is_out_of_the_picture(rest, seen_from, drags):
+    found = find_gravity(*_swing(rest, seen_from, drags))
+    assert found.source in ("fitted swing", "rest position")
+    assert abs(found.direction - rest) < 2.0 * found.sigma + 1e-4
+    assert found.sigma < 5e-3
+
+
+def test_gravity_is_found_between_turning_points_that_are_both_seen():
+    found = find_gravity(*_swing(0.05, -9.0, {"damping": 0.003}))
+    assert found.source == "rest position"
+    assert abs(found.direction - 0.05) < 2.0 * found.sigma + 1e-4
+    assert found.sigma < 1e-3
+
+
+@pytest.mark.parametrize("case", ["one arc", "no turning point", "no pendulum"])
+def test_gravity_that_cannot_be_found_is_straight_down_to_some_degrees(case):
+    times, pivots, angles, is_seen = _swing(0.1, -9.0, {"damping": 0.003})
+    if case == "one arc":
+        is_seen[40:] = False
+    elif case == "no turning point":
+        is_seen = np.abs(angles - 0.1) < 0.3
+    else:
+        jumps = np.random.default_rng(9).uniform(-1.0, 1.0, 13)
+        angles = np.interp(times, np.arange(13) / 2.0, jumps)[:, None]
+        is_seen = angles > 0.0
+    assert find_gravity(times, pivots, angles, is_seen) == Gravity(0.0, "image", LEVELLED)
 
 
 @pytest.mark.parametrize("period", [2.0, 5.0, 18.68, 37.36, 112.0 / 6.0])

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from latolato.experiment.deviations import honest_deviations, scatter_of
-from latolato.experiment.gravity import angle_offset_sigma, find_gravity
-from latolato.experiment.hinge import find_hinge
+from latolato.experiment.gravity import Gravity, angle_offset_sigma, find_gravity
+from latolato.experiment.hinge import Hinge, find_hinge
+from latolato.experiment.lens import lens_errors, straightened
 from latolato.experiment.tracking.follow import Followed
 
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
@@ -62,14 +63,14 @@ class Calibration:
     tilt : float
         Direction of gravity from straight down in the image, positive to the right [rad].
     tilt_source : str
-        ``"drive axis"``, ``"rest position"`` or ``"image"``.
+        ``"drive axis"``, ``"rest position"``, ``"fitted swing"`` or ``"image"``.
     arc : float
         Range of angles seen [rad].
     circle_residual : float
         Root mean square distance from the circle [pixels].
     angle_offset_sigma : float
         Standard deviation of what all angles have in common: gravity's direction and the hinge's
-        place [rad]; NaN if gravity's direction is unknown.
+        place [rad].
     warnings : list of str
         What the user should know.
     """
@@ -141,25 +142,39 @@ def calibrate(
     sigmas = honest_deviations(
         seen.times, angles, seen.sigmas, off, seen.spreads, is_clean, hinge.arm
     )
-    tilt, source = find_gravity(pivots, angles, is_clean)
-    if source == "image":
+    wrong = None
+    if not (optics.lens_k1 or optics.lens_k2):
+        wrong = lens_errors(centres, about, use, raw, size)
+    if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
+        sigmas = np.hypot(sigmas, wrong)
+        if not warnings:
+            warnings.append(
+                "the ball's path is bent as by a lens (lens, perspective or rolling shutter): "
+                f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
+                "declare the lens (--lens-k1) or the shutter (--row-time)"
+            )
+    down = find_gravity(seen.times, pivots, angles, is_clean)
+    shared = angle_offset_sigma(down, hinge.arc, hinge.residual, hinge.arm)
+    sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
+    if down.source == "image":
         warnings.append(
-            "gravity's direction is unknown (the pivot rests and no free decay was seen): "
-            "angles are from straight down in the picture"
+            "gravity's direction cannot be found (the pivot rests, and no free swing shows where "
+            "it turns on both sides): angles are from straight down in the picture, give or take "
+            f"{math.degrees(down.sigma):.0f} degrees"
         )
     return Calibration(
-        angles - tilt,
+        angles - down.direction,
         sigmas,
         pivots + offset,
         centres,
         hinge.arm,
         offset,
         hinge.sigma,
-        tilt,
-        source,
+        down.direction,
+        down.source,
         hinge.arc,
         hinge.residual,
-        angle_offset_sigma(pivots, source, hinge.arc, hinge.residual, hinge.arm),
+        shared,
         warnings,
     )
 
@@ -178,19 +193,23 @@ def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndar
     return np.asarray(pivots - bend * exposure**2 / 24.0)
 
 
+def _shared_error(angles: np.ndarray, down: Gravity, shared: float, hinge: Hinge) -> np.ndarray:
+    """Return the standard deviations of what angles have in common with each other [rad].
+
+    A hinge that lies higher or lower makes all angles smaller or larger. Where gravity's direction
+    is unknown, angles are those from straight down in the picture, and so are deviations.
+    """
+    if down.source == "image":
+        level = Gravity(down.direction, down.source, 0.0)
+        shared = angle_offset_sigma(level, hinge.arc, hinge.residual, hinge.arm)
+    turn = down.direction
+    along = math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
+    return np.hypot(shared, np.sin(angles - turn) * along / hinge.arm)
+
+
 def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
     """Return positions as a lens without distortion would show them [pixels]."""
-    if not (optics.lens_k1 or optics.lens_k2):
-        return places
-    middle = (np.array(size) - 1.0) / 2.0
-    unit = 0.5 * math.hypot(*size)
-    seen = (places - middle) / unit
-    distance = np.linalg.norm(seen, axis=-1, keepdims=True)
-    true = distance.copy()
-    for _ in range(30):  # a contraction for the distortions of usable lenses
-        true = distance / (1.0 + optics.lens_k1 * true**2 + optics.lens_k2 * true**4)
-    straight: np.ndarray = middle + seen * (true / np.maximum(distance, 1e-12)) * unit
-    return straight
+    return straightened(places, size, optics.lens_k1, optics.lens_k2)
 
 
 def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:

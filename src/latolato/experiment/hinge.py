@@ -12,8 +12,8 @@ _WIDE_ARC = math.radians(60.0)
 # Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
 # on the whole [pixels].
 _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
-# Error of the pivot against the ball that all frames share, from shading and edges, and of the
-# distances that changes along the arc [pixels].
+# Error of the pivot against the ball that all frames share, from shading and edges, and the least
+# one of the distances that changes along the arc [pixels].
 _SHARED, _UNEVEN = 0.15, 0.01
 # Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
@@ -75,7 +75,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     # What distances get wrong along the arc moves the centre the more, the narrower it is.
     design = np.stack([np.sin(direction), np.cos(direction), np.ones_like(direction)], axis=-1)
     spread = np.diag(np.linalg.pinv(design.T @ design / len(design)))[:2]
-    sigma = np.sqrt(_SHARED**2 + (_UNEVEN**2 + noise**2 / len(design)) * spread)
+    uneven = math.hypot(_UNEVEN, bent)
+    sigma = np.sqrt(_SHARED**2 + (uneven**2 + noise**2 / len(design)) * spread)
     return Hinge(offset, sigma, found, arc, residual)
 
 

@@ -35,6 +35,9 @@ _FEW_MISSING = 3
 _NEVER, _SELDOM = 0.12, 0.4
 # Fewest frames that show a motion.
 _FEWEST = 8
+# Error of a ball's place where its pattern resembles the background, as a share of its radius: what
+# synthetic clips of wood showed.
+_PATTERN = 0.05
 # Shares of the work: the first reading, learning the scene.
 _READ, _LEARNED = 0.25, 0.35
 
@@ -122,8 +125,8 @@ def track(
     Warns
     -----
     RuntimeWarning
-        For a set-up that was read, what was found instead of pointed at, a radius that does not fit the length, a path that
-        is no circle, an unknown direction of gravity, an unknown geometry.
+        For a set-up that was read, what was found instead of pointed at, a radius that does not fit
+        the length, a path that is no circle, an unknown direction of gravity, an unknown geometry.
 
     Notes
     -----
@@ -313,6 +316,13 @@ def _tracked(
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    if scene.look.is_spinning:
+        unsure = _PATTERN * scene.look.radius / measured.arm
+        measured.sigmas = np.hypot(measured.sigmas, unsure)
+        task.warnings.append(
+            "the ball has a pattern that turns with it: where the pattern resembles the "
+            f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
+        )
     return _table(task, scene, seen, measured)
 
 
@@ -374,9 +384,7 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         "origin_v": float(origin[1]),
         "gravity_direction": measured.tilt,
         "gravity_source": measured.tilt_source,
-        "angle_offset_sigma": None
-        if math.isnan(measured.angle_offset_sigma)
-        else measured.angle_offset_sigma,
+        "angle_offset_sigma": measured.angle_offset_sigma,
         "exposure": scene.look.exposure,
         "pivot_offset_x": float(measured.offset[0]),
         "pivot_offset_y": float(measured.offset[1]),

@@ -1,0 +1,111 @@
+"""What an undeclared lens does to the circle on which a ball is seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+# Places from which a lens can be told, and most of them that are fitted.
+_FEWEST, _MOST = 40, 600
+# Strongest distortion that is tried.
+_STRONGEST = 0.3
+# How sure a distortion must be [standard deviations].
+_SURE = 6.0
+# Noise above which a distance is a mistake of the tracker [pixels].
+_ROBUST = 0.3
+
+
+@dataclass(frozen=True)
+class Bend:
+    """The radial distortion with which places lie on a circle best.
+
+    Attributes
+    ----------
+    k1, sigma : float
+        Distortion in units of half the picture's diagonal, and its standard deviation.
+    centre : numpy.ndarray, shape (2,)
+        Of the circle from the pivot as clicked, once the places are undistorted [pixels].
+    """
+
+    k1: float
+    sigma: float
+    centre: np.ndarray
+
+
+def find_bend(balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> Bend | None:
+    """Return the distortion of places (column, row) about a pivot, None for too few places.
+
+    A lens stretches the circle more where it is far from the middle of the picture. A narrow arc,
+    or one all at the same distance from the middle, tells little: `sigma` is large.
+    """
+    from scipy.optimize import least_squares
+
+    if len(balls) < _FEWEST:
+        return None
+    thin = slice(None, None, math.ceil(len(balls) / _MOST))
+    balls, pivots = balls[thin], pivots[thin]
+
+    def rest(p: np.ndarray) -> np.ndarray:
+        away = straightened(balls, size, p[3]) - straightened(pivots, size, p[3]) - p[:2]
+        return np.asarray(np.hypot(away[:, 0], away[:, 1]) - p[2])
+
+    arm = float(np.median(np.hypot(*(balls - pivots).T)))
+    fit = least_squares(
+        rest,
+        [0.0, 0.0, arm, 0.0],
+        bounds=([-np.inf] * 3 + [-_STRONGEST], [np.inf] * 3 + [_STRONGEST]),
+        loss="soft_l1",
+        f_scale=_ROBUST,
+        x_scale=[1.0, 1.0, 1.0, 0.01],
+        max_nfev=40,
+    )
+    scatter = 1.4826 * float(np.median(np.abs(rest(fit.x))))
+    spread = np.linalg.pinv(fit.jac.T @ fit.jac)[3, 3]
+    return Bend(float(fit.x[3]), scatter * math.sqrt(float(spread)), fit.x[:2])
+
+
+def lens_errors(
+    balls: np.ndarray,
+    pivots: np.ndarray,
+    use: np.ndarray,
+    angles: np.ndarray,
+    size: tuple[int, int],
+) -> np.ndarray | None:
+    """Return by how much a lens that the path shows would change angles [rad], None without one.
+
+    Parameters
+    ----------
+    balls, pivots : numpy.ndarray, shape (frame, ball, 2)
+        Where each ball is, and the pivot at the same time [pixels].
+    use : numpy.ndarray of bool, shape (frame, ball)
+        Which of them are fitted.
+    angles : numpy.ndarray, shape (frame, ball)
+        As they are without the lens [rad].
+    size : tuple of int
+        Width and height of the picture [pixels].
+    """
+    bend = find_bend(balls[use], pivots[use], size)
+    if bend is None or abs(bend.k1) < _SURE * bend.sigma:
+        return None
+    away = straightened(balls, size, bend.k1) - straightened(pivots, size, bend.k1) - bend.centre
+    turned = np.arctan2(away[..., 0], away[..., 1]) - angles
+    return np.asarray(np.remainder(turned + math.pi, 2.0 * math.pi) - math.pi)
+
+
+def straightened(
+    places: np.ndarray, size: tuple[int, int], k1: float, k2: float = 0.0
+) -> np.ndarray:
+    """Return positions as a lens without distortion would show them [pixels]."""
+    if not (k1 or k2):
+        return places
+    middle = (np.array(size) - 1.0) / 2.0
+    unit = 0.5 * math.hypot(*size)
+    seen = (places - middle) / unit
+    distance = np.linalg.norm(seen, axis=-1, keepdims=True)
+    true = distance.copy()
+    for _ in range(30):  # a contraction for the distortions of usable lenses
+        true = distance / (1.0 + k1 * true**2 + k2 * true**4)
+    straight: np.ndarray = middle + seen * (true / np.maximum(distance, 1e-12)) * unit
+    return straight
