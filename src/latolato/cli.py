@@ -32,6 +32,7 @@ from latolato.command_options import (
     UsageError,
     with_law_options,
 )
+from latolato.errors import InputError
 from latolato.options import changes
 from latolato.progress import bar
 from latolato.scenario import find, load_scenario, scenarios
@@ -246,11 +247,11 @@ def _sweep(
         asked = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
         others = [name for name, value in asked.items() if value]
         if others:
-            raise ValueError(f"--status says how far a store is: leave out {', '.join(others)}")
+            raise InputError(f"--status says how far a store is: leave out {', '.join(others)}")
         sweep_command.print_status(status, as_json)
         return
     if scenario is not None and rerun is not None:
-        raise ValueError("give either a scenario or --from, not both")
+        raise InputError("give either a scenario or --from, not both")
     table = {
         "transient": transient,
         "transient_periods": transient_periods,
@@ -347,14 +348,14 @@ def plot(
     kind = next((name for name, holds in kinds.items() if holds(dataset)), None)
     if kind is not None:
         if animate is not None:
-            raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
+            raise InputError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 
         print(save_figure(pictures.plot(dataset, **of_map), picture))
         return
     unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
     if unfit:
-        raise ValueError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
+        raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
     for path in run_command.write(dataset, None, picture, animate, speed, fps):
         print(path)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.run_command import PICTURES, changed_tables
 from latolato.scenario import Scenario, find, read_tables
 from latolato.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
@@ -49,7 +50,7 @@ class Targets:
         from latolato.files import check_folder, check_suffix, check_target
 
         if self.folder is self.output is not None and self.store not in (None, self.output):
-            raise ValueError(
+            raise InputError(
                 f"give one store, got --store {self.store} and --output {self.output}; "
                 "--output may be a .nc file beside the store"
             )
@@ -67,7 +68,7 @@ class Targets:
             check_suffix(self.plot, PICTURES, "the name of a picture")
             check_drawable(plan, self.variable)
         elif self.variable is not None:
-            raise ValueError("--variable names what --plot shows: give --plot too")
+            raise InputError("--variable names what --plot shows: give --plot too")
 
 
 def plan_of(
@@ -93,7 +94,7 @@ def plan_of(
     path = find(source) if source is not None else None
     if rerun is not None:
         if rerun.suffix == ".toml":
-            raise ValueError("--from takes a store or a .nc file; give a scenario without --from")
+            raise InputError("--from takes a store or a .nc file; give a scenario without --from")
         from latolato.sweep.store import plan_from_store
 
         plan = plan_from_store(rerun)
@@ -194,7 +195,7 @@ def _check_executor(executor: str, options: Mapping[str, Any]) -> None:
         ("client", "--address", "dask"),
     ):
         if name in options and name not in known:
-            raise ValueError(f"{flag} belongs to executor {others}, not to {executor}")
+            raise InputError(f"{flag} belongs to executor {others}, not to {executor}")
 
 
 def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:

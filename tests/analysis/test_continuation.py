@@ -9,6 +9,7 @@ import latolato as ll
 from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
+from latolato.errors import InputError
 
 NATURAL = math.sqrt(9.8)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
@@ -138,7 +139,7 @@ def test_the_branch_of_a_shorter_period_is_named():
 def test_bad_input_is_refused(changes, message):
     given = {"drive": ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * NATURAL)}
     given |= {"low": 1.8, "high": 2.2} | changes
-    with pytest.raises((ValueError, TypeError), match=message):
+    with pytest.raises(InputError, match=message):
         continue_orbit(PENDULUM, given.pop("drive"), **given)
 
 
@@ -198,5 +199,5 @@ def test_orbits_of_absurdly_slow_drives_and_of_no_system_are_refused():
     slow = ll.Harmonic(drive_amplitude=1e-3, drive_frequency=1e-4)
     with pytest.raises(ValueError, match=r"at least 0\.01 natural frequencies"):
         continue_orbit(PENDULUM, slow, low=1.0, high=2.0)
-    with pytest.raises(TypeError, match="system must be one of"):
+    with pytest.raises(InputError, match="system must be one of"):
         continue_orbit(5, slow, low=1.0, high=2.0)

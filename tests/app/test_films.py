@@ -25,6 +25,7 @@ from latolato.app.film_options import Told
 from latolato.app.film_store import Allowance, remove_orphans, shown_name
 from latolato.app.film_work import WORK
 from latolato.app.server import Settings, make_app
+from latolato.errors import InputError
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
 from latolato.experiment.table import read_table
@@ -475,7 +476,7 @@ def test_a_frame_of_bytes_is_answered_with_one_line(page):
     ],
 )
 def test_what_is_told_of_a_video_is_checked(told, message):
-    with pytest.raises((TypeError, ValueError), match=re.escape(message)):
+    with pytest.raises(InputError, match=re.escape(message)):
         Told.from_json(told)
 
 

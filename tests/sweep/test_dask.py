@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.sweep import run_plan
 from latolato.sweep.executors.dask import execute
 from latolato.sweep.plan import make_plan
@@ -135,7 +136,7 @@ def test_wrong_address_is_told_in_one_line(plan, monkeypatch, address):
 def test_bad_options_are_refused(plan, client):
     with pytest.raises(ValueError, match="only one of workers and client"):
         list(execute(plan, [0], client=client, workers=2))
-    with pytest.raises(TypeError, match="or an address"):
+    with pytest.raises(InputError, match="or an address"):
         list(execute(plan, [0], client=5))
 
 

@@ -18,6 +18,7 @@ from latolato.analysis.stroboscopic import (
     settled_motion,
     wilson,
 )
+from latolato.errors import InputError
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, System
@@ -120,7 +121,7 @@ def basins(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, ranges beyond the walls, a drive without a period, the linearised pendulum.
 
     Notes
@@ -165,12 +166,12 @@ def basins(
         checked_count("velocity_points", velocity_points),
     )
     if entropy_size > min(shape):
-        raise ValueError(
+        raise InputError(
             f"entropy_box must be at most the points of either axis, {min(shape)}, got "
             f"{entropy_size}; take a smaller box or more points"
         )
     if math.prod(shape) > _MOST_STARTS:
-        raise ValueError(
+        raise InputError(
             f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
             "velocity_points"
         )
@@ -283,7 +284,7 @@ def _starts(
         "rad",
     )
     if first < low - _INSIDE or last > high + _INSIDE:
-        raise ValueError(
+        raise InputError(
             f"the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
             f"[{first:.6g}, {last:.6g}]: the balls would overlap"
         )
@@ -440,7 +441,7 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
 
     Raises
     ------
-    ValueError
+    InputError
         For labels that are not a map, or a box larger than it.
 
     Notes
@@ -460,10 +461,10 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
     table = np.asarray(labels)
     size = checked_count("box", box)
     if table.ndim != 2 or table.dtype.kind not in "iu":
-        raise ValueError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
+        raise InputError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
     rows, columns = (n // size for n in table.shape)
     if not rows * columns:
-        raise ValueError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
+        raise InputError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
     whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
     boxes = whole.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
     entropy = np.zeros(len(boxes))

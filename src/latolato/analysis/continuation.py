@@ -14,6 +14,7 @@ from latolato.analysis.floquet import smallest_period, told_of_period
 from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
+from latolato.errors import InputError
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, Quantity, Range
@@ -92,7 +93,7 @@ def continue_orbit(
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown parameter, a range that does not hold its present value, and as `floquet`.
 
     Notes
@@ -123,12 +124,12 @@ def continue_orbit(
     low = checked_number(f"low ({parameter})", low, closed, unit)
     high = checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
-        raise ValueError(
+        raise InputError(
             f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
             f"[{low:g}, {high:g}]"
         )
     if direction not in ("up", "down"):
-        raise ValueError(f"direction must be 'up' or 'down', got {direction!r}")
+        raise InputError(f"direction must be 'up' or 'down', got {direction!r}")
     count = checked_period(period)
     most = checked_count("points", points)
     flow = Flow(

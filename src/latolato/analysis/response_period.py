@@ -77,7 +77,7 @@ def response_period(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a drive without a period, and the linearised pendulum.
 
     Notes

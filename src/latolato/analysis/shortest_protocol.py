@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
+from latolato.errors import InputError
 from latolato.physics.drives import Chirp, Drive, FrequencySchedule, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
@@ -141,7 +142,7 @@ def shortest_protocol(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, a linear system, or a drive without frequencies.
 
     Notes
@@ -168,7 +169,7 @@ def shortest_protocol(
     """
     system = checked_system(system)
     if isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
         )
     amplitude, target = _drive_of(system, drive, frequency_ratio)
@@ -282,7 +283,7 @@ def _drive_of(
         amplitude, target = drive.drive_amplitude, drive.drive_frequencies[-1]
     else:
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise ValueError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
+        raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
     if frequency_ratio is not None:
         target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
@@ -294,7 +295,7 @@ def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]
     unit = QUANTITIES[name].unit
     found = [checked_number(said or name, value, POSITIVE, unit) for value in given]
     if not found or any(b <= a for a, b in pairwise(found)):
-        raise ValueError(
+        raise InputError(
             f"the values of {said or name} must be one or more and increase; sort them"
         )
     return found

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -55,20 +56,20 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For a drive without a period, and for the linearised pendulum.
     """
     checked_system(system)
     if isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
             "use Pendulum, or mathieu_growth_rate"
         )
     checked_drive(drive)
     if drive is None:
-        raise ValueError(f"{what} needs a drive with a period, got None; give Harmonic")
+        raise InputError(f"{what} needs a drive with a period, got None; give Harmonic")
     if not isinstance(drive, (Harmonic, CrankSlider)):
-        raise ValueError(
+        raise InputError(
             f"{what} needs a drive with a single period, harmonic or crank_slider, got "
             f"{drives.name_of(drive)}"
         )
@@ -85,7 +86,7 @@ def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, floa
     """Return two limits of which the second is larger."""
     first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
     if not first < last:
-        raise ValueError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
+        raise InputError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
     return first, last
 
 
@@ -331,6 +332,6 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
 def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
     """Return numbers along an axis, each of them checked; one number is an axis of one."""
     if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+        raise InputError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
     several = values if np.ndim(values) else [values]
     return np.array([checked_number(name, value, allowed, unit) for value in several])

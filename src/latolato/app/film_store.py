@@ -15,6 +15,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from latolato.app.given import TooLargeError
+from latolato.errors import InputError
 from latolato.experiment.video import Limits
 
 _PREFIX = "latolato-films-"
@@ -81,7 +82,7 @@ class Allowance:
 
         Raises
         ------
-        ValueError
+        InputError
             Unless both are positive.
 
         Examples
@@ -93,7 +94,7 @@ class Allowance:
         usual = cls()
         for name, value in (("video-megabytes", megabytes), ("video-minutes", minutes)):
             if value is not None and not 0.0 < value < math.inf:
-                raise ValueError(f"{name} must be positive, got {value:g}")
+                raise InputError(f"{name} must be positive, got {value:g}")
         size = usual.upload if megabytes is None else 1e6 * megabytes
         length = usual.duration if minutes is None else 60.0 * minutes
         larger, longer = max(1.0, size / usual.upload), max(1.0, length / usual.duration)
@@ -195,11 +196,11 @@ class Desk:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is none of that key.
         """
         if not isinstance(key, str) or key not in self.films:
-            raise ValueError("this video is no longer on the server: upload it again")
+            raise InputError("this video is no longer on the server: upload it again")
         return self.films[key]
 
 
@@ -248,11 +249,11 @@ class Store:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is none: its page has closed.
         """
         if key not in self.desks:
-            raise ValueError("this page is not connected: load it again")
+            raise InputError("this page is not connected: load it again")
         return self.desks[key]
 
     def film(self, key: str) -> Film | None:

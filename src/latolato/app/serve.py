@@ -16,6 +16,7 @@ import uvicorn
 from latolato.app.film_store import Allowance
 from latolato.app.guard import TOKEN
 from latolato.app.server import Settings, make_app
+from latolato.errors import InputError
 
 DEFAULT_PORT = 8765
 
@@ -52,7 +53,7 @@ def serve(
 
     Raises
     ------
-    ValueError
+    InputError
         If `host` is an address that other machines reach and `allow_others` is false, if
         `report` holds no report, if a stored map is none, or a limit is not positive.
     OSError
@@ -60,12 +61,12 @@ def serve(
     """
     others = not is_own(host)
     if others and not allow_others:
-        raise ValueError(
+        raise InputError(
             f"host {host} can be reached from other machines; add --allow-others to let in those "
             "that know the access token"
         )
     if report is not None and not (report / "index.html").is_file():
-        raise ValueError(f"'{report}' holds no report; make one: latolato reproduce {report}")
+        raise InputError(f"'{report}' holds no report; make one: latolato reproduce {report}")
     maps: Mapping[str, Path] = {}
     if stored:
         from latolato.app.map_stored import named

@@ -22,6 +22,7 @@ from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
+from latolato.errors import InputError
 from latolato.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
@@ -201,5 +202,5 @@ def _run_response(given: Any) -> Response:
     asked = Asked.from_json(given)
     columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
-        raise TypeError("columns must be a list of names")
+        raise InputError("columns must be a list of names")
     return Response(run_block(asked, columns, samples), media_type="application/octet-stream")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import grids, style
 from latolato.figures.fits import ABOVE
 from latolato.quantities import QUANTITIES
@@ -34,7 +35,7 @@ def draw_comparison(dataset: xr.Dataset) -> Figure:
 
     Raises
     ------
-    ValueError
+    InputError
         If the dataset holds no comparison.
     """
     kind = str(dataset.attrs.get("comparison"))
@@ -48,7 +49,7 @@ def draw_comparison(dataset: xr.Dataset) -> Figure:
         figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.8)
         draw_responses(axes[0, 0], dataset)
     else:
-        raise ValueError("the dataset holds no comparison that can be drawn")
+        raise InputError("the dataset holds no comparison that can be drawn")
     letters = int(_LINE * figure.get_figwidth() / style.PAGE)
     words = textwrap.fill(str(dataset.attrs["verdict"]), letters)
     figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from latolato.errors import InputError
 from latolato.figures.claim import Claim, Verdict
 from latolato.report.powers import rewritten_powers
 
@@ -82,7 +83,7 @@ def reproduce(
 
     Raises
     ------
-    ValueError
+    InputError
         For both `quick` and `full`, and for `full` without the extra `video`.
     NotADirectoryError
         If `folder` is a file.
@@ -100,9 +101,9 @@ def reproduce(
     from latolato.figures import chain
 
     if quick and full:
-        raise ValueError("a report is quick or full, not both")
+        raise InputError("a report is quick or full, not both")
     if full and chain.is_missing():
-        raise ValueError(f"a full report films every trial: {chain.MISSING}")
+        raise InputError(f"a full report films every trial: {chain.MISSING}")
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"'{folder}' is a file; name a folder for the report")

@@ -8,6 +8,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.physics.contacts import Clamp, Exact, NoContact
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
@@ -106,7 +107,7 @@ def sweep(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, naming value, rule and way out.
 
     Notes
@@ -174,7 +175,7 @@ def run_plan(
     for option in options:
         if option not in known:
             takes = f"only {' and '.join(known)}" if known else "no options"
-            raise ValueError(
+            raise InputError(
                 f"executor '{executor}' does not know {option}, it takes {takes}: leave {option} "
                 "out or name another executor"
             )

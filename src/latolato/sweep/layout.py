@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.sweep.chunk import STATUS
 from latolato.sweep.plan import Plan
 from latolato.sweep.results import (
@@ -32,9 +33,9 @@ def existing_root(path: Path) -> dict[str, Any]:
     try:
         root = root_of(path)
     except FileExistsError as error:
-        raise ValueError(f"'{path}' is no store of a sweep") from error
+        raise InputError(f"'{path}' is no store of a sweep") from error
     if root is None:
-        raise ValueError(f"'{path}' is no store of a sweep, or one that was only just begun")
+        raise InputError(f"'{path}' is no store of a sweep, or one that was only just begun")
     return root
 
 
@@ -45,7 +46,7 @@ def root_of(path: Path) -> dict[str, Any] | None:
     ------
     FileExistsError
         If something else is there.
-    ValueError
+    InputError
         If the metadata of a store are damaged.
     """
     if not path.parent.is_dir():
@@ -64,7 +65,7 @@ def root_of(path: Path) -> dict[str, Any] | None:
         root: dict[str, Any] = json.loads((path / ROOT).read_bytes())
         root["attributes"]["plan_hash"], root["consolidated_metadata"]["metadata"][STATUS]
     except (OSError, ValueError, KeyError, TypeError):
-        raise ValueError(
+        raise InputError(
             f"{ROOT} of the store '{path}' is damaged or missing: name another path, or delete "
             "the store to begin anew"
         ) from None

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.files import atomic_path
 from latolato.numerics.compiled import sources_hash
 from latolato.sweep import lock
@@ -78,7 +79,7 @@ class Store:
         On entering, if `path` is something else; nothing is touched then.
     BlockingIOError
         If another process writes the store.
-    ValueError
+    InputError
         If the store holds another sweep, or a part of this one by other kernels.
     OSError
         If the disk is full, while writing too; finished chunks are kept.
@@ -166,7 +167,7 @@ class Store:
             asked = json.loads(json.dumps(self.plan.describe()))
             found = differences(json.loads(attributes["plan"]), asked)
             more = f" and {len(found) - _MOST_TOLD} more" if len(found) > _MOST_TOLD else ""
-            raise ValueError(
+            raise InputError(
                 f"the store '{self.path}' holds another sweep: {', '.join(found[:_MOST_TOLD])}"
                 f"{more}; name another path, or delete the store to begin anew"
             )
@@ -217,7 +218,7 @@ class Store:
         """Raise unless what is missing would be computed like the rest."""
         attributes = self._root["attributes"]
         if self.missing and attributes["kernel_sources"] != sources_hash():
-            raise ValueError(
+            raise InputError(
                 f"{len(self.missing)} of {self.plan.chunks} chunks of '{self.path}' are missing, "
                 f"and latolato {attributes['latolato_version']} wrote the others with other "
                 f"kernels ({attributes['kernel_sources'][:8]}, here {sources_hash()[:8]}): finish "
@@ -288,7 +289,7 @@ def open_store(path: str | Path) -> xr.Dataset:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no store of a sweep.
     """
     path = Path(path)
@@ -308,7 +309,7 @@ def store_status(path: str | Path) -> dict[str, Any]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no store of a sweep.
 
     Notes
@@ -357,7 +358,7 @@ def plan_from_store(path: str | Path) -> Plan:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no sweep, or its plan was changed by hand.
     """
     path = Path(path)
@@ -366,12 +367,12 @@ def plan_from_store(path: str | Path) -> Plan:
 
         attributes: Mapping[str, Any] = load(path).attrs
         if "plan" not in attributes:
-            raise ValueError(f"'{path}' holds no sweep: it has no plan")
+            raise InputError(f"'{path}' holds no sweep: it has no plan")
     else:
         attributes = existing_root(path)["attributes"]
     plan = Plan.from_description(json.loads(attributes["plan"]))
     if plan.hash != attributes["plan_hash"]:
-        raise ValueError(
+        raise InputError(
             f"the plan in '{path}' does not fit its hash: one of them was changed; use the "
             "scenario instead"
         )

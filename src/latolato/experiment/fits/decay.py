@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
     Data,
@@ -120,7 +121,7 @@ def fit_decay(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a pivot that moves, and angles without a free swing.
     ModuleNotFoundError
         Without lmfit.
@@ -139,11 +140,11 @@ def fit_decay(
     lmfit_module()
     checked_table(table)
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise InputError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
     if law != "best" and law not in LAWS:
-        raise ValueError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
+        raise InputError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
     if method == "envelope" and law != "linear":
-        raise ValueError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
+        raise InputError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
@@ -156,7 +157,7 @@ def fit_decay(
     data = _from(data, begin)
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
-        raise ValueError(
+        raise InputError(
             f"the angle goes {reach:.3g} rad to one side, more than half a turn, which no free "
             "swing does: are these degrees? Or give start, from when on it swings"
         )
@@ -219,9 +220,9 @@ def fit_decay(
 
 
 def _check_rest(piece: xr.Dataset, length: float) -> None:
-    """Raise ValueError if the pivot moves."""
+    """Raise InputError if the pivot moves."""
     if is_driven(piece, length):
-        raise ValueError(
+        raise InputError(
             f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay needs a "
             "pivot at rest; use fit_model, or start and end for the piece at rest"
         )
@@ -419,7 +420,7 @@ class _Body:
         assert self.radius is not None
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
-            raise ValueError(
+            raise InputError(
                 f"radius must be less than the length {length.value:.4g} m from the dynamics, got "
                 f"{self.radius:g}"
             )

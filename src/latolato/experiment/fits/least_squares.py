@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
+
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
 
@@ -168,7 +170,7 @@ def solve(
 
     Raises
     ------
-    ValueError
+    InputError
         If there are fewer samples than twice the parameters without a prior, or if the fit does
         not end.
     """
@@ -177,7 +179,7 @@ def solve(
     # What is believed beforehand needs no samples: a prior is one more of them.
     loose = sum(math.isinf(guesses[name].prior) for name in free)
     if len(data) < 2 * loose:
-        raise ValueError(f"{len(data)} samples are too few to fit {', '.join(free)}")
+        raise InputError(f"{len(data)} samples are too few to fit {', '.join(free)}")
     parameters = lmfit.Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, guess.free, guess.low, guess.high)
@@ -285,12 +287,12 @@ def _minimized(minimizer: Any, limit: int) -> Any:
         found = minimizer.minimize(method="leastsq", max_nfev=limit)
     # lmfit's own words of such an end are about tolerances, which is misleading.
     if found.aborted:
-        raise ValueError(
+        raise InputError(
             f"the fit does not end within {limit} trials: does the data show such a motion, and "
             "are its units right?"
         )
     if not found.success:
-        raise ValueError(f"the fit does not end: {' '.join(str(found.message).split())}")
+        raise InputError(f"the fit does not end: {' '.join(str(found.message).split())}")
     return found
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import (
     Data,
     Guess,
@@ -87,7 +88,7 @@ def fit_model(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, parameters that the system has not and those that no motion tells (mass).
     ModuleNotFoundError
         Without lmfit.
@@ -106,7 +107,7 @@ def fit_model(
     lmfit_module()
     checked_table(table)
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
     moving = pivot_for(drive, table, system.balls[0].length, first, last)
@@ -173,13 +174,13 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
         vary = [vary]
     for name in vary:
         if name.endswith("mass"):
-            raise ValueError("mass acts through damping/mass only: vary damping and give the mass")
+            raise InputError("mass acts through damping/mass only: vary damping and give the mass")
         if name.endswith("radius"):
-            raise ValueError("the radius is geometry: measure it")
+            raise InputError("the radius is geometry: measure it")
         if name not in known:
-            raise ValueError(f"nothing called '{name}' can vary: {suggest(name, known)}")
+            raise InputError(f"nothing called '{name}' can vary: {suggest(name, known)}")
     if not vary:
-        raise ValueError("vary needs at least one name")
+        raise InputError("vary needs at least one name")
     return list(dict.fromkeys(vary))
 
 

@@ -10,6 +10,7 @@ import importlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.registry import suggest
 from latolato.sweep.chunk import Values
 
@@ -23,11 +24,11 @@ def executor_named(name: str) -> Execute:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown name, with the closest known one.
     """
     if name not in EXECUTORS:
-        raise ValueError(f"unknown executor '{name}': {suggest(str(name), list(EXECUTORS))}")
+        raise InputError(f"unknown executor '{name}': {suggest(str(name), list(EXECUTORS))}")
     module: Any = importlib.import_module(f"{__name__}.{name}")
     execute: Execute = module.execute
     return execute
