@@ -96,11 +96,8 @@ def make_protocol(limits: ConnectionLimits) -> type[HttpToolsProtocol]:
             """Return whether there is room, which may have to be made."""
             if self.client is None:
                 return True
-            same: list[Any] = [
-                each
-                for each in self.connections
-                if each.client is not None and each.client[0] == self.client[0]
-            ]
+            everyone: set[Any] = self.connections  # WebSockets too
+            same = [each for each in everyone if each.client and each.client[0] == self.client[0]]
             if len(same) <= limits.per_address:
                 return True
             waiting = [
