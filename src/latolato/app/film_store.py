@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import secrets
 import shutil
 import tempfile
@@ -18,7 +17,6 @@ from latolato.app.given import TooLargeError
 from latolato.errors import InputError
 from latolato.experiment.video import Limits
 
-_PREFIX = "latolato-films-"
 _LONGEST_NAME = 80
 # What lies in the folder of a film. The name of the upload is told, and never a path.
 UPLOAD = "film"
@@ -216,8 +214,7 @@ class Store:
     def folder(self) -> Path:
         """The folder of this server, made when it is first needed."""
         if self._folder is None:
-            remove_orphans()
-            self._folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+            self._folder = Path(tempfile.mkdtemp(prefix="latolato-films-"))
         return self._folder
 
     def close(self) -> None:
@@ -310,24 +307,3 @@ def shown_name(text: str) -> str:
     plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")
     name = "".join(c for c in plain.rpartition("/")[2] if c.isprintable()).strip(" .")
     return name[-_LONGEST_NAME:] or "video"
-
-
-def remove_orphans() -> None:
-    """Remove the folders of servers that were killed before they could tidy up."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*-*"):
-        process = folder.name.removeprefix(_PREFIX).partition("-")[0]
-        if process.isdigit() and not folder.is_symlink() and not _runs(int(process)):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _runs(process: int) -> bool:
-    """Return whether a process is there; unknown counts as yes."""
-    if os.name != "posix":
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True

@@ -1,10 +1,10 @@
 """Videos of an experiment: upload, work on them with progress, results; gone with their page.
 
-A page opens the WebSocket ``/api/films/desk`` and keeps it open; it is told its key, uploads with
-``POST /api/films?desk=KEY`` (the body is the file, its name stands in the header ``X-Name``), and
-asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY, ...}``. It is told
-``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket closes, running work
-is killed and every file of that page is removed.
+A page opens the WebSocket ``/api/films/desk``, sends ``{"hello": true}`` and keeps it open. It
+receives its key, uploads with ``POST /api/films?desk=KEY`` (the body is the file, its name stands
+in the header ``X-Name``), and asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY,
+...}``. It receives ``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket
+closes, running work is killed and every file of that page is removed.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from latolato.errors import InputError
 
 _REFUSALS = (TypeError, ValueError, ModuleNotFoundError)
 _LONGEST_FRAME = 100_000
+# The first frame of a page; its first job may come much later.
+GREETING = {"hello": True}
 
 
 def routes() -> list[BaseRoute]:
@@ -233,6 +235,8 @@ class _Clerk:
             given = json.loads(text)
             if not isinstance(given, dict):
                 raise InputError("a frame must be an object")
+            if given == GREETING:
+                return
             number = given.get("job")
             if isinstance(number, bool) or not isinstance(number, int):
                 number = None
@@ -331,7 +335,7 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
 
     Raises
     ------
-    InputError
+    TypeError, ValueError
         For anything that is not known, before a process begins.
     """
     from latolato.app.film_options import EXAMPLES, EXPORTS, FITS, Told
