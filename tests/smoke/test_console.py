@@ -1,5 +1,6 @@
 """Every command that README and documentation show, typed as it stands there."""
 
+import itertools
 import os
 import re
 import shlex
@@ -51,7 +52,7 @@ def named(words):
     """Return which materials a command reads."""
     kept = {re.split(r"[:/]", word)[0] for word in words if not word.startswith("--")}
     kept |= {word.split("=", 1)[1].split(":")[0] for word in words if "=" in word}
-    flags = dict(zip(words, words[1:], strict=False))
+    flags = dict(itertools.pairwise(words))
     read = {flags[flag] for flag in READ_TOO if flag in flags}
     written = {flags[flag] for flag in WRITTEN if flag in flags}
     if words[1] == "app":  # it opens what others write
@@ -94,7 +95,7 @@ def test_command(words, tmp_path, cache, answer):
     assert "Traceback" not in done.stderr, done.stderr
     assert done.returncode == 0, done.stderr
     answer(done.stdout)
-    flags = dict(zip(words, words[1:], strict=False))
+    flags = dict(itertools.pairwise(words))
     for flag in WRITTEN:
         if flag in flags and "{" not in flags[flag]:
             assert (tmp_path / flags[flag]).exists(), f"{flag} {flags[flag]} was not written"

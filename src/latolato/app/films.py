@@ -335,7 +335,7 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For anything that is not known, before a process begins.
     """
     from latolato.app.film_options import EXAMPLES, EXPORTS, FITS, Told
