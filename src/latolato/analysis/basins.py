@@ -148,7 +148,7 @@ def basins(
     On a fractal boundary, or after a long chaotic transient, the attractor of a start depends on
     the numerical error. No tolerance settles such a start: its label is one of several that
     are possible, and only the shares mean something. The second run finds these starts; as it
-    takes shorter steps, both take about two and a half times as long as the first. Equal basins
+    takes shorter steps, both take about 2.3 times as long as the first. Equal basins
     are numbered by rotation number, then by mean angle. With `known` the pairs of attractors
     with the smallest mean distance between their samples are matched first, up to 0.5 rad, as
     ``match_statespacesets!`` of Attractors.jl does; a number that has vanished is not given again.

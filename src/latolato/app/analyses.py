@@ -37,7 +37,7 @@ _STEPS_PER_PERIOD = 40.0
 # Periods that are looked at after the transient, where no option says how many.
 _WATCHED = 48.0
 # How much longer a second run at a tenth of the tolerance makes the work.
-_TWICE = 2.5
+_TWICE = 2.3
 # Values of lists that are tried where none are given.
 _LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
 # Steps in a second on two cores, and seconds that every answer takes, with its picture.
