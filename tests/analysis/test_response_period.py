@@ -54,14 +54,19 @@ def test_two_equal_balls_repeat_as_their_mirror_symmetric_model_does(ratio, peri
     )
 
 
-def test_a_rotating_pendulum_turns_once_per_drive_period():
-    # A start well inside the basin of rotation.
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+def test_a_rotating_pendulum_turns_once_per_drive_period_in_the_sense_of_its_velocity(sense):
+    # A start well inside the basin of rotation, and its mirror image.
     found = response_period(
-        SINGLE, at_ratio(SINGLE, 2.0, 0.05), initial_angle=2.9, initial_angular_velocity=-5.3
+        SINGLE,
+        at_ratio(SINGLE, 2.0, 0.05),
+        initial_angle=-2.9 * sense,
+        initial_angular_velocity=5.3 * sense,
     )
     assert (found.status, found.response_period) == ("periodic", 1.0)
-    assert abs(found.turns_per_period) == 1.0
-    assert found.rotation_number == 1.0
+    assert found.turns_per_period == sense
+    assert found.rotation_number == sense
+    assert np.sign(found.stroboscopic_angular_velocity.mean()) == sense
     assert found.largest_angle_watched.item() == pytest.approx(math.pi, abs=1e-12)  # by definition
     assert found.mirror_residual > 1.0  # the other sense of rotation is another motion
 

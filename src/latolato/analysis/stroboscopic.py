@@ -33,7 +33,9 @@ Floats = NDArray[np.float64]
 # Variables of `motion_of` that latolato.quantities does not know.
 QUANTITIES_HERE: dict[str, Quantity] = {
     **ResponseSamples.variables,
-    "rotation_number": Quantity("1", r"\rho", "turns, or with walls impacts, per drive period"),
+    "rotation_number": Quantity(
+        "1", r"\rho", "turns (signed), swings, or with walls impacts per drive period"
+    ),
     "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
     "status": Quantity("1", "", "status"),
     "ball": Quantity("1", "", "ball"),
@@ -255,7 +257,7 @@ def motion_of(
     if two:  # of the one that turns more
         turns = np.take_along_axis(turns, abs(turns).argmax(axis=1)[:, None], axis=1)[:, 0]
     windings, impacts = either("windings"), either("impacts_per_period")
-    rotation = np.where(turns != 0.0, abs(turns), windings)
+    rotation = np.where(turns != 0.0, turns, windings)
     rotation = np.where(np.isfinite(period), rotation, math.nan)
     if system.has_contacts:
         rotation = impacts

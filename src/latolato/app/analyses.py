@@ -37,6 +37,8 @@ MOST_STEPS = 1e10
 _STEPS_PER_PERIOD = 40.0
 # Periods that are looked at after the transient, where no option says how many.
 _WATCHED = 48.0
+# How much longer a second run at a tenth of the tolerance makes the work.
+_TWICE = 2.3
 # Values of lists that are tried where none are given.
 _LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
 # Steps in a second on two cores, and seconds that every answer takes, with its picture.
@@ -276,6 +278,8 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
     else:
         return 0.0
     many = math.prod(max(number(name, 1.0), 1.0) for name in _COUNTS)
+    if "check_tolerance" in known:
+        many *= _TWICE
     for name, option in own.items():
         value = known.get(name)
         if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):

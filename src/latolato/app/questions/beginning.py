@@ -73,7 +73,7 @@ def first_push(found: xr.Dataset) -> str:
     title="Does it matter how it starts?",
     term="basins of attraction",
     reading="Each point is a start: to the right its angle, upwards its speed. One colour ends in "
-    "one motion; where colours mix finely, a tiny change decides.",
+    "one motion; where they mix finely, a tiny change decides. Dots: even rounding does.",
     first=("angle_points", "velocity_points", "transient_periods"),
     quick={"angle_points": "40", "velocity_points": "40"},
     conditions=(settles, is_shaken),
@@ -96,6 +96,9 @@ def basins(found: xr.Dataset) -> str:
         of = "" if parts else " of the starts"
         parts.append(f"{kind} ({percent(float(one['basin_fraction']))}{of})")
     rest = f"; {percent(left)} of the starts have not settled" if left else ""
+    uncertain = float(found["uncertain_fraction"])
+    if uncertain:
+        rest += f"; of {percent(uncertain)} of the starts the end depends on the numerical error"
     if count == 1:
         only = "all starts end" if not left else "the starts that settle end"
         return f"It does not matter: {only} in {parts[0]}{rest}."
