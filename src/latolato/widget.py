@@ -33,6 +33,7 @@ MODULES = (
     "js/band.js",
     "js/scene.js",
     "js/shades.js",
+    "js/axis.js",
     "js/plane.js",
     "js/curves.js",
     "js/player.js",

@@ -202,7 +202,7 @@ export class Player {
       dots: true,
       size: 3,
     }));
-    this.section.show(dots, instants.length ? {} : { x: [-1, 1], y: [-1, 1] });
+    this.section.show(dots);
   }
 
   showContacts() {
