@@ -299,7 +299,7 @@ def _compared(
         terms = LAWS[name]
         shared = _shared(first, terms)
         if fullest is None:
-            # Friction that holds the ball at last makes false minima: two starts, the better counts.
+            # Friction that holds the ball at last makes false minima: the better of two starts.
             starts = [_shared(first, LAWS["linear"]), shared]
         else:
             starts = [{**fullest.values, **shared}]
