@@ -85,7 +85,9 @@ def test_a_pendulum_is_carried_down_the_softening_branch_from_its_tongue():
 
 
 def test_dead_ends_say_so():
-    with pytest.warns(RuntimeWarning, match="no push up to 0.2 rad/s leads to a larger motion than rest"):
+    with pytest.warns(
+        RuntimeWarning, match="no push up to 0.2 rad/s leads to a larger motion than rest"
+    ):
         found = found_for(push=[0.2], first_frequency_ratio=[3.136])
     assert found.status.item() == "no upper branch"
     assert math.isnan(found.lead_time.item())
