@@ -29,6 +29,7 @@ MODULES = (
     "js/motion.js",
     "js/clock.js",
     "js/clack.js",
+    "js/keys.js",
     "js/later.js",
     "js/band.js",
     "js/scene.js",
