@@ -402,6 +402,8 @@ def _text_of(variable: xr.DataArray) -> str:
     if values.dtype.kind in "OUS" and values.size > _FEW:
         names, counts = np.unique(values.astype(str), return_counts=True)
         return ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    if values.dtype.kind == "f" and np.isnan(values).all() and values.ndim == 0:
+        return "none"
     if values.ndim == 0 or (values.size <= _FEW and values.ndim == 1):
         return ", ".join(_number(value) for value in values.ravel().tolist()) + tail
     shape = " x ".join(f"{name} {n}" for name, n in zip(variable.dims, values.shape, strict=True))
@@ -412,7 +414,7 @@ def _text_of(variable: xr.DataArray) -> str:
     lost = int(np.isnan(values).sum())
     missing = f", {lost} without value" if lost else ""
     if lost == values.size:
-        return f"no value (over {shape})"
+        return f"none (over {shape})"
     return f"{what}{_number(low)} to {_number(high)}{tail} (over {shape}{missing})"
 
 

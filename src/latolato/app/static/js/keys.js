@@ -1,18 +1,21 @@
 /** Keys of a view, where no other element wants them. */
 
 /**
- * Do what a key stands for while the focus is inside `root`; returns nothing.
- * @param {HTMLElement} root
+ * Do what a key stands for while the focus is inside of `root`; returns what ends that.
+ * @param {HTMLElement | Document} root
  * @param {Record<string, () => void>} actions by the name of the key
  */
 export function followKeys(root, actions) {
-  root.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || wants(event)) return;
-    const action = actions[event.key];
-    if (!action) return;
-    event.preventDefault();
+  const follow = (/** @type {Event} */ event) => {
+    const pressed = /** @type {KeyboardEvent} */ (event);
+    if (pressed.defaultPrevented || pressed.ctrlKey || pressed.metaKey || pressed.altKey) return;
+    const action = actions[pressed.key];
+    if (!action || wants(pressed)) return;
+    pressed.preventDefault();
     action();
-  });
+  };
+  root.addEventListener("keydown", follow);
+  return () => root.removeEventListener("keydown", follow);
 }
 
 /** Return whether the element that has the focus needs a key itself. */
@@ -28,9 +31,10 @@ function wants(/** @type {KeyboardEvent} */ event) {
       return type !== "checkbox" || event.key === " ";
     }
     case "BUTTON":
-    case "A":
     case "SUMMARY":
       return event.key === " " || event.key === "Enter";
+    case "A":
+      return event.key === "Enter";
     default:
       return false;
   }
