@@ -316,21 +316,21 @@ def test_a_foreign_store_is_refused_and_kept(capsys):
 
 
 def test_verify_says_what_is_damaged_and_how_to_repair_it(capsys):
-    few = ["--axis", "drive_amplitude = 0, 0.1", "--duration", "0.05", "--executor", "reference"]
+    few = ["--axis", "gravity = 9.7, 9.8", "--duration", "0.05", "--executor", "reference"]
     run("sweep", *PENDULUM, *few, "--observable", "largest_angle", "--store", "map.zarr")
     assert main(["sweep", "--verify", "map.zarr"]) == 0
     sound = capsys.readouterr().out
     assert "state            complete" in sound
     assert "read, none damaged or missing" in sound
     assert "repair with" not in sound
-    for name in ("largest_angle/c/0", "drive_amplitude/c/0", "zarr.json"):
+    for name in ("largest_angle/c/0", "gravity/c/0", "zarr.json"):
         content = bytearray(Path("map.zarr", name).read_bytes())
         content[-7] ^= 1
         Path("map.zarr", name).write_bytes(content)
     assert main(["sweep", "--verify", "map.zarr"]) == 1
     printed = " ".join(capsys.readouterr().out.split())
     assert "read, 3 damaged or missing" in printed
-    assert "damaged chunk c/0 of drive_amplitude" in printed
+    assert "damaged chunk c/0 of gravity" in printed
     assert "chunk c/0 of largest_angle, part of chunk 0 of the sweep zarr.json" in printed
     way = "latolato sweep --from map.zarr --store map.zarr --executor reference"
     assert f"repair with {way}" in printed
@@ -343,7 +343,7 @@ def test_verify_says_what_is_damaged_and_how_to_repair_it(capsys):
 
 
 def test_a_damaged_store_is_refused_in_one_line(capsys):
-    few = ["--axis", "drive_amplitude = 0, 0.1", "--duration", "0.05", "--executor", "reference"]
+    few = ["--axis", "gravity = 9.7, 9.8", "--duration", "0.05", "--executor", "reference"]
     run("sweep", *PENDULUM, *few, "--observable", "largest_angle", "--store", "map.zarr")
     file = Path("map.zarr", "largest_angle", "c", "0")
     file.write_bytes(file.read_bytes()[:-1])
