@@ -314,7 +314,7 @@ def test_a_folder_is_refused_as_one(tmp_path):
 
 def filled(plan):
     """Return a sweep of made-up numbers."""
-    memory, chance = Memory(plan), np.random.default_rng(3)
+    memory, chance = Memory(plan, "compiled"), np.random.default_rng(3)
     for array in memory.arrays.values():
         array[...] = chance.integers(0, 3, array.shape) / 7.0 if array.dtype == float else 1
     return memory.dataset()

@@ -152,6 +152,13 @@ def _sweep(
     status: Annotated[
         Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
     ] = None,
+    verify: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="STORE",
+            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
+        ),
+    ] = None,
     axis: Annotated[
         list[str] | None,
         typer.Option(
@@ -243,12 +250,21 @@ def _sweep(
     """
     from latolato import sweep_command
 
-    if status is not None:
-        asked = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
-        others = [name for name, value in asked.items() if value]
+    look = {"--status": status, "--verify": verify}
+    asked = [name for name, store_path in look.items() if store_path is not None]
+    if asked:
+        run_options = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
+        others = asked[1:] + [name for name, value in run_options.items() if value]
         if others:
-            raise InputError(f"--status says how far a store is: leave out {', '.join(others)}")
+            raise InputError(
+                f"{asked[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
+            )
+    if status is not None:
         sweep_command.print_status(status, as_json)
+        return
+    if verify is not None:
+        if sweep_command.print_verification(verify, as_json):
+            raise typer.Exit(1)
         return
     if scenario is not None and rerun is not None:
         raise InputError("give either a scenario or --from, not both")

@@ -201,7 +201,7 @@ def load(path: str | Path) -> xr.Dataset:
     """
     path = Path(path)
     if path.is_dir():
-        if not (path / "zarr.json").is_file():
+        if not any((path / name).exists() for name in ("zarr.json", ".latolato")):
             raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
         from latolato.sweep.store import open_store
 

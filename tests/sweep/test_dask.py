@@ -74,7 +74,7 @@ def test_cluster_of_its_own_is_started_and_closed(plan, expected):
 
 def test_killed_worker_is_survived(client, plan, expected):
     victim = next(iter(client.run(os.getpid).values()))
-    results = Memory(plan)
+    results = Memory(plan, "compiled")
     came = []
 
     for number, (values, reason) in execute(plan, range(plan.chunks), client=client):

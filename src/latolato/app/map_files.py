@@ -99,10 +99,15 @@ def _zipped(shown: Shown, folder: Path) -> bytes:
         import json
 
         plan = Plan.from_description(json.loads(shown.grid.attrs["plan"]))
+    if "rounding" not in shown.grid.attrs:
+        raise InputError(
+            "this map was computed by an earlier latolato, which did not record how it rounds",
+            way_out="compute it again, or take NetCDF",
+        )
     path = folder / f"{shown.name}.zarr"
     reason = str(shown.grid.attrs.get("first_invalid", ""))
     arrays = {str(name): array.values for name, array in shown.grid.data_vars.items()}
-    with Store(plan, path) as store:
+    with Store(plan, path, shown.grid.attrs["rounding"]) as store:
         for number in store.missing:
             block = plan.block(number)
             store.write(number, {name: a[block] for name, a in arrays.items()}, reason)

@@ -17,6 +17,7 @@ from latolato.quantities import ANY
 from latolato.registry import checked_number
 from latolato.scenario import Scenario
 from latolato.simulate import simulate
+from latolato.sweep.executors import ROUNDING
 from latolato.sweep.points import arguments_of
 from latolato.sweep.results import attributes_of
 
@@ -129,7 +130,7 @@ def _context(rest: dict[str, Any], find: Find) -> Context:
         return Context.of(opened(find(rest["stored"])), str(names[0]), str(names[1]))
     shown = make_map(MapAsked.from_json(rest))
     plan = shown.plan_at(shown.x.high, shown.y.high)
-    grid = xr.Dataset(attrs=attributes_of(plan))
+    grid = xr.Dataset(attrs=attributes_of(plan, ROUNDING["threads"]))
     return Context.of(grid, shown.x.name, shown.y.name)
 
 

@@ -159,7 +159,14 @@ def draw_curve(
 ) -> None:
     """Draw samples and the fitted curve, broken where frames are missing."""
     time = dataset.time.values
-    axes.plot(time, scale * dataset[measured], ".", ms=1.8, color=style.GREY, label="measured")
+    axes.plot(
+        time,
+        scale * dataset[measured],
+        ".",
+        ms=1.8,
+        color=style.GREY,
+        label="synthetic" if "chain" in dataset.attrs else "measured",
+    )
     curve = scale * dataset[fitted].values
     gaps = np.flatnonzero(np.diff(time) > 3.0 * np.median(np.diff(time))) + 1
     axes.plot(

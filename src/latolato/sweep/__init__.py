@@ -14,7 +14,7 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.start import DEFAULT_REST_SPEED
-from latolato.sweep.executors import executor_named
+from latolato.sweep.executors import ROUNDING, executor_named
 from latolato.sweep.plan import DEFAULT_OBSERVABLES, Plan, make_plan
 
 if TYPE_CHECKING:
@@ -189,9 +189,9 @@ def run_plan(
     if store is not None:
         from latolato.sweep.store import Store
 
-        results = Store(plan, store)
+        results = Store(plan, store, ROUNDING[executor])
     else:
-        results = Memory(plan)
+        results = Memory(plan, ROUNDING[executor])
     with results:
         done = results.points_done
         if progress is not None:

@@ -16,7 +16,9 @@ from latolato.sweep.chunk import Values
 
 Execute = Callable[..., Iterator[tuple[int, tuple[Values, str]]]]
 
-EXECUTORS = ("threads", "reference", "dask", "cuda")
+# How each executor rounds. Executors of one family give the same bits, which a store relies on.
+ROUNDING = {"threads": "compiled", "reference": "python", "dask": "compiled", "cuda": "cuda"}
+EXECUTORS = tuple(ROUNDING)
 
 
 def executor_named(name: str) -> Execute:
