@@ -1,5 +1,6 @@
-# latolato: `make demo` and `make test` need Python 3.11 or newer and make, nothing else.
-# Everything is installed into .venv here; only pip (and, as root on Debian, apt) use the network.
+# latolato: everything here needs Python 3.11 or newer and make; the tests need Chromium too, which
+# `make test` installs as root on Debian and otherwise asks for. All else is installed into .venv;
+# only pip, npm and apt use the network.
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
@@ -28,9 +29,35 @@ help: ## list the targets
 demo: $(STAMPS)/video ## install, reproduce the paper's figures quickly, print the claims table
 	$(BIN)/latolato reproduce --quick
 
+.PHONY: play
+play: $(STAMPS)/app ## install, open the application in the browser
+	$(BIN)/latolato app
+
+.PHONY: measure
+measure: $(STAMPS)/video ## install, film a swing, track it, fit its damping: into measured/
+	@mkdir -p measured
+	$(BIN)/latolato synthesise --system pendulum --length "36.3 cm" --mass "108 g" \
+		--damping 0.00274 --initial-angle "30 deg" --duration 10 --output measured/swing.mp4
+	$(BIN)/latolato track measured/swing.mp4 --length "36.3 cm" --output measured/swing.csv \
+		--report measured/swing.html
+	$(BIN)/latolato fit decay measured/swing.csv --length "36.3 cm" --mass "108 g" \
+		--plot measured/fit.png
+
+.PHONY: research
+research: $(STAMPS)/video ## install, map 16,281 runs with their stability tongue: into researched/
+	@mkdir -p researched
+	$(BIN)/latolato sweep fig03cd --output researched/map.nc
+	$(BIN)/latolato plot researched/map.nc --variable mean_energy --log --overlay tongue \
+		--output researched/map.png
+
 .PHONY: test
 test: $(STAMPS)/test $(STAMPS)/chromium ## install with test extras, run all tests and the examples in docstrings
-	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src \
+		--ignore tests/smoke $(PYTEST_ARGS)
+
+.PHONY: smoke
+smoke: $(STAMPS)/test $(STAMPS)/chromium ## every preset, example, question and documented command once
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/smoke $(PYTEST_ARGS)
 
 .PHONY: doctest
 doctest: $(STAMPS)/test ## run the examples in docstrings only
@@ -83,13 +110,8 @@ distclean: clean ## remove .venv as well
 # A stamp is made once its parts are installed; it is older than pyproject.toml only when the
 # dependencies may have changed, so an edit of the sources installs nothing (it is editable).
 
-# With what synthetic videos need; `pip install .` alone leaves their figures out.
-$(STAMPS)/video: pyproject.toml | $(STAMPS)/venv
-	@echo "installing latolato into $(VENV)"
-	@$(PIP) install -q -e '.[video]'
-	@touch $@
-
-$(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
+# The demonstration needs `video` for its synthetic videos.
+$(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
 	@touch $@

@@ -269,6 +269,9 @@ BAD = [
     ),
     (["--status", "no.zarr"], "there is no store 'no.zarr'"),
     (["fig05", "--status", "no.zarr"], "leave out a scenario"),
+    (["fig05", "--verify", "no.zarr"], "--verify only looks at a store; leave out a scenario"),
+    (["--status", "a.zarr", "--verify", "b.zarr"], "leave out --verify"),
+    (["--verify", "no.zarr"], "there is no store 'no.zarr'"),
     (["fig05", "--from", "no.zarr"], "give either a scenario or --from, not both"),
     (["--from", "no.zarr"], "there is no store 'no.zarr'"),
     (["fig05", "--times", "1,2"], "No such option: --times"),
@@ -310,6 +313,42 @@ def test_a_foreign_store_is_refused_and_kept(capsys):
     run("sweep", *BOTH, "--store", "map.zarr")
     said = refused(capsys, "sweep", *BOTH[:-1], "3", "--store", "map.zarr")
     assert "holds another sweep: duration is 2.0, not 3.0" in said
+
+
+def test_verify_says_what_is_damaged_and_how_to_repair_it(capsys):
+    few = ["--axis", "gravity = 9.7, 9.8", "--duration", "0.05", "--executor", "reference"]
+    run("sweep", *PENDULUM, *few, "--observable", "largest_angle", "--store", "map.zarr")
+    assert main(["sweep", "--verify", "map.zarr"]) == 0
+    sound = capsys.readouterr().out
+    assert "state            complete" in sound
+    assert "read, none damaged or missing" in sound
+    assert "repair with" not in sound
+    for name in ("largest_angle/c/0", "gravity/c/0", "zarr.json"):
+        content = bytearray(Path("map.zarr", name).read_bytes())
+        content[-7] ^= 1
+        Path("map.zarr", name).write_bytes(content)
+    assert main(["sweep", "--verify", "map.zarr"]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "read, 3 damaged or missing" in printed
+    assert "damaged chunk c/0 of gravity" in printed
+    assert "chunk c/0 of largest_angle, part of chunk 0 of the sweep zarr.json" in printed
+    way = "latolato sweep --from map.zarr --store map.zarr --executor reference"
+    assert f"repair with {way}" in printed
+    assert main(["sweep", "--verify", "map.zarr", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [each["number"] for each in found["damaged"]] == [None, 0, None]
+    assert main(way.split()[1:]) == 0
+    assert "repaired the store 'map.zarr'" in capsys.readouterr().err
+    assert main(["sweep", "--verify", "map.zarr"]) == 0
+
+
+def test_a_damaged_store_is_refused_in_one_line(capsys):
+    few = ["--axis", "gravity = 9.7, 9.8", "--duration", "0.05", "--executor", "reference"]
+    run("sweep", *PENDULUM, *few, "--observable", "largest_angle", "--store", "map.zarr")
+    file = Path("map.zarr", "largest_angle", "c", "0")
+    file.write_bytes(file.read_bytes()[:-1])
+    said = refused(capsys, "plot", "map.zarr", "--output", "map.svg")
+    assert "chunk c/0 of largest_angle is damaged in the store 'map.zarr'; 'latolato sweep" in said
 
 
 def test_a_sweep_is_no_single_run(capsys):

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.files import SUFFIXES, atomic_path, load, save
 from latolato.sweep.plan import make_plan
 from latolato.sweep.results import Memory
@@ -292,7 +293,7 @@ def test_files_get_the_usual_permissions(tmp_path):
 
 
 def test_what_is_no_dataset_is_refused(tmp_path):
-    with pytest.raises(TypeError, match="save needs a dataset, got int"):
+    with pytest.raises(InputError, match="save needs a dataset, got int"):
         save(3, tmp_path / "x.nc")
     assert list(tmp_path.iterdir()) == []
 
@@ -313,7 +314,7 @@ def test_a_folder_is_refused_as_one(tmp_path):
 
 def filled(plan):
     """Return a sweep of made-up numbers."""
-    memory, chance = Memory(plan), np.random.default_rng(3)
+    memory, chance = Memory(plan, "compiled"), np.random.default_rng(3)
     for array in memory.arrays.values():
         array[...] = chance.integers(0, 3, array.shape) / 7.0 if array.dtype == float else 1
     return memory.dataset()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.errors import InputError
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8)
@@ -146,5 +147,5 @@ def test_a_dataset_that_is_no_run_is_refused():
 
 
 def test_what_is_no_dataset_is_refused():
-    with pytest.raises(TypeError, match=r"plot needs a run: .*, got int"):
+    with pytest.raises(InputError, match=r"plot needs a run: .*, got int"):
         ll.plot(3)

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from latolato.errors import InputError
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.quantities import POSITIVE, UNIT_INTERVAL, Range
@@ -70,5 +71,5 @@ def test_a_number_outside_is_told_how_to_change(name, value, allowed, unit, mess
 
 
 def test_a_pure_number_has_no_unit_in_messages():
-    with pytest.raises(TypeError, match="restitution must be a number, got 'x'"):
+    with pytest.raises(InputError, match="restitution must be a number, got 'x'"):
         checked_number("restitution", "x", UNIT_INTERVAL, "1")

@@ -311,6 +311,9 @@ def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
     report.print_claims(made[0])
     shown = capsys.readouterr().out
     assert str(made[0].index) in shown.replace("\n", "")
+    words = " ".join(shown.split())
+    assert words.count("Assumed:") == sum(bool(claim.assumption) for claim in made[0].claims)
+    assert "what the paper says" in words
     for verdict in Verdict:
         count = sum(claim.verdict is verdict for claim in made[0].claims)
         assert shown.count(report.SHAPES[verdict]) == count

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.quantities import QUANTITIES
 
@@ -269,7 +270,7 @@ class TestBadInput:
     @pytest.mark.parametrize("name", ["length", "mass", "damping", "radius", "gravity"])
     def test_parameters_of_a_wrong_type(self, name, value):
         given = {"length": 1.0, "mass": 0.8, "radius": 0.1, name: value}
-        with pytest.raises(TypeError, match=rf"^{name} must be a number"):
+        with pytest.raises(InputError, match=rf"^{name} must be a number"):
             ll.LatoLato(**given)
 
     @pytest.mark.parametrize(
@@ -351,76 +352,73 @@ class TestBadInput:
         ],
     )
     def test_drives_refuse_wrong_types(self, kind, given):
-        with pytest.raises(TypeError, match="must be a"):
+        with pytest.raises(InputError, match="must be a"):
             kind(**given)
 
     @pytest.mark.parametrize(
-        "given,error,rule",
+        "given,rule",
         [
-            ({"initial_angle": math.nan}, ValueError, "initial_angle must be finite"),
-            ({"initial_angle": math.inf}, ValueError, "initial_angle must be finite"),
-            ({"initial_angle": "20 deg"}, TypeError, "initial_angle must be a number in rad"),
-            ({"initial_angle": (0.5, -0.5)}, TypeError, "initial_angle must be one number"),
-            ({"initial_angle": 0.05}, ValueError, "initial_angle must lie between .* got 0.05"),
-            ({"initial_angle": 3.1}, ValueError, "initial_angle must lie between .* got 3.1"),
-            ({"initial_angle": -0.5}, ValueError, "initial_angle must lie between .* got -0.5"),
-            ({"initial_angle": None}, ValueError, "initial_angle is needed"),
-            ({"initial_offset": 0.1}, ValueError, "only one of initial_angle"),
+            ({"initial_angle": math.nan}, "initial_angle must be finite"),
+            ({"initial_angle": math.inf}, "initial_angle must be finite"),
+            ({"initial_angle": "20 deg"}, "initial_angle must be a number in rad"),
+            ({"initial_angle": (0.5, -0.5)}, "initial_angle must be one number"),
+            ({"initial_angle": 0.05}, "initial_angle must lie between .* got 0.05"),
+            ({"initial_angle": 3.1}, "initial_angle must lie between .* got 3.1"),
+            ({"initial_angle": -0.5}, "initial_angle must lie between .* got -0.5"),
+            ({"initial_angle": None}, "initial_angle is needed"),
+            ({"initial_offset": 0.1}, "only one of initial_angle"),
             (
                 {"initial_angle": None, "initial_offset": -0.1},
-                ValueError,
                 r"initial_offset must lie in \[0, inf\)",
             ),
             (
                 {"initial_angle": None, "initial_offset": 3.0},
-                ValueError,
                 "initial_angle must lie between",
             ),
-            ({"initial_angular_velocity": math.nan}, ValueError, "velocity must be finite"),
-            ({"initial_angular_velocity": "fast"}, TypeError, "velocity must be a number"),
-            ({"duration": 0.0}, ValueError, r"duration must lie in \(0, inf\) s, got 0"),
-            ({"duration": -1.0}, ValueError, "duration must lie"),
-            ({"duration": math.nan}, ValueError, "duration must be finite"),
-            ({"duration": math.inf}, ValueError, "duration must be finite"),
-            ({"duration": "60 s"}, TypeError, "duration must be a number in s"),
-            ({"duration": None}, ValueError, "duration is needed"),
-            ({"duration": 1e9}, ValueError, "default samples exceed the limit"),
-            ({"times": []}, ValueError, "times must be a non-empty sequence"),
+            ({"initial_angular_velocity": math.nan}, "velocity must be finite"),
+            ({"initial_angular_velocity": "fast"}, "velocity must be a number"),
+            ({"duration": 0.0}, r"duration must lie in \(0, inf\) s, got 0"),
+            ({"duration": -1.0}, "duration must lie"),
+            ({"duration": math.nan}, "duration must be finite"),
+            ({"duration": math.inf}, "duration must be finite"),
+            ({"duration": "60 s"}, "duration must be a number in s"),
+            ({"duration": None}, "duration is needed"),
+            ({"duration": 1e9}, "default samples exceed the limit"),
+            ({"times": []}, "times must be a non-empty sequence"),
             (
                 {"times": [0.0], "duration": None},
-                ValueError,
                 "times must reach beyond 0 s, .* got 0 as the last",
             ),
-            ({"times": [0.5, 0.4]}, ValueError, "increase strictly, got 0.4 after 0.5 at pos"),
-            ({"times": [0.5, 0.5]}, ValueError, "increase strictly, got 0.5 after 0.5"),
-            ({"times": [0.5, math.nan]}, ValueError, "times must be finite, got nan at position 1"),
-            ({"times": [-0.5, 0.5]}, ValueError, r"times must lie in \[0, .* got -0.5"),
-            ({"times": [0.5, 2.5]}, ValueError, r"times must lie in \[0, .* got 2.5"),
-            ({"times": [[0.1, 0.2]]}, ValueError, "times must be a"),
-            ({"times": "abc"}, TypeError, "times must be a sequence"),
-            ({"times": [0.1, 1j]}, TypeError, "times must be a sequence"),
-            ({"tolerance": 0.0}, ValueError, "tolerance must lie"),
-            ({"tolerance": 1.0}, ValueError, "tolerance must lie"),
-            ({"tolerance": "tight"}, TypeError, "tolerance must be a number"),
-            ({"rest_speed": -1.0}, ValueError, "rest_speed must lie"),
-            ({"frame": "moon"}, ValueError, "frame must be 'pivot' or 'both', got 'moon'"),
-            ({"contact": "exakt"}, ValueError, "unknown contact law 'exakt': did you mean 'exact'"),
-            ({"contact": 3}, TypeError, "contact must be"),
-            ({"contact_limit": 0}, ValueError, "contact_limit must be a positive"),
-            ({"contact_limit": 0.5}, ValueError, "contact_limit must"),
-            ({"contact_limit": -5}, ValueError, "contact_limit must be a positive"),
-            ({"noise": 3}, TypeError, "noise must be VelocityKicks or None, got 3"),
+            ({"times": [0.5, 0.4]}, "increase strictly, got 0.4 after 0.5 at pos"),
+            ({"times": [0.5, 0.5]}, "increase strictly, got 0.5 after 0.5"),
+            ({"times": [0.5, math.nan]}, "times must be finite, got nan at position 1"),
+            ({"times": [-0.5, 0.5]}, r"times must lie in \[0, .* got -0.5"),
+            ({"times": [0.5, 2.5]}, r"times must lie in \[0, .* got 2.5"),
+            ({"times": [[0.1, 0.2]]}, "times must be a"),
+            ({"times": "abc"}, "times must be a sequence"),
+            ({"times": [0.1, 1j]}, "times must be a sequence"),
+            ({"tolerance": 0.0}, "tolerance must lie"),
+            ({"tolerance": 1.0}, "tolerance must lie"),
+            ({"tolerance": "tight"}, "tolerance must be a number"),
+            ({"rest_speed": -1.0}, "rest_speed must lie"),
+            ({"frame": "moon"}, "frame must be 'pivot' or 'both', got 'moon'"),
+            ({"contact": "exakt"}, "unknown contact law 'exakt': did you mean 'exact'"),
+            ({"contact": 3}, "contact must be"),
+            ({"contact_limit": 0}, "contact_limit must be a positive"),
+            ({"contact_limit": 0.5}, "contact_limit must"),
+            ({"contact_limit": -5}, "contact_limit must be a positive"),
+            ({"noise": 3}, "noise must be VelocityKicks or None, got 3"),
         ],
     )
-    def test_simulate_refuses(self, given, error, rule):
+    def test_simulate_refuses(self, given, rule):
         fine = {"initial_angle": 0.5, "duration": 2.0}
-        with pytest.raises(error, match=rule) as caught:
+        with pytest.raises(InputError, match=rule) as caught:
             ll.simulate(TOY, DRIVE, **{**fine, **given})
         assert "\n" not in str(caught.value)
 
     @pytest.mark.parametrize("contact", ["exakt", 3])
     def test_unknown_contact_law_is_refused_where_no_wall_is_met_too(self, contact):
-        with pytest.raises((ValueError, TypeError), match="contact"):
+        with pytest.raises(InputError, match="contact"):
             ll.simulate(PENDULUM, DRIVE, initial_angle=0.5, duration=1.0, contact=contact)
 
     def test_offset_of_a_system_without_walls_is_refused(self):
@@ -429,12 +427,12 @@ class TestBadInput:
 
     @pytest.mark.parametrize("system", [None, "latolato", ll.LatoLato, 3])
     def test_system_that_is_none(self, system):
-        with pytest.raises(TypeError, match="system must be one of pendulum, mathieu"):
+        with pytest.raises(InputError, match="system must be one of pendulum, mathieu"):
             ll.simulate(system, DRIVE, initial_angle=0.5, duration=1.0)
 
     @pytest.mark.parametrize("drive", ["harmonic", ll.Harmonic, 3])
     def test_drive_that_is_none(self, drive):
-        with pytest.raises(TypeError, match=r"drive must be None or one of .*harmonic"):
+        with pytest.raises(InputError, match=r"drive must be None or one of .*harmonic"):
             ll.simulate(TOY, drive, initial_angle=0.5, duration=1.0)
 
     def test_clamp_of_two_balls_is_refused(self):
@@ -442,19 +440,19 @@ class TestBadInput:
             ll.simulate(pair(), initial_angle=(0.5, -0.5), duration=1.0, contact="clamp")
 
     @pytest.mark.parametrize(
-        "angle,error,rule",
+        "angle,rule",
         [
-            ((-0.5, 0.5), ValueError, "separation .* must lie between .* got -1"),
-            ((0.05, -0.05), ValueError, "separation .* got 0.1"),
-            ((3.5, -3.0), ValueError, "separation .* got 6.5"),
-            (0.5, TypeError, r"must be two numbers \(right, left\), got 0.5"),
-            ((0.5,), TypeError, "must be two numbers"),
-            ((0.5, math.nan), ValueError, r"initial_angle\[1\] must be finite"),
-            (("a", "b"), TypeError, r"initial_angle\[0\] must be a number"),
+            ((-0.5, 0.5), "separation .* must lie between .* got -1"),
+            ((0.05, -0.05), "separation .* got 0.1"),
+            ((3.5, -3.0), "separation .* got 6.5"),
+            (0.5, r"must be two numbers \(right, left\), got 0.5"),
+            ((0.5,), "must be two numbers"),
+            ((0.5, math.nan), r"initial_angle\[1\] must be finite"),
+            (("a", "b"), r"initial_angle\[0\] must be a number"),
         ],
     )
-    def test_starts_of_two_balls(self, angle, error, rule):
-        with pytest.raises(error, match=rule):
+    def test_starts_of_two_balls(self, angle, rule):
+        with pytest.raises(InputError, match=rule):
             ll.simulate(pair(), initial_angle=angle, duration=1.0)
 
     def test_clamp_step_is_checked(self):

@@ -105,6 +105,7 @@ __all__ = [
     "FrequencySchedule",
     "Harmonic",
     "ImpactSpeed",
+    "InputError",
     "LargestAngle",
     "LargestAngleAfterTransient",
     "LatoLato",

@@ -22,6 +22,7 @@ from latolato.command_options import (
     ScenarioArgument,
     with_law_options,
 )
+from latolato.errors import InputError
 from latolato.progress import working
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class AnalysisGroup(TyperGroup):
         return self.commands[name]
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return what is to be run, or raise ValueError with the closest known name."""
+        """Return what is to be run, or raise InputError with the closest known name."""
         from latolato.analysis import analyses
 
         analyses[args[0].replace("-", "_")]
@@ -207,7 +208,7 @@ class Question:
         changed = changes(kept)
         path = find(source) if source is not None else None
         if path is None and tables is None and "kind" not in changed.get("system", {}):
-            raise ValueError(
+            raise InputError(
                 "name what to analyse: a scenario (`latolato scenarios` lists them), a TOML file, "
                 f"the file of a run, or --system with one of {', '.join(systems)}"
             )
@@ -233,7 +234,7 @@ class Question:
                 pass
         unit = f" [{option.unit}]" if option.unit not in (None, "1") else ""
         example = ' "0 : 1 : 11"' if option.is_sequence else ""
-        raise ValueError(f"{self.name} needs {option.name}{unit}: give {option.flag}{example}")
+        raise InputError(f"{self.name} needs {option.name}{unit}: give {option.flag}{example}")
 
     def _unit(self, option: AnalysisOption, given: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
@@ -332,12 +333,11 @@ def run(
         arguments = question.arguments(source, given)
         with working(question.name.replace("_", " ")):
             found = question.function(**arguments)
-    except (ValueError, TypeError) as error:
+    except InputError as error:
         varied = ", ".join(n for n in _axes_of(source) if given.get(n) is None)
         if not varied:
             raise
-        kind = TypeError if isinstance(error, TypeError) else ValueError
-        raise kind(f"{error} ('{source}' varies {varied}: give values)") from None
+        raise InputError(f"{error} ('{source}' varies {varied}: give values)") from None
     files = targets.write(found)
     elapsed = round(time.perf_counter() - begun, 3)
     if as_json:
@@ -402,6 +402,8 @@ def _text_of(variable: xr.DataArray) -> str:
     if values.dtype.kind in "OUS" and values.size > _FEW:
         names, counts = np.unique(values.astype(str), return_counts=True)
         return ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    if values.dtype.kind == "f" and np.isnan(values).all() and values.ndim == 0:
+        return "none"
     if values.ndim == 0 or (values.size <= _FEW and values.ndim == 1):
         return ", ".join(_number(value) for value in values.ravel().tolist()) + tail
     shape = " x ".join(f"{name} {n}" for name, n in zip(variable.dims, values.shape, strict=True))
@@ -412,7 +414,7 @@ def _text_of(variable: xr.DataArray) -> str:
     lost = int(np.isnan(values).sum())
     missing = f", {lost} without value" if lost else ""
     if lost == values.size:
-        return f"no value (over {shape})"
+        return f"none (over {shape})"
     return f"{what}{_number(low)} to {_number(high)}{tail} (over {shape}{missing})"
 
 

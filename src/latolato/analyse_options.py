@@ -12,6 +12,7 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import typer
 
+from latolato.errors import InputError
 from latolato.options import law_options
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.tables import RUN_OPTIONS
@@ -77,7 +78,7 @@ class AnalysisOption:
         if self.kind is not int:
             return list(values)
         if any(number != int(number) for number in values):
-            raise ValueError(f"{self.name} must be whole numbers, got {given!r}")
+            raise InputError(f"{self.name} must be whole numbers, got {given!r}")
         return [int(number) for number in values]
 
     @property

@@ -24,6 +24,16 @@ def app(
         bool,
         typer.Option("--allow-others", help="Let in other machines that know the access token."),
     ] = False,
+    names: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--name",
+            metavar="HOST",
+            help="Further name, or name:port, by which others call this server; may be given "
+            "several times.",
+            show_default=False,
+        ),
+    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -61,6 +71,7 @@ def app(
         port,
         browser=browser,
         allow_others=allow_others,
+        names=names or (),
         report=report,
         stored=opened or (),
         video_megabytes=video_megabytes,

@@ -32,6 +32,7 @@ from latolato.command_options import (
     UsageError,
     with_law_options,
 )
+from latolato.errors import InputError
 from latolato.options import changes
 from latolato.progress import bar
 from latolato.scenario import find, load_scenario, scenarios
@@ -151,6 +152,13 @@ def _sweep(
     status: Annotated[
         Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
     ] = None,
+    verify: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="STORE",
+            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
+        ),
+    ] = None,
     axis: Annotated[
         list[str] | None,
         typer.Option(
@@ -242,15 +250,24 @@ def _sweep(
     """
     from latolato import sweep_command
 
-    if status is not None:
-        asked = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
-        others = [name for name, value in asked.items() if value]
+    look = {"--status": status, "--verify": verify}
+    asked = [name for name, store_path in look.items() if store_path is not None]
+    if asked:
+        run_options = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
+        others = asked[1:] + [name for name, value in run_options.items() if value]
         if others:
-            raise ValueError(f"--status says how far a store is: leave out {', '.join(others)}")
+            raise InputError(
+                f"{asked[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
+            )
+    if status is not None:
         sweep_command.print_status(status, as_json)
         return
+    if verify is not None:
+        if sweep_command.print_verification(verify, as_json):
+            raise typer.Exit(1)
+        return
     if scenario is not None and rerun is not None:
-        raise ValueError("give either a scenario or --from, not both")
+        raise InputError("give either a scenario or --from, not both")
     table = {
         "transient": transient,
         "transient_periods": transient_periods,
@@ -347,14 +364,14 @@ def plot(
     kind = next((name for name, holds in kinds.items() if holds(dataset)), None)
     if kind is not None:
         if animate is not None:
-            raise ValueError(f"'{file}' holds {kind}: only a run can be animated")
+            raise InputError(f"'{file}' holds {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 
         print(save_figure(pictures.plot(dataset, **of_map), picture))
         return
     unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
     if unfit:
-        raise ValueError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
+        raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
     for path in run_command.write(dataset, None, picture, animate, speed, fps):
         print(path)
 

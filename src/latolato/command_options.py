@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from latolato.errors import InputError
 from latolato.options import law_options
 
 # What typer raises for wrong options; its name has moved between versions.
@@ -49,7 +50,7 @@ def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[s
 
     Raises
     ------
-    ValueError
+    InputError
         For a text without ``=`` or value, and a name that is given twice.
     """
     found: dict[str, str] = {}
@@ -57,9 +58,9 @@ def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[s
         name, equals, value = (part.strip() for part in text.partition("="))
         name = name.replace("-", "_")
         if not equals or not value:
-            raise ValueError(f"{flag} must be {example}, got {text!r}")
+            raise InputError(f"{flag} must be {example}, got {text!r}")
         if name in found:
-            raise ValueError(f"{flag} {name} is given twice")
+            raise InputError(f"{flag} {name} is given twice")
         found[name] = value
     return found
 

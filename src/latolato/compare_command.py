@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from latolato.command_options import JsonOption, PlotOption, named_values, with_law_options
+from latolato.errors import InputError
 from latolato.registry import suggest
 
 if TYPE_CHECKING:
@@ -99,24 +100,24 @@ def compare(
     if table is not None and not table.exists() and trials is not None and scenario is None:
         table, scenario = None, str(table)  # the only word is the scenario's
     if table is not None and trials is not None:
-        raise ValueError("give a track table or --trials, not both")
+        raise InputError("give a track table or --trials, not both")
     if table is not None and table.is_file() and is_trial_table(table):
         table, trials = None, table
     if table is None and trials is None:
-        raise ValueError("name a track table, or trials with --trials")
+        raise InputError("name a track table, or trials with --trials")
     options: dict[str, Any] = {} if draws is None else {"draws": draws}
     computed: Any
     drive = None
     if map_ is not None:
         if trials is None:
-            raise ValueError("--map needs trials: --trials trials.csv")
+            raise InputError("--map needs trials: --trials trials.csv")
         if fit is not None or scenario is not None or _named(given):
-            raise ValueError("--map says what is computed: leave out system, scenario and --fit")
+            raise InputError("--map says what is computed: leave out system, scenario and --fit")
         computed = _map(map_)
         system = None
     elif fit is not None:
         if scenario is not None or _named(given):
-            raise ValueError("give a fit, or a system or scenario, not both")
+            raise InputError("give a fit, or a system or scenario, not both")
         computed = system = load_fit(fit)
     else:
         system, drive, run = _system(scenario, given)
@@ -137,7 +138,7 @@ def compare(
         unfit = {"--transient": transient}
     if any(value is not None for value in unfit.values()):
         names = ", ".join(name for name, value in unfit.items() if value is not None)
-        raise ValueError(f"{names} does not belong to this comparison")
+        raise InputError(f"{names} does not belong to this comparison")
     measured = read_table(table) if table is not None else read_trials(Path(str(trials)))
     found = find(measured, computed, drive, **options)
     written = [save(found, output)] if output is not None else []
@@ -171,7 +172,7 @@ def sigmas_of(texts: Sequence[str]) -> dict[str, float]:
     found = {}
     for name, value in named_values("--sigma", texts, "NAME=VALUE, as in 'length = 1 mm'").items():
         if name not in QUANTITIES:
-            raise ValueError(f"--sigma knows no '{name}': {suggest(name, list(QUANTITIES))}")
+            raise InputError(f"--sigma knows no '{name}': {suggest(name, list(QUANTITIES))}")
         found[name] = float(to_si(name, value, QUANTITIES[name].unit))
     return found
 
@@ -234,7 +235,7 @@ def _system(scenario: str | None, given: Mapping[str, Any]) -> tuple[Any, Any, d
     has_drive = "drive" in changed
     path = find(scenario) if scenario is not None else None
     if path is None and "kind" not in changed.get("system", {}):
-        raise ValueError("name what is computed: --system, a scenario, --fit FILE or --map FILE")
+        raise InputError("name what is computed: --system, a scenario, --fit FILE or --map FILE")
     tables, _ = changed_tables(path, changed)
     from latolato.physics.drives import drives
     from latolato.physics.pendulum import systems

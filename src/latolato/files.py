@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -98,10 +99,10 @@ def check_folder(path: Path) -> None:
 
 
 def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
-    """Return the suffix of a file name in lower case, or raise ValueError naming what is known."""
+    """Return the suffix of a file name in lower case, or raise InputError naming what is known."""
     suffix = Path(path).suffix.lower()
     if suffix not in known:
-        raise ValueError(f"{what} must end in {', '.join(known)}, got '{Path(path).name}'")
+        raise InputError(f"{what} must end in {', '.join(known)}, got '{Path(path).name}'")
     return suffix
 
 
@@ -132,10 +133,9 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
 
     Raises
     ------
-    TypeError
-        If `dataset` is no dataset.
-    ValueError
-        For an unknown suffix, or a dataset without time for CSV and Parquet.
+    InputError
+        If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
+        and Parquet.
     OSError
         If the file cannot be written.
     ModuleNotFoundError
@@ -144,7 +144,7 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     import xarray as xr
 
     if not isinstance(dataset, xr.Dataset):
-        raise TypeError(f"save needs a dataset, got {type(dataset).__name__}")
+        raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
     path = Path(path)
     check_target(path)
     for each in (path, _contacts_path(path)):
@@ -162,7 +162,7 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
             write(as_table(dataset), "point", first)
         return path
     if "time" not in dataset.dims:
-        raise ValueError(f"{suffix} files hold runs and sweeps; use .nc for other datasets")
+        raise InputError(f"{suffix} files hold runs and sweeps; use .nc for other datasets")
     if dataset.attrs.get("contact", "none") != "none":
         # The inner one is put in place first: the file that is asked for appears with its contacts.
         with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
@@ -194,14 +194,14 @@ def load(path: str | Path) -> xr.Dataset:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown suffix or a file of something else.
     OSError
         If the file cannot be read.
     """
     path = Path(path)
     if path.is_dir():
-        if not (path / "zarr.json").is_file():
+        if not any((path / name).exists() for name in ("zarr.json", ".latolato")):
             raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
         from latolato.sweep.store import open_store
 
@@ -253,7 +253,7 @@ def _read_netcdf(path: Path) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path, engine="h5netcdf")
     except OSError as error:
-        raise ValueError(f"'{path}' is no NetCDF-4 file: {error}") from None
+        raise InputError(f"'{path}' is no NetCDF-4 file: {error}") from None
     dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
     return _with_complex(dataset)
 
@@ -304,7 +304,7 @@ def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
         if variable.dims == (dimension,):
             found[str(name)] = (variable.values, dict(variable.attrs))
         elif variable.dims != ("ball", dimension):
-            raise ValueError(
+            raise InputError(
                 f"{name} over {', '.join(map(str, variable.dims))} fits no table; use .nc"
             )
         else:
@@ -380,7 +380,7 @@ def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
             line = file.readline()
         names = line.rstrip("\n").split(",")
         if not about or names != list(about):
-            raise ValueError(f"'{path}' is no run of latolato: its header is missing")
+            raise InputError(f"'{path}' is no run of latolato: its header is missing")
         rows = list(csv.reader(file))
     cells = zip(*rows, strict=True) if rows else ((),) * len(names)
     columns: Columns = {}
@@ -419,7 +419,7 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
         if not key.startswith((b"ARROW:", b"pandas"))
     }
     if "scenario" not in attributes and "plan" not in attributes:
-        raise ValueError(f"'{path}' is no run of latolato: its metadata are missing")
+        raise InputError(f"'{path}' is no run of latolato: its metadata are missing")
     columns: Columns = {}
     for name in table.column_names:
         found = table.schema.field(name).metadata or {}

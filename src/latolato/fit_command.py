@@ -16,6 +16,7 @@ from latolato.command_options import (
     named_values,
     with_law_options,
 )
+from latolato.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -340,7 +341,7 @@ def _laws(given: Mapping[str, Any]) -> tuple[Any, Any]:
     plain = {k: v for k, v in given.items() if not (k == "drive" and v == "measured")}
     changed = changes(plain)
     if "kind" not in changed.get("system", {}):
-        raise ValueError(f"name the system: --system with one of {', '.join(systems)}")
+        raise InputError(f"name the system: --system with one of {', '.join(systems)}")
     system = law_from(changed["system"], systems, "system", Path())
     if "drive" not in changed:
         return system, named

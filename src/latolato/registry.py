@@ -12,6 +12,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, get_type_hints
 
+from latolato.errors import InputError
 from latolato.quantities import Range
 
 Entry = TypeVar("Entry")
@@ -103,7 +104,7 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
 
     def __getitem__(self, name: str) -> Entry:
         if name not in self._entries:
-            raise ValueError(f"unknown {self.kind} '{name}': {suggest(name, list(self._entries))}")
+            raise InputError(f"unknown {self.kind} '{name}': {suggest(name, list(self._entries))}")
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:
@@ -120,7 +121,7 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         for name, known in self._entries.items():
             if known is entry or known is type(entry):
                 return name
-        raise ValueError(f"{entry!r} is not a registered {self.kind}")
+        raise InputError(f"{entry!r} is not a registered {self.kind}")
 
 
 def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
@@ -128,26 +129,24 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
 
     Raises
     ------
-    TypeError
-        If `value` is not a real number.
-    ValueError
-        If it is NaN, infinite or outside `allowed`.
+    InputError
+        If `value` is no real number, NaN, infinite or outside `allowed`.
     """
     kind = "a number" if unit == "1" else f"a number in {unit}"
     if isinstance(value, (str, bytes, bool)) or value is None:
-        raise TypeError(f"{name} must be {kind}, got {value!r}")
+        raise InputError(f"{name} must be {kind}, got {value!r}")
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be {kind}, got {value!r}") from None
+        raise InputError(f"{name} must be {kind}, got {value!r}") from None
     except OverflowError:
-        raise ValueError(f"{name} must be finite, got an integer beyond all floats") from None
+        raise InputError(f"{name} must be finite, got an integer beyond all floats") from None
     if not math.isfinite(number):
-        raise ValueError(f"{name} must be finite, got {number}; give {kind}")
+        raise InputError(f"{name} must be finite, got {number}; give {kind}")
     if number not in allowed:
         shown = "" if unit == "1" else f" {unit}"
         way_in = _way_in(number, allowed)
-        raise ValueError(f"{name} must lie in {allowed}{shown}, got {number:.9g}; give {way_in}")
+        raise InputError(f"{name} must lie in {allowed}{shown}, got {number:.9g}; give {way_in}")
     return number
 
 
@@ -163,7 +162,7 @@ def checked_count(name: str, value: Any) -> int:
 
     Raises
     ------
-    ValueError
+    InputError
         If `value` is none.
     """
     try:
@@ -171,7 +170,7 @@ def checked_count(name: str, value: Any) -> int:
     except (TypeError, ValueError, OverflowError):
         count = 0
     if not 1 <= count < 2**63:
-        raise ValueError(f"{name} must be a positive integer below 2^63, got {value!r}")
+        raise InputError(f"{name} must be a positive integer below 2^63, got {value!r}")
     return count
 
 
@@ -213,13 +212,13 @@ def build(kind: type, parameters: Mapping[str, Any]) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown name, with the closest known one, and for a missing one with its unit.
     """
     known = {f.name: f for f in fields(kind) if f.init}
     for name in parameters:
         if name not in known:
-            raise ValueError(
+            raise InputError(
                 f"unknown parameter '{name}' of {kind.__name__}: {suggest(name, list(known))}"
             )
     missing = [
@@ -231,7 +230,7 @@ def build(kind: type, parameters: Mapping[str, Any]) -> Any:
         name = missing[0]
         quantity = known[name].metadata.get("quantity")
         unit = f" [{quantity.unit}]" if quantity else ""
-        raise ValueError(f"{kind.__name__} needs '{name}'{unit}")
+        raise InputError(f"{kind.__name__} needs '{name}'{unit}")
     return kind(**parameters)
 
 
@@ -240,7 +239,7 @@ def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         For unknown and missing parameters.
     """
     hints = types_of(kind)

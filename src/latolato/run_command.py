@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.options import changes
 from latolato.physics.pendulum import systems
 from latolato.progress import bar
@@ -20,7 +21,7 @@ PICTURES = (".png", ".svg", ".pdf")
 def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
     """Return the scenario named by the command line with the options put in."""
     if source is not None and rerun is not None:
-        raise ValueError("give either a scenario or --from, not both")
+        raise InputError("give either a scenario or --from, not both")
     changed = changes(given)
     path = rerun or (find(source) if source is not None else None)
     tables, folder = changed_tables(path, changed)
@@ -32,7 +33,7 @@ def changed_tables(
 ) -> tuple[dict[str, Any], Path | None]:
     """Return the tables of a scenario with the options put in, and where its files begin."""
     if path is None and tables is None and "kind" not in changed.get("system", {}):
-        raise ValueError(
+        raise InputError(
             "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
             f"--from FILE or --system with one of {', '.join(systems)}"
         )
@@ -98,7 +99,7 @@ def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
         name, equals, value = (part.strip() for part in text.partition("="))
         name = name.replace("-", "_")
         if not equals or not value:
-            raise ValueError(f"--select must be NAME=VALUE, such as restitution=0.9, got {text!r}")
+            raise InputError(f"--select must be NAME=VALUE, such as restitution=0.9, got {text!r}")
         is_text = name not in dataset.coords or dataset[name].dtype.kind not in "iuf"
         unit = "1" if is_text else str(dataset[name].attrs.get("units", "1"))
         found[name] = value if is_text and not value.isdigit() else to_si(name, value, unit)

@@ -14,6 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.physics.contacts import Clamp
 from latolato.physics.drives import Drive, Static, drives
 from latolato.physics.noise import VelocityKicks
@@ -97,17 +98,17 @@ class Scenario:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For unknown names, with the closest known one, wrong types, units and values.
         """
         known = [*_TABLES, "name", *_TEXTS]
         for name, value in checked_table(tables, "a scenario").items():
             if name not in known:
-                raise ValueError(f"unknown entry '{name}': {suggest(name, known)}")
+                raise InputError(f"unknown entry '{name}': {suggest(name, known)}")
             if name not in _TABLES and not isinstance(value, str):
-                raise TypeError(f"{name} must be a text, got {value!r}")
+                raise InputError(f"{name} must be a text, got {value!r}")
         if "system" not in tables:
-            raise ValueError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
+            raise InputError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
         folder = folder or Path()
         varied: dict[str, Any] = {}
         if "sweep" in tables:
@@ -175,7 +176,7 @@ class Scenario:
         """Return the arguments of `latolato.simulate`."""
         if self.varied:
             name = self.name or "this scenario"
-            raise ValueError(
+            raise InputError(
                 f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
                 f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python"
             )
@@ -200,7 +201,7 @@ class Scenario:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For bad input, naming value, rule and way out, and if nothing varies.
         """
         from latolato.sweep.plan import make_plan
@@ -211,14 +212,14 @@ class Scenario:
         """Return the arguments of `latolato.sweep`."""
         if not self.varied.get("axes"):
             name = f"'{self.name}' names" if self.name else "there is"
-            raise ValueError(
+            raise InputError(
                 f"{name} nothing to vary: give axes, for example "
                 '--axis "drive_amplitude = 0 : 0.5 : 40 m"'
             )
         run = {k: v for k, v in self.run.items() if k not in _OF_ONE_RUN}
         if "duration" not in run:
             if "times" not in self.run:
-                raise ValueError("a sweep needs a duration [s]")
+                raise InputError("a sweep needs a duration [s]")
             run["duration"] = self.run["times"][-1]
         drive = None if isinstance(self.drive, Static) else self.drive
         return {"system": self.system, "drive": drive, **run, **self.varied}
@@ -237,15 +238,14 @@ def load_scenario(source: str | Path) -> Scenario:
     ------
     FileNotFoundError
         If there is neither such a file nor such a name.
-    TypeError, ValueError
+    InputError
         If the content is no scenario.
     """
     path = find(source)
     try:
         return Scenario.from_dict(read_tables(path), folder=path.parent)
-    except (TypeError, ValueError) as error:
-        kind = TypeError if isinstance(error, TypeError) else ValueError
-        raise kind(f"{path.name}: {error}") from None
+    except InputError as error:
+        raise InputError(f"{path.name}: {error}") from None
 
 
 def scenarios() -> dict[str, Scenario]:
@@ -276,14 +276,14 @@ def read_tables(path: Path) -> Tables:
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
-        raise ValueError(f"{path.name} is no TOML file: {error}") from None
+        raise InputError(f"{path.name} is no TOML file: {error}") from None
     return {"name": path.stem, **tables}
 
 
 def tables_of(run: xr.Dataset, name: str = "this dataset") -> Tables:
     """Return the tables that run a dataset again, at the same instants."""
     if "scenario" not in run.attrs or "time" not in run:
-        raise ValueError(f"{name} holds no run of latolato: it has no attribute 'scenario'")
+        raise InputError(f"{name} holds no run of latolato: it has no attribute 'scenario'")
     tables: Tables = json.loads(run.attrs["scenario"])
     tables["run"]["times"] = run["time"].values.tolist()
     return tables
@@ -300,7 +300,7 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
         old = dict(checked_table(tables.get(part, {}), part))
         kind = new.get("kind")
         if kind is not None and not isinstance(kind, str):
-            raise TypeError(f"the kind of {part} must be a text, got {kind!r}")
+            raise InputError(f"the kind of {part} must be a text, got {kind!r}")
         if part in ("system", "drive") and kind is not None and kind != old.get("kind"):
             law = (systems if part == "system" else drives)[kind]
             known = {f.name for f in fields(law)}

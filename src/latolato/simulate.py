@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.integrate import (
     TOLERANCES,
@@ -120,7 +121,7 @@ def simulate(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, naming value, rule and way out.
 
     Notes
@@ -195,20 +196,20 @@ def _recorded(
     """Return the record of a run; arguments as of `simulate`."""
     drive = checked_drive(drive)
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     law = checked_contact(contact, system)
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
     contact_limit = checked_count("contact_limit", contact_limit)
     if frame not in ("pivot", "both"):
-        raise ValueError(f"frame must be 'pivot' or 'both', got {frame!r}")
+        raise InputError(f"frame must be 'pivot' or 'both', got {frame!r}")
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
     kick_times, kick_sizes = kicks_of(noise, system, end)
 
     if isinstance(law, Clamp) and law.step > end:
-        raise ValueError(
+        raise InputError(
             f"clamp_step must not exceed the duration {end:g} s, got {law.step:g}; a thousandth of "
             "a second is usual"
         )
@@ -220,7 +221,7 @@ def _recorded(
         else choose_step(system, drive, start, tolerance, stepper)
     )
     if end / step > MOST_STEPS:
-        raise ValueError(
+        raise InputError(
             f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
             f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
         )
@@ -299,12 +300,12 @@ def _checked_times(
     """Return the sample instants and the end of the run [s]."""
     if times is None:
         if duration is None:
-            raise ValueError("duration is needed: give the end of the run in s, or times")
+            raise InputError("duration is needed: give the end of the run in s, or times")
         end = checked_number("duration", duration, POSITIVE, "s")
         fastest = max(system.natural_frequency, drive.fastest_frequency)
         periods = end * fastest / (2.0 * math.pi)
         if periods * SAMPLES_PER_PERIOD > MOST_DEFAULT_SAMPLES:
-            raise ValueError(
+            raise InputError(
                 f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
                 f"{MOST_DEFAULT_SAMPLES}; ask for the instants you need with times"
             )
@@ -313,28 +314,28 @@ def _checked_times(
     try:
         instants = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
-        raise TypeError(f"times must be a sequence of numbers in s, got {times!r}") from None
+        raise InputError(f"times must be a sequence of numbers in s, got {times!r}") from None
     if instants.ndim != 1 or instants.size == 0:
-        raise ValueError(f"times must be a non-empty sequence, got shape {instants.shape}")
+        raise InputError(f"times must be a non-empty sequence, got shape {instants.shape}")
     if not np.all(np.isfinite(instants)):
         bad = int(np.argmin(np.isfinite(instants)))
-        raise ValueError(f"times must be finite, got {instants[bad]} at position {bad}")
+        raise InputError(f"times must be finite, got {instants[bad]} at position {bad}")
     falls = np.flatnonzero(np.diff(instants) <= 0.0)
     if falls.size:
         i = int(falls[0])
-        raise ValueError(
+        raise InputError(
             f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
             f"position {i + 1}; sort them and remove repeats"
         )
     if duration is None and instants[-1] <= 0.0:
-        raise ValueError(
+        raise InputError(
             f"times must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last; "
             "add a later instant or give duration"
         )
     end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
-        raise ValueError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
+        raise InputError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
     return instants, end
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.numerics.integrate import Floats, Start
 from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
 from latolato.physics.drives import Drive, Static, drives
@@ -27,7 +28,7 @@ def checked_drive(drive: Drive | None) -> Drive:
     if drive is None:
         return Static()
     if not isinstance(drive, Drive):
-        raise TypeError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+        raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
     return drive
 
 
@@ -37,11 +38,11 @@ def checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
         return NoContact()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
     if not isinstance(law, (Exact, Clamp, NoContact)):
-        raise TypeError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
+        raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
     if not system.has_contacts:
         return NoContact()
     if isinstance(law, Clamp) and isinstance(system, BallPair):
-        raise ValueError(
+        raise InputError(
             "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
             "BallPair"
         )
@@ -63,12 +64,12 @@ def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
     unit = QUANTITIES[name].unit
     if count == 1:
         if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
-            raise TypeError(f"{name} must be one number in {unit} for one angle, got {value!r}")
+            raise InputError(f"{name} must be one number in {unit} for one angle, got {value!r}")
         return (checked_number(name, value, ANY, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise TypeError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
+        raise InputError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
     return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
 
 
@@ -78,14 +79,14 @@ def checked_start(
     """Return the start, moved onto a wall that it is within 1e-12 rad of."""
     low, high = walls
     if angle is None and offset is None:
-        raise ValueError(
+        raise InputError(
             "initial_angle is needed [rad] (for a LatoLato initial_offset may stand instead)"
         )
     if angle is not None and offset is not None:
-        raise ValueError("give only one of initial_angle and initial_offset")
+        raise InputError("give only one of initial_angle and initial_offset")
     if offset is not None:
         if not isinstance(system, LatoLato):
-            raise ValueError(
+            raise InputError(
                 "initial_offset counts from the low contact angle of a LatoLato; "
                 "use initial_angle for other systems"
             )
@@ -97,13 +98,13 @@ def checked_start(
         what, gap = "initial_angle", value
     else:
         if np.isscalar(angle):
-            raise TypeError(
+            raise InputError(
                 f"initial_angle of a BallPair must be two numbers (right, left), got {angle!r}"
             )
         right, left = _numbers("initial_angle", angle, 2)
         what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
-        raise ValueError(
+        raise InputError(
             f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
             f"{gap:.9g}: the balls would overlap"
         )
@@ -125,10 +126,10 @@ def kicks_of(
     if noise is None:
         return None, None
     if not isinstance(noise, VelocityKicks):
-        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
     spacing = noise.spacing(system)
     if end / spacing > MOST_KICKS:
-        raise ValueError(
+        raise InputError(
             f"{end / spacing:.3g} velocity kicks exceed the limit of {MOST_KICKS}; "
             "make interval longer"
         )

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.run_command import PICTURES, changed_tables
 from latolato.scenario import Scenario, find, read_tables
 from latolato.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
@@ -49,7 +50,7 @@ class Targets:
         from latolato.files import check_folder, check_suffix, check_target
 
         if self.folder is self.output is not None and self.store not in (None, self.output):
-            raise ValueError(
+            raise InputError(
                 f"give one store, got --store {self.store} and --output {self.output}; "
                 "--output may be a .nc file beside the store"
             )
@@ -67,7 +68,7 @@ class Targets:
             check_suffix(self.plot, PICTURES, "the name of a picture")
             check_drawable(plan, self.variable)
         elif self.variable is not None:
-            raise ValueError("--variable names what --plot shows: give --plot too")
+            raise InputError("--variable names what --plot shows: give --plot too")
 
 
 def plan_of(
@@ -93,7 +94,7 @@ def plan_of(
     path = find(source) if source is not None else None
     if rerun is not None:
         if rerun.suffix == ".toml":
-            raise ValueError("--from takes a store or a .nc file; give a scenario without --from")
+            raise InputError("--from takes a store or a .nc file; give a scenario without --from")
         from latolato.sweep.store import plan_from_store
 
         plan = plan_from_store(rerun)
@@ -135,6 +136,7 @@ def run(
     from latolato.progress import SweepProgress
     from latolato.summary import summarise_sweep
     from latolato.sweep import run_plan
+    from latolato.sweep.executors import ROUNDING
 
     begun = time.perf_counter()
     _check_executor(executor, options)
@@ -145,7 +147,7 @@ def run(
         try:
             grid = run_plan(plan, executor=executor, store=store, progress=progress, **options)
         except KeyboardInterrupt:
-            _tell_way_on(progress, store)
+            _tell_way_on(progress, store, ROUNDING[executor])
             raise
         except Exception:
             if store is not None and not was_there:
@@ -167,11 +169,40 @@ def print_status(store: Path, as_json: bool) -> None:
     if as_json:
         print(json.dumps(state))
         return
+    lines = _state_lines(state)
+    if not state["complete"] and not state["writer_active"]:
+        lines["go on with"] = _way_on(store, state["rounding"])
+    _print_lines(lines)
+
+
+def print_verification(store: Path, as_json: bool) -> bool:
+    """Read everything in a store, print what is damaged, and return whether anything is."""
+    from latolato.sweep.store import verify_store
+
+    found = verify_store(store)
+    damaged = found["damaged"]
+    if as_json:
+        print(json.dumps(found))
+        return bool(damaged)
+    lines = _state_lines(found)
+    lines["files"] = f"{found['files']} read, {len(damaged) or 'none'} damaged or missing"
+    for number, each in enumerate(damaged):
+        again = "" if each["number"] is None else f", part of chunk {each['number']} of the sweep"
+        what = f"chunk {each['chunk']} of {each['variable']}" if each["chunk"] else each["file"]
+        lines["damaged" if number == 0 else " " * number] = f"{what}{again}"
+    if damaged:
+        lines["repair with"] = _way_on(store, found["rounding"])
+    _print_lines(lines)
+    return bool(damaged)
+
+
+def _state_lines(state: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a store holds and how far its sweep is, for reading."""
     counts = state["status_counts"]
     writer = "a process is writing it" if state["writer_active"] else "nobody is writing it"
     state_text = "complete" if state["complete"] else f"unfinished, {writer}"
-    lines = {
-        "store": str(store),
+    return {
+        "store": state["store"],
         "sweep": f"{state['system']}, drive {state['drive']}, {state['duration']:g} s",
         "axes": _axes_text(state["axes"]),
         "state": state_text,
@@ -179,9 +210,6 @@ def print_status(store: Path, as_json: bool) -> None:
         "points": f"{state['points_done']} of {state['points']} done",
         "status": _counts_text(counts, state["first_invalid"]),
     }
-    if not state["complete"] and not state["writer_active"]:
-        lines["go on with"] = _way_on(store)
-    _print_lines(lines)
 
 
 def _check_executor(executor: str, options: Mapping[str, Any]) -> None:
@@ -194,7 +222,7 @@ def _check_executor(executor: str, options: Mapping[str, Any]) -> None:
         ("client", "--address", "dask"),
     ):
         if name in options and name not in known:
-            raise ValueError(f"{flag} belongs to executor {others}, not to {executor}")
+            raise InputError(f"{flag} belongs to executor {others}, not to {executor}")
 
 
 def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:
@@ -212,22 +240,30 @@ def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:
     return written
 
 
-def _tell_way_on(progress: Any, store: Path | None) -> None:
+def _tell_way_on(progress: Any, store: Path | None, rounding: str) -> None:
     """Say on standard error what a stopped sweep leaves and how to go on."""
     progress.__exit__(None, None, None)
-    way = f"go on with: {_way_on(store)}" if store is not None else "nothing is kept; --store keeps"
+    way = (
+        f"go on with: {_way_on(store, rounding)}"
+        if store is not None
+        else "nothing is kept; --store keeps"
+    )
     print(
         f"latolato: stopped after {progress.done} of {progress.total} points; {way}",
         file=sys.stderr,
     )
 
 
-def _way_on(store: Path) -> str:
+def _way_on(store: Path, rounding: str) -> str:
     """Return the command that resumes a store."""
     import shlex
 
+    from latolato.sweep.executors import ROUNDING
+
     name = shlex.quote(str(store))
-    return f"latolato sweep --from {name} --store {name}"
+    command = f"latolato sweep --from {name} --store {name}"
+    executor = next(name for name, family in ROUNDING.items() if family == rounding)
+    return command if executor == "threads" else f"{command} --executor {executor}"
 
 
 def _remove_if_empty(store: Path) -> None:

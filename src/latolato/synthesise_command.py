@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from latolato import run_command
 from latolato.command_options import named_values
+from latolato.errors import InputError
 from latolato.progress import bar
 from latolato.registry import suggest
 
@@ -35,7 +36,7 @@ def run(
 
     Raises
     ------
-    ValueError
+    InputError
         Without a name of the video, and for unknown conditions, names and values.
     """
     from latolato.experiment.conditions import conditions
@@ -44,7 +45,7 @@ def run(
 
     begun = time.perf_counter()
     if output is None:
-        raise ValueError("name the video: --output clip.mp4")
+        raise InputError("name the video: --output clip.mp4")
     seen, filmed = conditions[condition].make(
         values_of("--scene", scene, Scene), values_of("--camera", camera, Camera)
     )
@@ -71,7 +72,7 @@ def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]
     except ValueError as error:
         if str(error).startswith("radius belongs to system"):
             radius = given["radius"]
-            raise ValueError(
+            raise InputError(
                 "radius is none of this system's numbers: the ball is drawn with "
                 f'--scene "ball_radius = {radius}"'
             ) from None
@@ -83,7 +84,7 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
 
     Raises
     ------
-    ValueError
+    InputError
         For a text without ``=``, an unknown name and a value of another kind.
     """
     from latolato.units import to_si
@@ -92,7 +93,7 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in named_values(flag, texts, "NAME=VALUE").items():
         if name not in known:
-            raise ValueError(f"{flag} has no '{name}': {suggest(name, list(known))}")
+            raise InputError(f"{flag} has no '{name}': {suggest(name, list(known))}")
         quantity = known[name].metadata.get("quantity")
         if quantity is not None:
             unit = "1" if quantity.unit == "pixel" else quantity.unit
@@ -101,7 +102,7 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
             try:
                 found[name] = int(value)
             except ValueError:
-                raise ValueError(f"{name} must be a whole number, got {value!r}") from None
+                raise InputError(f"{name} must be a whole number, got {value!r}") from None
         else:
             found[name] = value
     return found

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.physics.pendulum import System
@@ -70,10 +71,10 @@ Tables = dict[str, Any]
 def checked_table(value: Any, name: str) -> Mapping[str, Any]:
     """Return a table, or raise if it is something else."""
     if not isinstance(value, Mapping):
-        raise TypeError(f"{name} must be a table of names and values, got {value!r}")
+        raise InputError(f"{name} must be a table of names and values, got {value!r}")
     for key in value:
         if not isinstance(key, str):
-            raise TypeError(f"the names in {name} must be texts, got {key!r}")
+            raise InputError(f"the names in {name} must be texts, got {key!r}")
     return value
 
 
@@ -81,17 +82,17 @@ def law_from(value: Any, registry: Any, part: str, folder: Path) -> Any:
     """Return the system or drive that a table describes."""
     table = dict(checked_table(value, part))
     if "kind" not in table:
-        raise ValueError(f"[{part}] needs a kind: {', '.join(registry)}")
+        raise InputError(f"[{part}] needs a kind: {', '.join(registry)}")
     kind = table.pop("kind")
     if not isinstance(kind, str):
-        raise TypeError(f"the kind of {part} must be a text, got {kind!r}")
+        raise InputError(f"the kind of {part} must be a text, got {kind!r}")
     for name, inner in table.items():
         _check_owner(name, inner, registry, part, kind)
     return build_from(registry[kind], table, folder)
 
 
 def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> None:
-    """Raise ValueError if an entry of a table belongs to other laws of the registry only."""
+    """Raise InputError if an entry of a table belongs to other laws of the registry only."""
     owners = [k for k, law in registry.items() if name in {f.name for f in fields(law) if f.init}]
     hints = types_of(registry[kind])
     own = {f.name for f in fields(registry[kind])}
@@ -99,7 +100,7 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     if not owners or name in own | of_parts:
         return
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
-    raise ValueError(
+    raise InputError(
         f"{f'{name}_{inner}' if inner else name} belongs to {part} {' or '.join(owners)}, not to "
         f"{kind}: {f'use {inner}' if inner in own else 'leave it out'} or change the {part}"
     )
@@ -110,10 +111,9 @@ def said_as(names: Mapping[str, str]) -> Iterator[None]:
     """Name a law's fields in messages as options and attributes of a run do, e.g. clamp_step."""
     try:
         yield
-    except (TypeError, ValueError) as error:
-        kind = TypeError if isinstance(error, TypeError) else ValueError
+    except InputError as error:
         said = _FIELD.sub(lambda found: names.get(found[0], found[0]), str(error))
-        raise kind(said) from None
+        raise InputError(said) from None
 
 
 def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
@@ -129,14 +129,14 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
         elif name not in known:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
-                raise ValueError(f"{law.__name__} has no '{name}' of its own: give {each}")
+                raise InputError(f"{law.__name__} has no '{name}' of its own: give {each}")
             plain[name] = value  # `build` names it together with the closest known one
         elif "quantity" in known[name].metadata:
             convert = to_si_list if known[name].metadata.get("array") else to_si
             where = {"folder": folder} if known[name].metadata.get("array") else {}
             plain[name] = convert(name, value, known[name].metadata["quantity"].unit, **where)
         elif hints[name] is bool and not isinstance(value, bool):
-            raise TypeError(f"{name} must be true or false, got {value!r}")
+            raise InputError(f"{name} must be true or false, got {value!r}")
         else:
             plain[name] = value
     return build(law, plain)
@@ -149,12 +149,12 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         if ratio not in plain:
             continue
         if name in plain:
-            raise ValueError(f"give either {name} or {ratio}, got both")
+            raise InputError(f"give either {name} or {ratio}, got both")
         value = plain.pop(ratio)
         several = name == "drive_frequencies"
         ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
         if not isinstance(ratios, list):
-            raise TypeError(f"{ratio} must be a sequence of numbers, got {value!r}")
+            raise InputError(f"{ratio} must be a sequence of numbers, got {value!r}")
         found = [
             checked_number(ratio, number, NON_NEGATIVE, "times the natural frequency")
             * system.natural_frequency
@@ -169,7 +169,7 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     plain: dict[str, Any] = {}
     for name, value in table.items():
         if name not in RUN_OPTIONS:
-            raise ValueError(f"unknown entry '{name}' of [run]: {suggest(name, list(RUN_OPTIONS))}")
+            raise InputError(f"unknown entry '{name}' of [run]: {suggest(name, list(RUN_OPTIONS))}")
         option = RUN_OPTIONS[name]
         if value is None or not option.unit:
             plain[name] = value
@@ -184,7 +184,7 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         contact_laws[plain["contact"]]  # names unknown ones, also where no contact can be
     if "clamp_step" in plain:
         if plain.get("contact") != "clamp":
-            raise ValueError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
+            raise InputError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
         with said_as({"step": "clamp_step"}):
             plain["contact"] = Clamp(step=plain.pop("clamp_step"))
     if "samples" in plain:
@@ -199,7 +199,7 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
     for name in _OF_RUN:
         if name in table:
             if name in run:
-                raise ValueError(f"give {name} either in [run] or in [sweep], got both")
+                raise InputError(f"give {name} either in [run] or in [sweep], got both")
             run[name] = table.pop(name)
     parts = {part: checked_table(tables.get(part, {}), part) for part in ("system", "drive")}
     kinds = {part: parts[part].get("kind") for part in parts}
@@ -211,14 +211,14 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
         elif name == "observables":
             given = [value] if isinstance(value, str) else value
             if not isinstance(given, (list, tuple)):
-                raise TypeError(f"observables must be a list of names or tables, got {value!r}")
+                raise InputError(f"observables must be a list of names or tables, got {value!r}")
             varied[name] = tuple(_observable(each, folder) for each in given)
         elif name in SWEEP_OPTIONS:
             unit = SWEEP_OPTIONS[name]
             varied[name] = to_si(name, value, unit) if unit else value
         else:
             known_names = ["axes", "observables", *SWEEP_OPTIONS, *_OF_RUN]
-            raise ValueError(f"unknown entry '{name}' of [sweep]: {suggest(name, known_names)}")
+            raise InputError(f"unknown entry '{name}' of [sweep]: {suggest(name, known_names)}")
     system, drive = with_placeholders({**tables, **parts}, varied.get("axes", {}))
     shared = {**tables, "system": system, "run": run}
     return (shared | {"drive": drive} if "drive" in tables else shared), varied
@@ -231,7 +231,7 @@ def _observable(given: Any, folder: Path) -> Any:
     table = dict(given)
     kind = table.pop("kind", None)
     if not isinstance(kind, str):
-        raise ValueError(f"an observable's table needs a kind: {', '.join(observables)}")
+        raise InputError(f"an observable's table needs a kind: {', '.join(observables)}")
     return build_from(observables[kind], table, folder)
 
 
@@ -262,12 +262,12 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
     from latolato.simulate import MOST_DEFAULT_SAMPLES
 
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
-        raise ValueError(f"samples must be a whole number of at least 2, got {samples!r}")
+        raise InputError(f"samples must be a whole number of at least 2, got {samples!r}")
     if samples > MOST_DEFAULT_SAMPLES:
-        raise ValueError(f"samples must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}")
+        raise InputError(f"samples must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}")
     if "times" in run:
-        raise ValueError("give either times or samples, got both")
+        raise InputError("give either times or samples, got both")
     if "duration" not in run:
-        raise ValueError("samples needs a duration")
+        raise InputError("samples needs a duration")
     duration = checked_number("duration", run["duration"], POSITIVE, "s")
     return tuple(np.linspace(0.0, duration, samples).tolist())

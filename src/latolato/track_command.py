@@ -14,6 +14,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.progress import bar
 from latolato.registry import suggest
 
@@ -54,24 +55,24 @@ def jobs_of(
 
     Raises
     ------
-    ValueError
+    InputError
         For options that do not fit each other, and texts that are no such values.
     OSError
         If a target cannot be written.
     """
     places = tuple(place_of("--ball", text) for text in balls)
     if count is not None and count not in (1, 2):
-        raise ValueError(f"--balls must be 1 or 2, got {count}")
+        raise InputError(f"--balls must be 1 or 2, got {count}")
     if count is not None and places and len(places) != count:
-        raise ValueError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
+        raise InputError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
     if len(places) > 2:
-        raise ValueError(f"--ball may be given twice at most, got it {len(places)} times")
+        raise InputError(f"--ball may be given twice at most, got it {len(places)} times")
     if sidecar is not None and len(videos) > 1:
-        raise ValueError("--sidecar is about one video; leave it out to read each one's own")
+        raise InputError("--sidecar is about one video; leave it out to read each one's own")
     if sidecar is not None and not sidecar.is_file():
         raise FileNotFoundError(f"there is no file '{sidecar}'")
     if sidecar is not None and (pivot is not None or places):
-        raise ValueError("give either --sidecar or places, not both")
+        raise InputError("give either --sidecar or places, not both")
     common: dict[str, Any] = {
         "pivot": None if pivot is None else place_of("--pivot", pivot),
         "balls": places or count,
@@ -108,7 +109,7 @@ def place_of(flag: str, text: str) -> tuple[float, float]:
     try:
         u, v = (float(part) for part in parts)
     except ValueError:
-        raise ValueError(
+        raise InputError(
             f"{flag} must be a column and a row in pixels such as 640,200, got {text!r}"
         ) from None
     return u, v
@@ -142,12 +143,12 @@ def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
     for text in limits:
         name, equals, value = (part.strip() for part in text.partition("="))
         if name not in of_limits:
-            raise ValueError(f"--limit has no '{name}': {suggest(name, list(of_limits))}")
+            raise InputError(f"--limit has no '{name}': {suggest(name, list(of_limits))}")
         if not equals:
-            raise ValueError(f"--limit must be NAME=VALUE, got {text!r}")
+            raise InputError(f"--limit must be NAME=VALUE, got {text!r}")
         number = to_si(f"--limit {name}", value, of_limits[name])
         if not number > 0.0:
-            raise ValueError(f"--limit {name} must be positive, got {value}")
+            raise InputError(f"--limit {name} must be positive, got {value}")
         kinds = {field.name: field.type for field in fields(Limits)}
         bounds[name] = int(number) if kinds[name] == "int" else number
     if bounds:
@@ -164,7 +165,7 @@ def _target(target: Path | None, video: Path, ending: str, several: bool) -> Pat
     if target.is_dir() or (several and not target.suffix):
         return target / f"{video.stem}{ending}"
     if several:
-        raise ValueError(
+        raise InputError(
             f"several videos need a folder or a name such as '{{name}}{target.suffix}', "
             f"got '{target}'"
         )
@@ -185,12 +186,12 @@ def _check_targets(jobs: Sequence[Job]) -> None:
                 file.parent.mkdir(parents=True, exist_ok=True)
             check_folder(file)
             if file.resolve() in seen:
-                raise ValueError(
+                raise InputError(
                     f"'{job.video}' and '{seen[file.resolve()]}' would both be written to '{file}'"
                 )
             seen[file.resolve()] = job.video
             if file.resolve() == job.video.resolve():
-                raise ValueError(f"'{file}' is the video itself; name another file")
+                raise InputError(f"'{file}' is the video itself; name another file")
         if job.propose and job.output is not None:
             check_suffix(job.output, (".png",), "the name of a proposal's picture")
         elif job.output is not None:
@@ -209,7 +210,7 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
     is 1.
     """
     if workers is not None and workers < 1:
-        raise ValueError(f"--workers must be 1 or more, got {workers}")
+        raise InputError(f"--workers must be 1 or more, got {workers}")
     if len(jobs) == 1:
         with bar("tracking") as progress:
             found = work(jobs[0], progress)
@@ -282,7 +283,7 @@ def _apart(job: Job, tell: Callable[[float], None]) -> dict[str, Any]:
             if kind == "progress":
                 tell(value)
             elif kind == "failed":
-                raise ValueError(value)
+                raise InputError(value)
             else:
                 tell(1.0)
                 done: dict[str, Any] = value

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from latolato.command_options import JsonOption
+from latolato.errors import InputError
 from latolato.progress import bar
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def trials(
         name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
     }
     if balls is not None and ball and len(ball) != balls:
-        raise ValueError(f"--balls {balls} needs as many --ball places, got {len(ball)}")
+        raise InputError(f"--balls {balls} needs as many --ball places, got {len(ball)}")
     places = [_place("ball", text) for text in ball or ()]
     given["balls"] = places or balls
     given["pivot"] = _place("pivot", pivot) if pivot is not None else None
@@ -118,7 +119,7 @@ def _place(name: str, text: str) -> tuple[float, float]:
     try:
         u, v = (float(part) for part in text.split(","))
     except ValueError:
-        raise ValueError(f"--{name} must be U,V in pixels, as 320,80.5, got {text!r}") from None
+        raise InputError(f"--{name} must be U,V in pixels, as 320,80.5, got {text!r}") from None
     return u, v
 
 

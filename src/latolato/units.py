@@ -13,6 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.registry import suggest
 
 _PI = "3.1415926535897932384626433833"
@@ -81,7 +82,7 @@ def to_si(name: str, value: Any, unit: str) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         If the text is no quantity, or its unit does not convert to `unit`.
 
     Examples
@@ -112,11 +113,11 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         raise _refusal(name, value, unit) from None
 
 
-def _refusal(name: str, value: str, unit: str) -> ValueError:
+def _refusal(name: str, value: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity."""
     rule = "a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
     given = "as " if unit == "1" else ""
-    return ValueError(f"{name} must be given {given}{rule}, got {value!r}")
+    return InputError(f"{name} must be given {given}{rule}, got {value!r}")
 
 
 def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> Any:
@@ -136,7 +137,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
 
     Raises
     ------
-    ValueError
+    InputError
         If a part is no such quantity, if only some parts of a text carry a unit, or if the file
         cannot be read as numbers.
 
@@ -153,7 +154,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         parts = [part.strip() for part in value.strip().rstrip(",").split(",")]
         plain = [_plain_number(part) for part in parts]
         if None in plain and any(plain):  # a 0 needs no unit
-            raise ValueError(f"{name} must carry a unit on every value or on none, got {value!r}")
+            raise InputError(f"{name} must carry a unit on every value or on none, got {value!r}")
         return [to_si(name, part, unit) for part in parts]
     path, column = _file_and_column(value, folder or Path())
     if path.is_file():
@@ -161,7 +162,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
     try:
         return [to_si(name, value, unit)]
     except ValueError as error:
-        raise ValueError(f"{error}; there is no file of that name either") from None
+        raise InputError(f"{error}; there is no file of that name either") from None
 
 
 def _plain_number(text: str) -> float | None:
@@ -189,25 +190,25 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
         with path.open(encoding="utf-8-sig") as lines:
             first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
     except UnicodeDecodeError:
-        raise ValueError(f"{name}: {path} is no text file; save it as UTF-8 text") from None
+        raise InputError(f"{name}: {path} is no text file; save it as UTF-8 text") from None
     if not first:
-        raise ValueError(f"{name}: {path} holds no numbers")
+        raise InputError(f"{name}: {path} holds no numbers")
     delimiter = next((d for d in ",;\t" if d in first), None)
     titles = [title.strip() for title in first.split(delimiter)]
     has_header = any(_TEXT.fullmatch(title) is None for title in titles)
     if not column and len(titles) > 1:
-        raise ValueError(
+        raise InputError(
             f"{name}: {path} has {len(titles)} columns; name one, as in {path.name}:{titles[0]}"
         )
     known = [*(titles if has_header else []), *(str(i + 1) for i in range(len(titles)))]
     if column and column not in known:
-        raise ValueError(f"{name}: {path} has no column '{column}': {suggest(column, known)}")
+        raise InputError(f"{name}: {path} has no column '{column}': {suggest(column, known)}")
     index = known.index(column) % len(titles) if column else 0
     try:
         with path.open(encoding="utf-8-sig") as lines:
             body = (line for line in lines if not (has_header and line == first))
             numbers = np.loadtxt(body, delimiter=delimiter, usecols=index, ndmin=1)
     except ValueError as error:
-        raise ValueError(f"{name}: {path} cannot be read as numbers: {error}") from None
+        raise InputError(f"{name}: {path} cannot be read as numbers: {error}") from None
     found: list[float] = numbers.tolist()
     return found

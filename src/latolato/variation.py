@@ -11,6 +11,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
@@ -78,11 +79,11 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For unknown names, with the closest known one, and for wrong units, counts and ends.
     """
     if not isinstance(axes, Mapping):
-        raise TypeError(f"axes must be a table of names and values, got {axes!r}")
+        raise InputError(f"axes must be a table of names and values, got {axes!r}")
     found: dict[str, Any] = {}
     for name, given in axes.items():
         if isinstance(given, Mapping) and not (set(_RANGE) & given.keys() or name in known):
@@ -95,13 +96,13 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
 def _read_values(name: str, given: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
     """Return the values of one parameter."""
     if name not in known:
-        raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+        raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     unit = known[name].unit
     values = _listed(name, given, unit, folder)
     if isinstance(values, str) or not isinstance(values, Sequence):
-        raise TypeError(f"axis {name} must hold numbers in {unit}, got {given!r}")
+        raise InputError(f"axis {name} must hold numbers in {unit}, got {given!r}")
     if not values:
-        raise ValueError(f"axis {name} has no values: a sweep needs at least one point")
+        raise InputError(f"axis {name} has no values: a sweep needs at least one point")
     return tuple(values)
 
 
@@ -114,7 +115,7 @@ def _listed(name: str, given: Any, unit: str, folder: Path) -> Any:
         if len(parts) == 3 and not (folder / given).is_file():
             return _from_text(name, parts, unit)
         if len(parts) == 2 and re.match(r"[-+.\d]", parts[0]):
-            raise ValueError(
+            raise InputError(
                 f"axis {name} must be low : high : count or a list of values, got {given!r}"
             )
     return to_si_list(name, given.tolist() if hasattr(given, "tolist") else given, unit, folder)
@@ -124,7 +125,7 @@ def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:
     """Return the values that ``"low : high : count log unit"`` stands for."""
     found = _COUNT.fullmatch(parts[2])
     if found is None:
-        raise ValueError(
+        raise InputError(
             f"axis {name} needs a whole number of values after its ends, got {parts[2]!r}; "
             f"{_EXAMPLE}"
         )
@@ -139,15 +140,15 @@ def _from_table(name: str, table: Mapping[str, Any], unit: str) -> Values:
     """Return the values that ``{low, high, count, spacing}`` stands for."""
     for key in table:
         if key not in _RANGE:
-            raise ValueError(f"unknown entry '{key}' of axis {name}: {suggest(key, list(_RANGE))}")
+            raise InputError(f"unknown entry '{key}' of axis {name}: {suggest(key, list(_RANGE))}")
     for key in _RANGE[:3]:
         if key not in table:
-            raise ValueError(f"axis {name} needs '{key}' beside {', '.join(table)}")
+            raise InputError(f"axis {name} needs '{key}' beside {', '.join(table)}")
     count, spacing = table["count"], table.get("spacing", "linear")
     if isinstance(count, bool) or not isinstance(count, int):
-        raise TypeError(f"count of axis {name} must be a whole number, got {count!r}")
+        raise InputError(f"count of axis {name} must be a whole number, got {count!r}")
     if spacing not in ("linear", "log"):
-        raise ValueError(f"spacing of axis {name} must be 'linear' or 'log', got {spacing!r}")
+        raise InputError(f"spacing of axis {name} must be 'linear' or 'log', got {spacing!r}")
     low, high = (to_si(name, table[key], unit) for key in ("low", "high"))
     return _spread(name, low, high, count, spacing == "log", unit)
 
@@ -158,11 +159,11 @@ def _spread(name: str, low: Any, high: Any, count: int, is_log: bool, unit: str)
 
     low, high = (checked_number(name, end, ANY, unit) for end in (low, high))
     if count < 0 or count > MOST_VALUES:
-        raise ValueError(f"axis {name} must have 1 to {MOST_VALUES} values, got {count}")
+        raise InputError(f"axis {name} must have 1 to {MOST_VALUES} values, got {count}")
     if count == 1 and low != high:
-        raise ValueError(f"axis {name} needs at least 2 values to go from {low:g} to {high:g}")
+        raise InputError(f"axis {name} needs at least 2 values to go from {low:g} to {high:g}")
     if is_log and not (low > 0.0 and high > 0.0):
-        raise ValueError(f"axis {name} with log spacing must lie above 0, got {low:g} to {high:g}")
+        raise InputError(f"axis {name} with log spacing must lie above 0, got {low:g} to {high:g}")
     make = np.geomspace if is_log else np.linspace
     return tuple(make(low, high, count).tolist())
 
@@ -180,14 +181,14 @@ def parse_axis(text: str) -> tuple[str, Any]:
     head, equals, rest = text.partition("=")
     together, colon, first = head.partition(":")
     if not equals or not head.strip():
-        raise ValueError(f"an axis must be NAME=VALUES, {_EXAMPLE}, got {text!r}")
+        raise InputError(f"an axis must be NAME=VALUES, {_EXAMPLE}, got {text!r}")
     if not colon:
         return _name(head), rest.strip()
     columns: dict[str, str] = {}
     for column in f"{first}={rest}".split(";"):
         parameter, equals, values = column.partition("=")
         if not equals or not parameter.strip():
-            raise ValueError(
+            raise InputError(
                 f"parameters along axis {_name(together)} must be NAME=VALUES with ; between, "
                 f"got {column.strip()!r}"
             )
@@ -201,7 +202,7 @@ def parse_axes(texts: Sequence[str]) -> dict[str, Any]:
     for text in texts:
         name, values = parse_axis(text)
         if name in found:
-            raise ValueError(f"axis {name} must be given once")
+            raise InputError(f"axis {name} must be given once")
         found[name] = values
     return found
 
@@ -221,7 +222,7 @@ def parse_observable(text: str) -> Any:
     for part in found["parameters"].split(",") if found["parameters"].strip() else ():
         name, equals, value = (each.strip() for each in part.partition("="))
         if not equals:
-            raise ValueError(f"parameters of {found['kind']} must be NAME=VALUE, got {name!r}")
+            raise InputError(f"parameters of {found['kind']} must be NAME=VALUE, got {name!r}")
         words: dict[str, Any] = {"true": True, "false": False}
         table[_name(name)] = int(value) if value.isdigit() else words.get(value.lower(), value)
     return table
@@ -241,13 +242,13 @@ def merged_axes(
 
     Raises
     ------
-    ValueError
+    InputError
         If an option fixes what a new axis varies, or one of several parameters along an axis.
     """
     fixed = {TARGETS.get(name, name): name for name in _changed(changes)}
     for name in _parameters(new):
         if TARGETS.get(name, name) in fixed:
-            raise ValueError(
+            raise InputError(
                 f"{fixed[TARGETS.get(name, name)]} is given as a value and varied along axis "
                 f"{name}: drop one"
             )
@@ -259,7 +260,7 @@ def merged_axes(
         if name in new or not taken:
             kept[name] = new.get(name, values)
         elif len(targets) > 1:
-            raise ValueError(
+            raise InputError(
                 f"{taken.pop()} varies together with others along axis {name} of the scenario: "
                 f"give a new axis {name} instead"
             )

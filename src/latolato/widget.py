@@ -14,6 +14,7 @@ from latolato.app.blocks import pack
 from latolato.app.files import STATIC
 from latolato.app.given import MOST_SAMPLES
 from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
+from latolato.errors import InputError
 from latolato.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -29,10 +30,12 @@ MODULES = (
     "js/motion.js",
     "js/clock.js",
     "js/clack.js",
+    "js/keys.js",
     "js/later.js",
     "js/band.js",
     "js/scene.js",
     "js/shades.js",
+    "js/axis.js",
     "js/plane.js",
     "js/curves.js",
     "js/player.js",
@@ -64,7 +67,7 @@ def play(run: xr.Dataset) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         If the dataset is no run.
     ModuleNotFoundError
         Without the extra `notebook`.
@@ -75,7 +78,7 @@ def play(run: xr.Dataset) -> Any:
 def block_of(run: xr.Dataset) -> bytes:
     """Return a run as the player reads it."""
     if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
-        raise ValueError("play needs a run: what simulate or load returned")
+        raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
     return pack(

@@ -6,6 +6,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.registry import analyses
+from latolato.errors import InputError
 
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
 DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
@@ -51,5 +52,5 @@ def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
     asked = {n: v for n, v in asked.items() if parameters[n].default is parameters[n].empty}
     if "initial_angle" in parameters:
         asked["initial_angle"] = 0.2
-    with pytest.raises(TypeError, match="drive must be None or one of"):
+    with pytest.raises(InputError, match="drive must be None or one of"):
         analyses[name](system, drive=drive, **asked)

@@ -52,11 +52,79 @@ def test_rotations_both_ways_are_two_attractors_with_mirrored_basins():
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
     found = basins(SINGLE, drive, angle_points=16, velocity_points=16)
     table = found.basin.values
-    turning = [n for n in found.attractor.values if found.rotation_number[n] == 1.0]
-    assert len(turning) == 2
-    one, other = turning
+    turning = {float(found.rotation_number[n]): n for n in found.attractor.values}
+    one, other = turning[1.0], turning[-1.0]
     # (angle, velocity) -> (-angle, -velocity) turns the map by half a turn.
     np.testing.assert_array_equal(table[::-1, ::-1] == one, table == other)
+
+
+# Driven pendulum of Leven & Koch (1981), x'' + 0.15 x' + (1 + p cos 1.56 t) sin x = 0, p = 0.7:
+# gravity over length 1, and A0 w^2/g = p; the sign of p is a matter of the drive's phase.
+LEVEN_KOCH = ll.Pendulum(length=1.0, mass=1.0, gravity=1.0, damping=0.15)
+LEVEN_KOCH_DRIVE = ll.Harmonic(drive_amplitude=0.7 / 1.56**2, drive_frequency=1.56)
+
+
+def leven_koch(points, drive=LEVEN_KOCH_DRIVE, **options):
+    return basins(LEVEN_KOCH, drive, angle_points=points, velocity_points=points, **options)
+
+
+def test_starts_that_another_tolerance_leads_elsewhere_are_uncertain():
+    found = leven_koch(40)
+    assert found.unresolved_fraction == 0.0
+    # Between 1e-6 and 1e-12 11.6 % of the starts change in one map of this pendulum, 15 % here.
+    share = found.uncertain_fraction.item()
+    assert 0.08 < share < 0.2
+    assert found.uncertain.dims == found.basin.dims
+    assert found.uncertain.mean().item() == share
+    assert f"{share:.1%} of the starts lead elsewhere" in found.attrs["message"]
+    # The flags are those of the labels at the second tolerance.
+    finer = leven_koch(40, tolerance=1e-7, known=found)
+    np.testing.assert_array_equal(finer.attractor, found.attractor)
+    np.testing.assert_array_equal(finer.basin != found.basin, found.uncertain == 1)
+
+
+def test_starts_of_smooth_basins_are_certain():
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=7.5)
+    found = basins(
+        SINGLE, drive, angle_points=6, velocity_points=6, velocity_low=-2.0, velocity_high=2.0
+    )
+    assert found.uncertain_fraction == 0.0
+    assert not found.uncertain.values.any()
+    assert "message" not in found.attrs
+
+
+def test_attractors_keep_their_numbers_over_a_series_of_maps():
+    first = leven_koch(20)
+    assert list(first.attractor) == list(range(first.sizes["attractor"]))
+
+    def told(result):
+        return {
+            int(n): (str(row.status.item()), row.rotation_number.item(), row.response_period.item())
+            for n, row in ((n, result.sel(attractor=n)) for n in result.attractor.values)
+        }
+
+    # Numbers exchanged beforehand stay so: they come from `known`, not from the basins' sizes.
+    exchanged = first.assign_coords(attractor=first.attractor.values[::-1])
+    again = leven_koch(24, known=exchanged)
+    assert told(again) == told(exchanged)
+    faster = ll.Harmonic(drive_amplitude=0.7 / 1.56**2, drive_frequency=1.57)
+    for number, row in told(leven_koch(20, drive=faster, known=exchanged)).items():
+        if number in told(exchanged):
+            assert row[:2] == told(exchanged)[number][:2]
+
+
+def test_a_new_attractor_gets_a_number_that_no_map_has_used():
+    first = leven_koch(20)
+    rest = int(first.attractor[first.status == "rest"].item())
+    turns = int(first.attractor[first.rotation_number == 1.0].item())
+    known = first.sel(attractor=[n for n in first.attractor.values if n != turns])
+    found = leven_koch(20, known=known)
+    assert rest in found.attractor
+    new = first.sizes["attractor"]
+    assert found.rotation_number.sel(attractor=new) == 1.0
+    assert turns not in found.attractor
+    assert found.attrs["numbers_used"] == new + 1
+    np.testing.assert_array_equal(found.basin == new, first.basin == turns)
 
 
 def made(cycles, starts, samples=49, noise=0.0):
@@ -132,6 +200,8 @@ def test_the_entropy_of_a_straight_boundary_counts_its_boxes_only():
         ({"velocity_low": 2.0, "velocity_high": 1.0}, "swap"),
         ({"entropy_box": 30}, "entropy_box must be at most"),
         ({"match_tolerance": 0.0}, "match_tolerance"),
+        ({"check_tolerance": 1e-6}, "check_tolerance must be below the tolerance of 1e-06 rad"),
+        ({"known": 3}, "known must be a result of basins"),
         ({"angle_points": 1_000_000, "velocity_points": 100}, "exceed the limit"),
     ],
 )

@@ -9,6 +9,7 @@ import latolato as ll
 from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
+from latolato.errors import InputError
 
 NATURAL = math.sqrt(9.8)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
@@ -138,7 +139,7 @@ def test_the_branch_of_a_shorter_period_is_named():
 def test_bad_input_is_refused(changes, message):
     given = {"drive": ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * NATURAL)}
     given |= {"low": 1.8, "high": 2.2} | changes
-    with pytest.raises((ValueError, TypeError), match=message):
+    with pytest.raises(InputError, match=message):
         continue_orbit(PENDULUM, given.pop("drive"), **given)
 
 
@@ -198,5 +199,103 @@ def test_orbits_of_absurdly_slow_drives_and_of_no_system_are_refused():
     slow = ll.Harmonic(drive_amplitude=1e-3, drive_frequency=1e-4)
     with pytest.raises(ValueError, match=r"at least 0\.01 natural frequencies"):
         continue_orbit(PENDULUM, slow, low=1.0, high=2.0)
-    with pytest.raises(TypeError, match="system must be one of"):
+    with pytest.raises(InputError, match="system must be one of"):
         continue_orbit(5, slow, low=1.0, high=2.0)
+
+
+@pytest.mark.parametrize(
+    "ratio, period", [(70, 1), (100, 1), (100, 2), (300, 2), (1000, 2), (4000, 2)]
+)
+def test_hops_of_any_size_fold_where_bouncing_can_no_longer_pay_for_its_impacts(ratio, period):
+    system = ll.LatoLato(length=1.0, mass=0.8, radius=math.sin(0.1), restitution=0.7)
+    w = ratio * NATURAL
+    # On a table a flight of n periods begins at g n T/2 and the ball arrives as fast; the impact
+    # gives that back for (1 + e) A0 w cos(phase) = (1 - e) g n T/2: A0 w^2/g has this minimum.
+    least = period * math.pi * (1.0 - 0.7) / (1.0 + 0.7)
+    branch = continue_orbit(
+        system, ll.Harmonic(drive_amplitude=1.05 * least * 9.8 / w**2, drive_frequency=w),
+        parameter="drive_acceleration_ratio", low=0.9 * least, high=1.2 * least,
+        direction="down", period=period, initial_offset=0.0,
+        initial_angular_velocity=9.8 * math.sin(0.1) * period * math.pi / w,
+    )  # fmt: skip
+    assert list(branch.special_kind.values) == ["fold"]
+    # The pendulum differs from the table by the square of the flight time.
+    assert branch.special_value.item() == pytest.approx(least, rel=20.0 / ratio**2 + 2e-6)
+    # Beyond the fold the branch goes back along its unstable side, to the other end.
+    assert branch.status.item() == "end of range"
+    assert {0, 1} == set(branch.is_stable.values)
+
+
+def test_hanging_loses_its_mirror_symmetry_in_the_second_tongue():
+    edges = mathieu_tongue_edges(
+        drive_amplitude=0.3, length=1.0, mass=0.8, damping=0.05, order=2
+    )  # fmt: skip
+    drive = ll.Harmonic(drive_amplitude=0.3, drive_frequency=0.8 * NATURAL)
+    branch = continue_orbit(PENDULUM, drive, low=0.8, high=1.2)
+    assert list(branch.special_kind.values) == ["symmetry_breaking", "symmetry_breaking"]
+    assert branch.special_value.values == pytest.approx(edges, abs=1e-8)
+
+
+def test_a_large_swing_loses_its_mirror_symmetry_before_it_doubles_its_period():
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * NATURAL)
+    branch = continue_orbit(
+        PENDULUM, drive, parameter="drive_amplitude", low=0.01, high=0.6, period=2,
+        initial_angle=0.9, initial_angular_velocity=0.0,
+    )  # fmt: skip
+    assert list(branch.special_kind.values) == ["symmetry_breaking"]
+    place = branch.special_value.item()
+
+    def settled(amplitude):
+        near = branch.isel(point=int(np.argmin(np.abs(branch.drive_amplitude.values - amplitude))))
+        changed = ll.Harmonic(
+            drive_amplitude=near.drive_amplitude.item(), drive_frequency=2.0 * NATURAL
+        )
+        return near.is_stable.item(), ll.analysis.response_period(
+            PENDULUM, changed, initial_angle=near.initial_angle.item() + 1e-4,
+            initial_angular_velocity=near.initial_angular_velocity.item(),
+            transient_periods=2000,
+        )  # fmt: skip
+
+    # Below, the swing is its own mirror image one drive period later; above, it leaves for one of
+    # two motions of the same period that are not.
+    (stable, below), (unstable, above) = settled(place - 0.013), settled(place + 0.007)
+    assert (stable, unstable) == (1, 0)
+    assert below.response_period == above.response_period == 2.0
+    assert below.mirror_residual < 1e-8
+    assert above.mirror_residual > 0.1
+
+
+def test_a_bounce_of_two_periods_ends_where_a_bounce_of_one_doubles_its_period():
+    system = ll.LatoLato(length=1.0, mass=0.8, radius=math.sin(0.1), restitution=0.8)
+    w = 40.0 * NATURAL
+
+    def follow(ratio, low, period, offset, velocity, direction):
+        drive = ll.Harmonic(drive_amplitude=ratio * 9.8 / w**2, drive_frequency=w)
+        return continue_orbit(
+            system, drive, parameter="drive_acceleration_ratio", low=low, high=1.2, points=60,
+            direction=direction, period=period, initial_offset=offset,
+            initial_angular_velocity=velocity,
+        )  # fmt: skip
+
+    speed = 0.9 * 9.8 * math.sin(0.1) * math.pi / w
+    single = follow(1.0, 1.0, 1, 0.0, speed, "up")
+    flip = single.special_value.item()
+    # Seen over two periods the same point is no loss of symmetry: the walls leave none.
+    twice = follow(1.0, 1.0, 2, 0.0, speed, "up")
+    assert list(twice.special_kind.values) == ["period_doubling"]
+    assert twice.special_value.item() == pytest.approx(flip, abs=1e-7)
+    # The doubled branch turns round there into itself, one drive period later.
+    near = int(np.searchsorted(single.drive_acceleration_ratio.values, 1.0775))
+    start = single.isel(point=near)
+    ratio = start.drive_acceleration_ratio.item()
+    run = ll.simulate(
+        system, ll.Harmonic(drive_amplitude=ratio * 9.8 / w**2, drive_frequency=w),
+        initial_angle=start.initial_angle.item(),
+        initial_angular_velocity=1.01 * start.initial_angular_velocity.item() + 1e-5,
+        times=[2000 * math.tau / w],
+    )  # fmt: skip
+    doubled = follow(
+        ratio, 1.0, 2, run.angle.item() - 0.1, run.angular_velocity.item(), "down"
+    )  # fmt: skip
+    assert list(doubled.special_kind.values) == ["period_doubling"]
+    assert doubled.special_value.item() == pytest.approx(flip, abs=1e-6)

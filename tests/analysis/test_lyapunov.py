@@ -9,6 +9,7 @@ import latolato as ll
 from latolato.analysis.closed_forms import mathieu_growth_rate
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.symmetry import as_pair, pair_symmetry
+from latolato.errors import InputError
 
 SHAKE = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
 
@@ -53,7 +54,7 @@ def test_a_short_run_has_a_shorter_transient():
     system = ll.Pendulum(length=1.0, mass=0.8, damping=0.2)
     found = lyapunov_spectrum(system, SHAKE, initial_angle=0.1, duration=50.0)
     assert found.attrs["transient"] == 5.0
-    with pytest.raises(TypeError, match="system must be one of"):
+    with pytest.raises(InputError, match="system must be one of"):
         lyapunov_spectrum(5, SHAKE)
 
 
@@ -132,7 +133,7 @@ def test_a_departure_is_asked_of_mirrored_equal_balls_only():
 
 
 def test_other_systems_have_no_mirror_symmetry():
-    with pytest.raises(TypeError, match="one-ball model of a LatoLato"):
+    with pytest.raises(InputError, match="one-ball model of a LatoLato"):
         pair_symmetry(ll.Pendulum(length=1.0, mass=0.8), SHAKE, initial_angle=0.1)
     with pytest.raises(ValueError, match="systems of 2 angles"):
         ll.sweep(

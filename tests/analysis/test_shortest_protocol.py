@@ -85,11 +85,17 @@ def test_a_pendulum_is_carried_down_the_softening_branch_from_its_tongue():
 
 
 def test_dead_ends_say_so():
-    with pytest.warns(RuntimeWarning, match="no push up to 0.2 rad/s leads to a second motion"):
+    with pytest.warns(
+        RuntimeWarning, match="no push up to 0.2 rad/s leads to a larger motion than rest"
+    ):
         found = found_for(push=[0.2], first_frequency_ratio=[3.136])
     assert found.status.item() == "no upper branch"
     assert math.isnan(found.lead_time.item())
-    assert draw(found).axes
+    assert np.isnan(found.push_share).all()
+    # What was not searched has no empty panel: the lasting angles say why.
+    assert found.angle_after_push.values == pytest.approx([TOY.contact_angle_low] * 2)
+    (axes,) = draw(found).axes
+    assert axes.lines[0].get_ydata() == pytest.approx(np.rad2deg(found.angle_after_push))
     with pytest.warns(RuntimeWarning, match="no protocol succeeds for 50% of the drive phases"):
         found = found_for(first_frequency_ratio=[2.5, 2.7])
     assert found.status.item() == "not reached"

@@ -7,6 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.linear import linearised
+from latolato.errors import InputError
 from latolato.figures.analyses import tongue_edges as picture
 
 PAPER = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
@@ -210,7 +211,7 @@ def test_bad_input_is_refused():
         tongue_edges(LINEAR, drive_amplitude=0.1, position="inverted")
     with pytest.raises(ValueError, match=r"drive_amplitude must lie in \[0, inf\) m, got -0\.1"):
         tongue_edges(PAPER, drive_amplitude=-0.1)
-    with pytest.raises(TypeError, match="system must be one of"):
+    with pytest.raises(InputError, match="system must be one of"):
         tongue_edges("pendulum", drive_amplitude=0.1)
 
 

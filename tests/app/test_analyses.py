@@ -22,6 +22,7 @@ from latolato.app.questions import GROUPS, OPTION_WORDS, all_questions
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
 from latolato.cli import app as command_line
+from latolato.errors import InputError
 from latolato.files import load
 from latolato.quantities import QUANTITIES
 
@@ -134,7 +135,7 @@ def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
     assert unfit or laws == "fig04a"
     for name, why in unfit.items():
         assert why.endswith(".")
-        with pytest.raises((TypeError, ValueError)):
+        with pytest.raises(InputError):
             app.compute({**asked, "analysis": name, "given": about["quick"][name]}, tmp_path, print)
 
 
@@ -215,11 +216,26 @@ def test_every_analysis_answers(name, tmp_path):
     assert told["verdict"].endswith(".")
     assert "_" not in told["verdict"]
     assert "nan" not in told["verdict"]
+    assert "no value" not in told["verdict"]
     assert len(told["lines"]) > 0
     assert not any("_" in label for label, _ in told["lines"])
     assert (tmp_path / "found.svg").stat().st_size > 1000
     assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")
     assert f"# analysis: {name}" in (tmp_path / "found.csv").read_text(encoding="utf-8")
+
+
+def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead(tmp_path):
+    quick = about_asked(Asked("toy", {}))["quick"]["shortest_protocol"]
+    given = {"analysis": "shortest_protocol", "scenario": "toy", "given": {**quick, "push": "1, 7"}}
+    with pytest.warns(RuntimeWarning, match="leads to a larger motion than rest"):
+        told = app.compute(given, tmp_path, print)
+    assert told["verdict"] == (
+        "It cannot help: no push up to 7 rad/s leads beyond the 175° from rest."
+    )
+    found = load(tmp_path / "found.nc")
+    assert np.isfinite(found["angle_after_push"]).all()
+    # What does not exist has no unit either.
+    assert dict(told["lines"])["Smallest push that reaches it"] == "none"
 
 
 @pytest.mark.parametrize("name", OF_TWO)

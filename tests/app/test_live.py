@@ -23,6 +23,7 @@ from latolato.app.server import Settings, make_app
 from latolato.app.session import FRAME, MOST_UNSEEN, Session
 from latolato.app.steering import cosine_of, limits_of
 from latolato.app.toy import SHORTEST_CHANGE, Toy
+from latolato.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.scenario import scenarios
 
@@ -182,7 +183,7 @@ class TestToy:
     def test_values_beyond_the_limits_are_refused_whole(self, values, rule):
         toy = toy_of()
         before = dict(toy.controls)
-        with pytest.raises((TypeError, ValueError), match=rule):
+        with pytest.raises(InputError, match=rule):
             toy.set({"drive_amplitude": 0.01, **values})
         assert toy.controls == before
 
@@ -486,7 +487,7 @@ def session():
 def test_no_message_breaks_a_session(session, text):
     try:
         session.apply(parsed(text))
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         answer = json.loads(live.told(error))
         assert answer["error"]
         assert "\n" not in answer["error"]

@@ -9,6 +9,7 @@ import pytest
 
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
+from latolato.scenario import load_scenario, shipped
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 240_000
@@ -24,6 +25,27 @@ def test_a_scenario_is_drawn_and_its_fields_are_filled(page):
     assert page.get_by_label("pivot to ball centre l", exact=True).input_value() == "100"
     page.get_by_role("button", name="Play", exact=True).click()
     page.get_by_role("button", name="Pause").click()
+
+
+@pytest.mark.parametrize(
+    "scenario", [name for name, path in shipped().items() if not load_scenario(path).varied]
+)
+def test_every_scenario_is_drawn(page, scenario):
+    open_play(page, f"&scenario={scenario}")
+    # Pictures come one after the other, the table of contacts last.
+    page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
+    ends = page.evaluate(
+        """() => {
+          const { phase, section, curves } = window.latolato.views.play.player;
+          return [phase, section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
+            curves.charts.flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
+              .map(({ min, max }) => [min, max]));
+        }"""
+    )
+    assert len(ends) == 10
+    for low, high in ends:
+        assert math.isfinite(high - low)
+        assert high - low > 1e-6 * max(abs(low), abs(high))
 
 
 def test_a_slider_changes_the_curve_and_the_address(page):
@@ -291,6 +313,47 @@ def test_the_keyboard_plays_steps_and_zooms(page):
     page.wait_for_function("() => window.latolato.views.play.player.clock.time > 0.2")
     chart.press(" ")
     assert page.evaluate("() => window.latolato.views.play.player.clock.playing") is False
+
+
+PLAYING = "() => window.latolato.views.play.player.clock.playing"
+
+
+def test_the_space_bar_plays_and_does_not_scroll(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    page.keyboard.press("Space")
+    assert page.evaluate(PLAYING)
+    page.keyboard.press("Space")
+    assert not page.evaluate(PLAYING)
+    page.get_by_role("link", name="Play", exact=True).focus()
+    page.keyboard.press("Space")
+    assert page.evaluate(PLAYING)
+    page.get_by_label("Instant", exact=True).focus()
+    page.keyboard.press("Space")
+    assert not page.evaluate(PLAYING)
+    assert page.evaluate("() => scrollY") == 0
+
+
+def test_the_space_bar_is_left_to_those_that_need_it(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    loop = page.get_by_label("Loop", exact=True)
+    loop.focus()
+    was = loop.is_checked()
+    page.keyboard.press("Space")
+    assert loop.is_checked() != was
+    page.get_by_role("button", name="Pin this run").focus()
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Take the pin off").wait_for()
+    field = page.get_by_label("pivot to ball centre l", exact=True)
+    field.focus()
+    page.keyboard.press("End")
+    page.keyboard.press("Space")
+    assert field.input_value().endswith(" ")
+    assert not page.evaluate(PLAYING)
+    # A view that was left takes no keys.
+    page.get_by_role("link", name="Paper", exact=True).click()
+    page.get_by_role("heading", level=1).wait_for()
+    page.keyboard.press("Space")
+    assert not page.evaluate(PLAYING)
 
 
 def test_a_pinned_run_stays_behind_the_next(page):

@@ -8,6 +8,7 @@ import pytest
 
 import latolato as ll
 from latolato.cli import main
+from latolato.errors import InputError
 from latolato.experiment.comparison.motion import phases
 from latolato.experiment.comparison.parameters import wilson
 from latolato.experiment.comparison.places import cohen_kappa
@@ -212,11 +213,11 @@ def test_every_comparison_is_drawn_from_a_file(table, grid, responses, tmp_path)
 
 def test_what_cannot_be_compared_is_refused(table, grid, responses):
     trials = responses[0]
-    with pytest.raises(TypeError, match="track table or trials"):
+    with pytest.raises(InputError, match="track table or trials"):
         ll.compare(3, SINGLE)
     with pytest.raises(ValueError, match="track table or a trial table"):
         ll.compare(grid, SINGLE)
-    with pytest.raises(TypeError, match="system or a fit"):
+    with pytest.raises(InputError, match="system or a fit"):
         ll.compare(table, grid)
     with pytest.raises(ValueError, match="no number 'lenght'"):
         ll.compare(table, SINGLE, sigmas={"lenght": 1e-3})

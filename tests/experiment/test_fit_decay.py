@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from latolato.experiment.fits import decay
 from latolato.experiment.fits.decay import fit_decay
-from latolato.experiment.fits.least_squares import Data, Guess, solve
+from latolato.experiment.fits.least_squares import ConvergenceError, Data, Guess, solve
 from latolato.experiment.fits.result import load_fit
 from latolato.experiment.fits.sight import Sight
 from latolato.physics.drives import Harmonic
@@ -156,6 +157,67 @@ def test_laws_are_compared_also_where_a_start_leads_astray():
     found = fit_decay(table, mass=COUPLED["mass"], method="equation", profile=False)
     assert "quadratic, coulomb alone are excluded" in found.verdict
     assert found["damping"].value == pytest.approx(COUPLED["damping"], rel=0.002)
+
+
+def test_laws_that_cannot_be_told_apart_leave_the_numbers_of_linear_drag():
+    # As of a film of nine seconds: the terms of the fullest law take each other's place.
+    table = decay_table(
+        **SINGLE, duration=9.0, fps=30.0, size=2e-4, pivot_error=(0.05, -0.05), seed=1
+    )
+    found = fit_decay(table, mass=SINGLE["mass"], profile=False)
+    assert found["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
+    assert found.dataset.attrs["law"] == "linear"
+    lost = set(decay.LAWS) - set(found.dataset["law"].values.tolist())
+    assert lost == {"linear+quadratic+coulomb"}
+    assert (
+        "Of the 7 drag laws tried, linear+quadratic+coulomb is not compared: its fit did not "
+        "converge." in found.verdict
+    )
+
+
+def refusing(monkeypatch, *laws):
+    """Let the fits of these laws end without having converged."""
+    real = decay._fit_equation
+
+    def fit(data, first, terms, aside, **options):
+        if any(decay.LAWS[law] == tuple(terms) for law in laws):
+            raise ConvergenceError("the fit did not converge")
+        return real(data, first, terms, aside, **options)
+
+    monkeypatch.setattr(decay, "_fit_equation", fit)
+
+
+@pytest.mark.parametrize("compare", [True, False])
+def test_a_law_that_does_not_converge_falls_back_to_a_part_of_it(monkeypatch, compare):
+    refusing(monkeypatch, "linear+quadratic+coulomb", "linear+coulomb")
+    table = decay_table(**SINGLE, duration=8.0)
+    found = fit_decay(
+        table, mass=SINGLE["mass"], law="linear+coulomb", compare=compare, profile=False
+    )
+    assert found.dataset.attrs["law"] == "linear"
+    assert "coulomb_damping" not in found
+    assert found["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
+    assert (
+        "The fit with linear+coulomb drag did not converge: these are the numbers of linear drag."
+        in found.verdict
+    )
+    lost = "linear+coulomb, linear+quadratic+coulomb are not compared: their fits did not converge"
+    assert (lost in found.verdict) == compare
+
+
+def test_a_fit_that_does_not_converge_at_all_says_so_and_blames_no_unit(monkeypatch):
+    table = decay_table(**SINGLE, duration=8.0)
+    with monkeypatch.context() as patch:
+        refusing(patch, *decay.LAWS)
+        with pytest.raises(ConvergenceError, match="did not converge"):
+            fit_decay(table, mass=SINGLE["mass"], law="best", profile=False)
+    data = Data(np.arange(50.0), noise(50, 1), np.full(50, 1e-3), np.zeros(50, dtype=np.int64))
+    with pytest.raises(ConvergenceError) as caught:
+        solve(lambda p: np.full(50, p["a"] + p["b"]), {"a": Guess(3.0), "b": Guess(5.0)}, data,
+              limit=3)  # fmt: skip
+    assert str(caught.value) == (
+        "the fit of a, b did not converge in 3 trials; fit fewer parameters, or another piece"
+    )
 
 
 def test_gravity_may_be_tilted_and_the_swing_large():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.experiment.fits.model import fit_model
 from track_tables import PLACE, motion_table
 
@@ -123,5 +124,5 @@ def test_a_pair_needs_two_balls_and_a_system_is_a_system():
     table = motion_table(PENDULUM, duration=2.0, initial_angle=0.3)
     with pytest.raises(ValueError, match="a table of two balls"):
         fit_model(table, PAIR)
-    with pytest.raises(TypeError, match="system must be one of"):
+    with pytest.raises(InputError, match="system must be one of"):
         fit_model(table, "pendulum")

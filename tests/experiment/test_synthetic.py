@@ -9,6 +9,7 @@ import pytest
 
 import latolato as ll
 from latolato.cli import main
+from latolato.errors import InputError
 from latolato.experiment.conditions import conditions
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import prepare, synthesise_video
@@ -265,5 +266,5 @@ def test_bad_options_are_refused_in_one_line_and_nothing_is_written(
 
 
 def test_what_is_no_run_is_refused(run, tmp_path):
-    with pytest.raises(TypeError, match="needs a run"):
+    with pytest.raises(InputError, match="needs a run"):
         synthesise_video(run.drop_attrs(), tmp_path / "clip.mp4")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from latolato.errors import InputError
 from latolato.experiment.table import FLAGS, column_names, read_table, track_table, write_table
 
 
@@ -70,7 +71,7 @@ def test_bad_columns_are_refused_in_one_line(columns, said):
 
 
 def test_numbers_that_are_texts_are_refused():
-    with pytest.raises(TypeError, match="'angle_1' must hold numbers, got 'left'"):
+    with pytest.raises(InputError, match="'angle_1' must hold numbers, got 'left'"):
         track_table({"time": [0.0], "angle_1": ["left"]})
 
 

@@ -11,7 +11,8 @@ STATEMENTS = {s.name: s for module in catalogue.evidence().values() for s in mod
 
 
 PRINTED = [s for s in STATEMENTS.values() if s.printed]
-ASSUMED = [s for s in STATEMENTS.values() if s.assumed]
+ASSUMED = [s for s in STATEMENTS.values() if s.assumed and not s.is_method_check]
+METHOD = [s for s in STATEMENTS.values() if s.is_method_check]
 
 
 def each(statements):
@@ -74,6 +75,43 @@ def test_a_statement_needs_its_assumption_if_only_the_assumed_limits_hold(statem
     for limit in statement.assumed:
         for value in outside(limit):
             assert statement.verdict(numbers | {limit.number: value}) is Verdict.NOT_AS_PRINTED
+
+
+def test_what_the_paper_does_not_print_is_never_counted_as_reproduced():
+    chain = {f"fig{number}-chain" for number in (7, 8, 9, 10, 11, 12)}
+    assert {s.name for s in METHOD} == chain | {"threshold-of-fig-8"}
+    for statement in METHOD:
+        held = inside(statement.assumed)
+        assert statement.verdict(held) is Verdict.METHOD_CHECK
+        assert statement.verdict(dict.fromkeys(held, math.nan)) is Verdict.METHOD_CHECK
+        assert "measured" not in statement.finding.replace("{measured", "")
+
+
+@each(STATEMENTS.values())
+def test_a_finding_is_a_sentence_that_stands_alone(statement):
+    first = statement.finding.split()[0]
+    assert first[0].isupper() or first.startswith("{")
+    assert first not in ("It", "They", "This", "These", "Those", "Both", "Pushed,", "Up")
+    assert statement.finding.count(". ") - statement.finding.count("Fig. ") == (
+        statement.finding.count("Figs. ")
+    )
+    assert statement.finding.endswith(".")
+
+
+def test_a_method_check_has_no_printed_limits():
+    limit = (Limit("x", "x", low=0.0),)
+    with pytest.raises(ValueError, match="is a method check: no limit can be printed"):
+        Statement(
+            name="half",
+            where="",
+            words="",
+            finding="",
+            why="",
+            printed=limit,
+            assumed=limit,
+            assumption="so",
+            is_method_check=True,
+        )
 
 
 def test_a_statement_without_limits_is_refused():

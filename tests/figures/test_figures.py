@@ -130,7 +130,10 @@ def test_claims_are_judged(evidence):
         assert claim.why
         assert isinstance(claim.verdict, Verdict)
         assert all(np.isfinite(value) for value in claim.numbers.values())
-        assert bool(claim.assumption) == (claim.verdict is Verdict.ASSUMED)
+        needs = claim.verdict in (Verdict.ASSUMED, Verdict.METHOD_CHECK)
+        assert bool(claim.assumption) == needs
+        if claim.verdict is Verdict.METHOD_CHECK:
+            assert all(held for _, held in claim.criteria)
 
 
 def test_names_of_claims_are_unique():
@@ -186,10 +189,20 @@ def test_the_chain_from_a_video_returns_the_papers_damping(name):
 def test_figures_through_the_chain_say_what_is_synthetic(name):
     module = EVIDENCE[name]
     (claim,) = catalogue.judge(module, quick_data(name))
-    assert claim.verdict is Verdict.ASSUMED
+    assert claim.verdict is Verdict.METHOD_CHECK
     assert "ynthetic" in claim.assumption
     made = quick_data(name).attrs["chain"]
     assert "synthetic video" in made or "simulated" in made.lower()
+    shown = [
+        module.TITLE,
+        module.CAPTION,
+        claim.finding,
+        claim.why,
+        *(t for t, _ in claim.criteria),
+    ]
+    assert not [text for text in shown if "measured" in text]
+    if "synthetic video" not in made:  # nothing is filmed: nothing is called a video
+        assert not [text for text in (*shown, claim.where, made) if "video" in text]
 
 
 def test_legends_of_the_energies_hide_no_curve():

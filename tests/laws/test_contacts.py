@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.numerics.fold import meet_wall
 from latolato.physics.contacts import contact_separation, pair_impact, wall_impact
 
@@ -186,7 +187,7 @@ class TestRefusals:
             ll.LatoLato(length=0.4, mass=1.0, radius=0.5)
 
     def test_ball_that_is_no_ball(self):
-        with pytest.raises(TypeError, match="left must be a Ball, got 3"):
+        with pytest.raises(InputError, match="left must be a Ball, got 3"):
             ll.BallPair(right=ll.Ball(length=1.0, mass=1.0), left=3)
 
 

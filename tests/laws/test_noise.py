@@ -6,6 +6,7 @@ import math
 import pytest
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.physics.noise import BOLTZMANN
 from latolato.quantities import QUANTITIES
 
@@ -32,21 +33,21 @@ def test_thermal_noise_balances_the_damping():
 
 
 @pytest.mark.parametrize(
-    "temperature, kind, message",
+    "temperature, message",
     [
-        ("300", TypeError, "temperature must be a number in K, got '300'"),
-        (-1.0, ValueError, "temperature must lie in [0, inf) K, got -1"),
-        (math.nan, ValueError, "temperature must be finite, got nan"),
+        ("300", "temperature must be a number in K, got '300'"),
+        (-1.0, "temperature must lie in [0, inf) K, got -1"),
+        (math.nan, "temperature must be finite, got nan"),
     ],
 )
-def test_a_wrong_temperature_is_refused(temperature, kind, message):
-    with pytest.raises(kind) as refused:
+def test_a_wrong_temperature_is_refused(temperature, message):
+    with pytest.raises(InputError) as refused:
         ll.VelocityKicks.thermal(TOY, temperature=temperature)
     assert message in str(refused.value)
 
 
 def test_thermal_noise_needs_a_system():
-    with pytest.raises(TypeError, match="system must be a system such as LatoLato, got 3"):
+    with pytest.raises(InputError, match="system must be a system such as LatoLato, got 3"):
         ll.VelocityKicks.thermal(3, temperature=300.0)
 
 
@@ -64,7 +65,7 @@ def test_thermal_noise_needs_a_system():
     ],
 )
 def test_wrong_parameters_are_refused(options, message):
-    with pytest.raises((TypeError, ValueError)) as refused:
+    with pytest.raises(InputError) as refused:
         ll.VelocityKicks(**options)
     assert message in str(refused.value)
 

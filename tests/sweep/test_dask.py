@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.sweep import run_plan
 from latolato.sweep.executors.dask import execute
 from latolato.sweep.plan import make_plan
@@ -73,7 +74,7 @@ def test_cluster_of_its_own_is_started_and_closed(plan, expected):
 
 def test_killed_worker_is_survived(client, plan, expected):
     victim = next(iter(client.run(os.getpid).values()))
-    results = Memory(plan)
+    results = Memory(plan, "compiled")
     came = []
 
     for number, (values, reason) in execute(plan, range(plan.chunks), client=client):
@@ -135,7 +136,7 @@ def test_wrong_address_is_told_in_one_line(plan, monkeypatch, address):
 def test_bad_options_are_refused(plan, client):
     with pytest.raises(ValueError, match="only one of workers and client"):
         list(execute(plan, [0], client=client, workers=2))
-    with pytest.raises(TypeError, match="or an address"):
+    with pytest.raises(InputError, match="or an address"):
         list(execute(plan, [0], client=5))
 
 

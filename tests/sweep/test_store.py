@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables import observables
 from latolato.physics.contacts import contact_laws
@@ -21,9 +22,10 @@ from latolato.sweep import store as store_module
 from latolato.sweep.axes import Axis
 from latolato.sweep.chunk import STATUS
 from latolato.sweep.differences import differences
+from latolato.sweep.executors import ROUNDING
 from latolato.sweep.plan import Plan, make_plan
 from latolato.sweep.results import Memory, lengths_of, template
-from latolato.sweep.store import Store, plan_from_store, store_status
+from latolato.sweep.store import Store, plan_from_store, store_status, verify_store
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1)
@@ -113,7 +115,7 @@ def made_up(plan, number, reason=""):
 
 def fill(plan, path, numbers=None, reasons=(), make=made_up):
     """Write made-up chunks, in this order, those that are missing by default."""
-    with Store(plan, path) as store:
+    with Store(plan, path, "python") as store:
         for number in store.missing if numbers is None else numbers:
             reason = dict(reasons).get(number, "")
             store.write(number, make(plan, number, reason), reason)
@@ -121,9 +123,9 @@ def fill(plan, path, numbers=None, reasons=(), make=made_up):
 
 
 @contextmanager
-def made_good(what):
-    """Expect to be told what was damaged."""
-    with pytest.warns(RuntimeWarning, match=f"is made good: {what}"):
+def repaired(what):
+    """Expect a warning that names what was damaged."""
+    with pytest.warns(RuntimeWarning, match=f"repaired the store .*: {what}"):
         yield
 
 
@@ -158,7 +160,7 @@ def test_two_balls_samples_and_zipped_axes_come_back(tmp_path, direction):
         direction=direction,
         chunk_size=3,
     )
-    memory = Memory(plan)
+    memory = Memory(plan, "python")
     for number in range(plan.chunks):
         memory.write(number, made_up(plan, number), "")
     opened = fill(plan, tmp_path / "map.zarr")
@@ -204,7 +206,7 @@ def test_chunks_in_any_order_end_with_the_same_bytes(tmp_path):
     second = fill(PLAN, tmp_path / "b.zarr", [3, 2, 1, 0], reasons)
     assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
     assert first.attrs["first_invalid"] == second.attrs["first_invalid"] == "second"
-    memory = Memory(PLAN)
+    memory = Memory(PLAN, "python")
     for number in (3, 1):
         memory.write(number, made_up(PLAN, number, dict(reasons)[number]), dict(reasons)[number])
     assert memory.dataset().attrs["first_invalid"] == "second"
@@ -238,45 +240,187 @@ def damage(how, file):
     elif how == "empty":
         file.write_bytes(b"")
     else:
-        file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+        flip(file, 8 * len(content) // 2)
+
+
+def flip(file, bit):
+    """Turn over one bit of a file."""
+    content = bytearray(file.read_bytes())
+    content[bit // 8] ^= 1 << bit % 8
+    file.write_bytes(content)
+
+
+# One file of every kind, and how many chunks are computed again for it.
+FILES = [
+    ("largest_angle/c/1/0", 1),
+    ("status/c/0/1", 1),
+    (".latolato/chunks/2.json", 1),
+    ("radius/c/0", 0),
+    ("status/zarr.json", 0),
+    ("zarr.json", 0),
+    (".latolato/root.json", 0),
+    (".latolato/zarr.json", 0),
+]
 
 
 @pytest.mark.parametrize("how", ["missing", "truncated", "empty", "one bit"])
-@pytest.mark.parametrize(
-    "name, again",
-    [
-        ("largest_angle/c/1/0", 1),
-        ("status/c/0/1", 1),
-        (".latolato/chunks/2.json", 1),
-        ("radius/c/0", 0),
-        ("status/zarr.json", 0),
-    ],
-)
-def test_a_damaged_file_is_told_and_made_again(tmp_path, how, name, again):
+@pytest.mark.parametrize("name, again", FILES)
+def test_a_damaged_file_is_named_and_made_again(tmp_path, how, name, again):
     path = tmp_path / "map.zarr"
-    fill(PLAN, path)
+    reasons = [(1, "a reason")]
+    fill(PLAN, path, reasons=reasons)
     before = contents(path)
     damage(how, path / name)
-    if name.startswith(".latolato") and how == "missing":  # like a chunk that was never done
-        fill(PLAN, path)
+    if name.startswith(".latolato/chunks") and how == "missing":  # a chunk that was never done
+        assert verify_store(path)["damaged"] == []
+        fill(PLAN, path, reasons=reasons)
     else:
-        with made_good(f"{name} is damaged.*; {again} of 4 chunks are computed again"):
-            fill(PLAN, path)
+        assert [found["file"] for found in verify_store(path)["damaged"]] == [name]
+        with repaired(f"{name} damaged or missing; {again} of 4 chunks are computed again"):
+            fill(PLAN, path, reasons=reasons)
     assert contents(path) == before
+    assert verify_store(path)["damaged"] == []
 
 
-@pytest.mark.parametrize("how", ["missing", "truncated", "empty"])
-def test_a_damaged_root_is_refused_with_the_way_out(tmp_path, how):
+def test_every_flipped_bit_of_a_chunk_is_noticed(tmp_path):
+    fill(PLAN, tmp_path / "map.zarr")
+    file = tmp_path / "map.zarr" / "largest_angle" / "c" / "1" / "0"
+    for bit in range(8 * file.stat().st_size):
+        flip(file, bit)
+        with pytest.raises(InputError, match=r"chunk c/1/0 of largest_angle is damaged"):
+            ll.load(tmp_path / "map.zarr").largest_angle.load()
+        with pytest.raises((ValueError, RuntimeError)):  # Zarr by itself
+            xr.open_zarr(tmp_path / "map.zarr", chunks=None).largest_angle.load()
+        flip(file, bit)
+
+
+@pytest.mark.parametrize(
+    "name, part",
+    [
+        ("largest_angle/c/1/0", "chunk c/1/0 of largest_angle is"),
+        ("status/c/0/1", "chunk c/0/1 of status is"),
+        ("radius/c/0", "chunk c/0 of radius is"),
+        ("zarr.json", r"its zarr\.json is"),
+    ],
+)
+@pytest.mark.parametrize("how", ["missing", "truncated", "empty", "one bit"])
+def test_a_damaged_store_is_not_read_as_good_data(tmp_path, how, name, part):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path)
+    damage(how, path / name)
+    with pytest.raises(InputError, match=f"{part} (damaged|missing).* in the store") as caught:
+        ll.load(path).load()
+    assert str(path) in str(caught.value)
+    assert "--verify" in caught.value.way_out
+    assert "running the sweep again with this store repairs it" in caught.value.way_out
+
+
+def test_plain_zarr_refuses_a_damaged_coordinate(tmp_path):
+    fill(PLAN, tmp_path / "map.zarr")
+    flip(tmp_path / "map.zarr" / "radius" / "c" / "0", 3)
+    with pytest.raises(ValueError, match="checksum"):
+        xr.open_zarr(tmp_path / "map.zarr")
+
+
+@pytest.mark.parametrize("how", ["missing", "truncated", "empty", "one bit"])
+def test_a_lost_root_is_rebuilt_from_the_plan_that_the_store_keeps(tmp_path, how):
+    path = tmp_path / "map.zarr"
+    reasons = [(2, "a reason")]
+    fill(PLAN, path, [0, 2], reasons)
+    damage(how, path / "zarr.json")
+    assert plan_from_store(path) == PLAN
+    assert store_status(path)["chunks_done"] == 2
+    with repaired(r"zarr\.json damaged or missing; 0 of 4 chunks"):
+        fill(plan_from_store(path), path)
+    fill(PLAN, tmp_path / "other.zarr", reasons=reasons)
+    assert contents(path) == contents(tmp_path / "other.zarr")
+
+
+def test_a_root_with_a_changed_number_is_damaged_though_it_can_be_read(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path)
+    text = (path / "zarr.json").read_text()
+    assert '"duration": 0.05,' in text
+    (path / "zarr.json").write_text(text.replace('"duration": 0.05,', '"duration": 0.04,'))
+    with pytest.raises(InputError, match=r"its zarr\.json is damaged"):
+        ll.load(path)
+
+
+def test_a_store_that_lost_its_metadata_and_their_copy_is_refused(tmp_path):
     path = tmp_path / "map.zarr"
     fill(PLAN, path, [0])
-    damage(how, path / "zarr.json")
+    for name in ("zarr.json", ".latolato/root.json"):
+        damage("truncated", path / name)
     before = contents(path)
-    for use in (lambda path: fill(PLAN, path), store_status, plan_from_store):
-        with pytest.raises(
-            ValueError, match=r"zarr\.json of the store .* is damaged or missing: na"
-        ):
+    for use in (lambda path: fill(PLAN, path), store_status, plan_from_store, ll.load):
+        with pytest.raises(InputError, match="are both damaged or missing; name another path"):
             use(path)
     assert contents(path) == before
+
+
+def test_a_store_without_checksums_is_refused_with_the_way_out(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path)
+    root = json.loads((path / "zarr.json").read_text())
+    del root["attributes"]["rounding"]
+    (path / "zarr.json").write_text(json.dumps(root))
+    (path / ".latolato" / "root.json").unlink()
+    for use in (lambda path: fill(PLAN, path), store_status, ll.load):
+        with pytest.raises(
+            InputError, match="earlier latolato, without checksums; read it with xa"
+        ):
+            use(path)
+
+
+def test_a_verification_reads_everything_and_says_what_is_damaged(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path, [0, 1, 3])
+    found = verify_store(path)
+    on_disk = {name for name in contents(path) if not name.startswith(".latolato/chunks")}
+    assert found["damaged"] == []
+    assert found["files"] == len(on_disk)
+    assert not found["complete"]
+    for name in ("status/c/1/1", "radius/c/0"):
+        damage("one bit", path / name)
+    found = verify_store(path)
+    assert json.loads(json.dumps(found)) == found
+    assert found["damaged"] == [
+        {"file": "radius/c/0", "variable": "radius", "chunk": "c/0", "number": None},
+        {"file": "status/c/1/1", "variable": "status", "chunk": "c/1/1", "number": 3},
+    ]
+    assert found["chunks_done"] == 2
+
+
+def test_chunks_of_executors_that_round_differently_do_not_mix(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path, [0, 2])
+    before = contents(path)
+    told = r"2 of 4 chunks .* with executor 'reference', which rounds differently from 'threads' or"
+    for executor in ("threads", "dask"):
+        with (
+            pytest.raises(InputError, match=f"{told} 'dask'; finish it with that executor, name"),
+            Store(PLAN, path, ROUNDING[executor]),
+        ):
+            pass
+    with pytest.raises(InputError, match=told):
+        ll.sweep(TOY, DRIVE, **SWEEP, store=path)
+    assert contents(path) == before
+    fill(PLAN, path)
+    with Store(PLAN, path, ROUNDING["threads"]) as store:  # nothing is computed, nothing mixes
+        assert store.dataset().attrs["rounding"] == "python"
+
+
+def test_a_damaged_chunk_is_computed_again_by_its_own_rounding_only(tmp_path):
+    path = tmp_path / "map.zarr"
+    fill(PLAN, path)
+    damage("one bit", path / "largest_angle" / "c" / "1" / "0")
+    with (
+        pytest.raises(InputError, match=r"1 of 4 chunks .* rounds differently"),
+        Store(PLAN, path, "cuda"),
+    ):
+        pass
+    with repaired("largest_angle/c/1/0"):
+        fill(PLAN, path)
 
 
 def test_nothing_is_left_of_a_store_that_was_only_just_begun(tmp_path, monkeypatch):
@@ -302,10 +446,10 @@ def test_a_chunk_without_any_answer_is_a_file_too(tmp_path):
     values = made_up(PLAN, 0, "all of it")
     for name in ("largest_angle", "drive_work"):
         values[name][:] = np.nan
-    with Store(PLAN, tmp_path / "map.zarr") as store:
+    with Store(PLAN, tmp_path / "map.zarr", "python") as store:
         store.write(0, values, "all of it")
     assert (tmp_path / "map.zarr" / "largest_angle" / "c" / "0" / "0").is_file()
-    with Store(PLAN, tmp_path / "map.zarr") as store:
+    with Store(PLAN, tmp_path / "map.zarr", "python") as store:
         assert store.missing == [1, 2, 3]
         assert store.points_done == 2
         assert store.status_counts() == {"invalid": 2}
@@ -366,7 +510,9 @@ def test_what_is_no_store_of_a_sweep_is_not_touched(tmp_path, what):
     with pytest.raises(error, match=told):
         fill(PLAN, path)
     assert contents(tmp_path) == before
-    with pytest.raises((ValueError, FileNotFoundError), match=r"no store|does not exist|no file"):
+    with pytest.raises(
+        (ValueError, FileNotFoundError), match=r"no(t a)? store|does not exist|no file"
+    ):
         store_status(path)
 
 
@@ -378,7 +524,7 @@ def test_an_empty_folder_becomes_a_store(tmp_path):
 
 def test_a_second_writer_in_this_process_is_refused(tmp_path):
     path = tmp_path / "map.zarr"
-    with Store(PLAN, path) as store:
+    with Store(PLAN, path, "python") as store:
         with pytest.raises(BlockingIOError, match=f"process {os.getpid()} on .* is writing the st"):
             fill(PLAN, path)
         store.write(0, made_up(PLAN, 0), "")
@@ -394,7 +540,7 @@ def test_a_second_writer_is_refused_until_the_first_one_is_killed(tmp_path):
     fill(PLAN, path, [0])
     code = f"""
         from latolato.sweep.store import Store, plan_from_store
-        with Store(plan_from_store({str(path)!r}), {str(path)!r}):
+        with Store(plan_from_store({str(path)!r}), {str(path)!r}, "python"):
             print("writing", flush=True)
             input()
     """
@@ -515,7 +661,7 @@ def test_a_sweep_goes_to_netcdf_and_back(whole, tmp_path):
 def test_axes_beyond_the_64_kilobytes_of_small_attributes_go_to_netcdf(tmp_path):
     plan = make_plan(TOY, DRIVE, **SWEEP | {"axes": {"gravity": np.linspace(9, 10, 9000)}})
     assert len(json.dumps(plan.describe())) > 2**16
-    path = ll.save(Memory(plan).dataset(), tmp_path / "map.nc")
+    path = ll.save(Memory(plan, "python").dataset(), tmp_path / "map.nc")
     assert plan_from_store(path) == plan
 
 
@@ -528,10 +674,20 @@ def test_a_file_without_a_sweep_gives_no_plan(tmp_path):
 
 
 def test_a_plan_that_was_changed_by_hand_is_refused(tmp_path):
+    dataset = Memory(PLAN, "python").dataset()
+    dataset.attrs["plan"] = dataset.attrs["plan"].replace('"duration": 0.05', '"duration": 0.06')
+    ll.save(dataset, tmp_path / "map.nc")
+    with pytest.raises(InputError, match="does not fit its hash"):
+        plan_from_store(tmp_path / "map.nc")
+
+
+def test_a_plan_in_a_damaged_root_is_not_used(tmp_path):
     fill(PLAN, tmp_path / "map.zarr")
     root = tmp_path / "map.zarr" / "zarr.json"
     root.write_text(root.read_text().replace(r"\"duration\": 0.05", r"\"duration\": 0.06"))
-    with pytest.raises(ValueError, match="does not fit its hash"):
+    assert plan_from_store(tmp_path / "map.zarr") == PLAN
+    (tmp_path / "map.zarr" / ".latolato" / "root.json").unlink()
+    with pytest.raises(InputError, match="are both damaged or missing"):
         plan_from_store(tmp_path / "map.zarr")
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
@@ -152,7 +153,7 @@ def activation_time(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, or a start beyond the threshold.
 
     Notes
@@ -203,7 +204,7 @@ def activation_time(
     if system.angles == 2:
         times = np.fmin(times[:, 0], times[:, 1])
     if np.any(times == 0.0):
-        raise ValueError(
+        raise InputError(
             f"the start must lie below threshold_angle {threshold:g} rad; give a larger threshold"
         )
     known = grid.status.values < EVENT_LIMIT

@@ -18,6 +18,7 @@ from latolato.analysis.stroboscopic import (
     settled_motion,
     wilson,
 )
+from latolato.errors import InputError
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, System
@@ -42,6 +43,8 @@ _TAIL = 0.1
 _MOST_STARTS = 4_000_000
 # Default range of initial angular velocities in natural frequencies, about the separatrix.
 _SPEEDS = 3.0
+# Attractors of two maps farther apart than this on average are not the same [rad].
+_NEAREST = 0.5
 # A wall is approached from inside by this much [rad].
 _INSIDE = 1e-9
 _TOLD = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
@@ -66,7 +69,9 @@ def basins(
     chaos_box: float = 0.1,
     entropy_box: int = 5,
     tolerance: float = 1e-6,
+    check_tolerance: float | None = None,
     rest_speed: float = DEFAULT_REST_SPEED,
+    known: xr.Dataset | None = None,
 ) -> xr.Dataset:
     """Return which attractor each start leads to, the attractors, their shares [1] and entropies.
 
@@ -102,14 +107,21 @@ def basins(
         Starts along each side of the boxes of the basin entropy.
     tolerance : float
         Aimed-at error of the angle [rad], in [1e-14, 1e-2].
+    check_tolerance : float, optional
+        Smaller tolerance at which every start is run once more [rad]; by default a tenth.
     rest_speed : float
         Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    known : xarray.Dataset, optional
+        A former result, for a series of maps: an attractor near one of its attractors gets the
+        same number, and so the same colour.
 
     Returns
     -------
     xarray.Dataset
-        ``basin`` over (initial_angle, initial_angular_velocity): the number of the attractor, the
-        one with the largest basin being 0, and -1 where none was assigned. Over ``attractor``:
+        ``basin`` over (initial_angle, initial_angular_velocity): the number of the attractor, and
+        -1 where none was assigned; ``uncertain``: 1 where `check_tolerance` leads to another
+        attractor or to none, and ``uncertain_fraction``, the share of such starts. The attractor
+        with the largest basin is number 0, unless `known` numbers it. Over ``attractor``:
         ``status`` ("rest", "periodic", "grazing", "aperiodic"), ``response_period``,
         ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``, as in
         `response_period`, the ``basin_fraction`` [1] with the ends of its 95 % interval, and over
@@ -120,7 +132,7 @@ def basins(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, ranges beyond the walls, a drive without a period, the linearised pendulum.
 
     Notes
@@ -132,6 +144,14 @@ def basins(
     symmetric partners are two attractors. Fractions are of the starts on the grid, which is
     centred in its cells; their intervals (Wilson, 1927) are those of as many starts drawn at
     random, and too wide for smooth basins.
+
+    On a fractal boundary, or after a long chaotic transient, the attractor of a start depends on
+    the numerical error. No tolerance settles such a start: its label is one of several that
+    are possible, and only the shares mean something. The second run finds these starts; as it
+    takes shorter steps, both take about 2.3 times as long as the first. Equal basins
+    are numbered by rotation number, then by mean angle. With `known` the pairs of attractors
+    with the smallest mean distance between their samples are matched first, up to 0.5 rad, as
+    ``match_statespacesets!`` of Attractors.jl does; a number that has vanished is not given again.
 
     What it can miss: attractors whose basins are smaller than the grid's spacing or outside the
     range; motions still on their way after the transient. Those that die down, or have a period
@@ -165,33 +185,71 @@ def basins(
         checked_count("velocity_points", velocity_points),
     )
     if entropy_size > min(shape):
-        raise ValueError(
+        raise InputError(
             f"entropy_box must be at most the points of either axis, {min(shape)}, got "
             f"{entropy_size}; take a smaller box or more points"
         )
     if math.prod(shape) > _MOST_STARTS:
-        raise ValueError(
+        raise InputError(
             f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
             "velocity_points"
         )
+    tolerance = checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad")
+    finer = _checked_finer(check_tolerance, tolerance)
+    if known is not None:
+        _check_known(known, system)
     angles, velocities = _starts(
         system, shape, (angle_low, angle_high), (velocity_low, velocity_high)
     )
-    grid, motion = settled_motion(
-        system,
-        law,
-        _axes(system, angles, velocities, shift),
-        law.drive_frequency,
-        longest=longest,
-        angle_tolerance=angle_tolerance,
-        transient_periods=transient_periods,
-        tolerance=tolerance,
-        rest_speed=rest_speed,
+
+    def look(error: float) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
+        return settled_motion(
+            system,
+            law,
+            _axes(system, angles, velocities, shift),
+            law.drive_frequency,
+            longest=longest,
+            angle_tolerance=angle_tolerance,
+            transient_periods=transient_periods,
+            tolerance=error,
+            rest_speed=rest_speed,
+        )
+
+    grid, motion = look(tolerance)
+    again, checked = look(finer)
+    frequency = law.drive_frequency
+    samples = _samples(grid, system.angles, frequency)
+    both, examples = find_attractors(
+        np.concatenate([samples, _samples(again, system.angles, frequency)]),
+        np.concatenate([motion["response_period"], checked["response_period"]]),
+        np.concatenate([motion["status"], checked["status"]]),
+        match_tolerance=match,
+        chaos_box=box,
     )
-    samples = _samples(grid, system, law.drive_frequency)
-    labels, examples = find_attractors(
-        samples, motion["response_period"], motion["status"], match_tolerance=match, chaos_box=box
-    )
+    count = len(samples)
+    # Attractors that only the second run finds make its starts differ, and are not told.
+    shares = np.bincount(both[:count][both[:count] >= 0], minlength=len(examples))
+    seen = np.flatnonzero((shares > 0) & (examples < count))
+    order = seen[
+        np.lexsort(
+            [
+                samples[examples[seen], :, 0].mean(axis=1).round(6),
+                motion["rotation_number"][examples[seen]],
+                -shares[seen],
+            ]
+        )
+    ]
+    numbers = np.arange(len(order))
+    used = len(order)
+    if known is not None:
+        numbers, used = _known_numbers(samples[examples[order]], known)
+        order, numbers = order[np.argsort(numbers)], np.sort(numbers)
+    examples = examples[order]
+    place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
+    place[order] = np.arange(len(order))
+    labels, others = place[both[:count]], place[both[count:]]
+    uncertain = (labels != others).reshape(shape)
+    doubtful = float(uncertain.mean())
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
         warnings.warn(
@@ -203,18 +261,20 @@ def basins(
         )
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
     share, low, high = wilson(counts, labels.size)
-    table = labels.reshape(shape)
+    table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
     entropy = basin_entropy(table, entropy_size)
     ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
         "basin": (places, table),
+        "uncertain": (places, uncertain.astype(np.int8)),
         **{name: (("attractor",), motion[name][examples]) for name in (*_TOLD, "status")},
         "basin_fraction": (("attractor",), share),
         "basin_fraction_low": (("attractor",), low),
         "basin_fraction_high": (("attractor",), high),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
         "not_settled_fraction": unsettled,
+        "uncertain_fraction": doubtful,
         "basin_entropy": entropy.basin_entropy,
         "boundary_basin_entropy": entropy.boundary_basin_entropy,
         "boundary_share": entropy.boundary_share,
@@ -227,7 +287,7 @@ def basins(
     coordinates: dict[str, Any] = {
         "initial_angle": (("initial_angle",), angles),
         "initial_angular_velocity": (("initial_angular_velocity",), velocities),
-        "attractor": (("attractor",), np.arange(len(examples))),
+        "attractor": (("attractor",), numbers),
     }
     if ball:
         coordinates["ball"] = (("ball",), ["right", "left"])
@@ -247,7 +307,13 @@ def basins(
             "chaos_box": box,
             "entropy_box": entropy_size,
             "tolerance": tolerance,
+            "check_tolerance": finer,
             "rest_speed": rest_speed,
+            "numbers_used": used,
+            "message": f"{doubtful:.1%} of the starts lead elsewhere at a tolerance of {finer:.1g} "
+            "rad: their basin is uncertain"
+            if doubtful
+            else None,
         },
     )
 
@@ -259,12 +325,76 @@ _QUANTITIES: dict[str, Quantity] = {
     "basin_fraction": Quantity("1", "F", "share of the starts"),
     "basin_fraction_low": Quantity("1", "", "share of the starts, low end"),
     "basin_fraction_high": Quantity("1", "", "share of the starts, high end"),
+    "uncertain": Quantity("1", "", "whether the basin changes with the tolerance"),
+    "uncertain_fraction": Quantity(
+        "1", "F_u", "share of starts whose basin changes with tolerance"
+    ),
     "unresolved_fraction": Quantity("1", "", "share of starts without attractor"),
     "not_settled_fraction": Quantity("1", "", "share of starts whose motion has not settled"),
     "basin_entropy": Quantity("1", "S_b", "basin entropy"),
     "boundary_basin_entropy": Quantity("1", "S_{bb}", "boundary basin entropy"),
     "boundary_share": Quantity("1", "", "share of boxes on a boundary"),
 }
+
+
+def _checked_finer(given: Any, tolerance: float) -> float:
+    """Return the tolerance of the second run [rad]."""
+    if given is None:
+        return max(0.1 * tolerance, 1e-15)
+    finer = checked_number("check_tolerance", given, Range(1e-15, 1e-2), "rad")
+    if not finer < tolerance:
+        raise InputError(
+            f"must be below the tolerance of {tolerance:g} rad",
+            parameter="check_tolerance",
+            value=finer,
+            way_out="give a smaller one, or none for a tenth",
+        )
+    return finer
+
+
+def _check_known(known: Any, system: System) -> None:
+    """Raise if attractors cannot be compared with those of a former result."""
+    attributes = getattr(known, "attrs", {})
+    if attributes.get("analysis") != "basins":
+        raise InputError(
+            "must be a result of basins",
+            parameter="known",
+            value=type(known).__name__,
+            way_out="give the dataset of a former map",
+        )
+    balls = known.sizes.get("ball", 1)
+    if balls != system.angles:
+        raise InputError(
+            f"must be of a system with as many balls, not of {balls} instead of {system.angles}",
+            parameter="known",
+            way_out="give a map of the same kind of system",
+        )
+
+
+def _known_numbers(samples: Floats, known: xr.Dataset) -> tuple[Labels, int]:
+    """Return the number of each attractor, that of the nearest known one, and how many are used."""
+    old = _samples(known, known.sizes.get("ball", 1), float(known.attrs["drive_frequency"]))
+    names = known["attractor"].values
+    apart = np.array([[_apart(one, other) for other in old] for one in samples])
+    apart = apart.reshape(len(samples), len(old))
+    numbers = np.full(len(samples), UNRESOLVED, dtype=np.int64)
+    while apart.size and apart.min() <= _NEAREST:
+        new, former = np.unravel_index(int(apart.argmin()), apart.shape)
+        numbers[new] = names[former]
+        apart[new], apart[:, former] = math.inf, math.inf
+    used = int(known.attrs["numbers_used"])
+    fresh = numbers == UNRESOLVED
+    numbers[fresh] = used + np.arange(fresh.sum())
+    return numbers, used + int(fresh.sum())
+
+
+def _apart(one: Floats, other: Floats) -> float:
+    """Return the mean distance of the samples of two motions to the nearest of the other [rad]."""
+    gap = one[:, None] - other[None]
+    half = gap.shape[2] // 2
+    gap[..., :half] = wrapped(gap[..., :half])
+    distance = np.sqrt((gap**2).sum(axis=2))
+    return float(max(distance.min(axis=0).mean(), distance.min(axis=1).mean()))
 
 
 def _starts(
@@ -283,7 +413,7 @@ def _starts(
         "rad",
     )
     if first < low - _INSIDE or last > high + _INSIDE:
-        raise ValueError(
+        raise InputError(
             f"the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
             f"[{first:.6g}, {last:.6g}]: the balls would overlap"
         )
@@ -313,12 +443,12 @@ def _axes(system: System, angles: Floats, velocities: Floats, shift: float) -> d
     }
 
 
-def _samples(grid: xr.Dataset, system: System, frequency: float) -> Floats:
+def _samples(grid: xr.Dataset, balls: int, frequency: float) -> Floats:
     """Return the samples as angles, shape (start, sample, 2 per ball): angle, velocity over w."""
     parts = []
     for name, scale in (("angle", 1.0), ("angular_velocity", 1.0 / frequency)):
         values = np.asarray(grid[f"stroboscopic_{name}"].values) * scale
-        parts.append(values.reshape(-1, system.angles, values.shape[-1]))
+        parts.append(values.reshape(-1, balls, values.shape[-1]))
     return np.concatenate(parts, axis=1).transpose(0, 2, 1)
 
 
@@ -440,7 +570,7 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
 
     Raises
     ------
-    ValueError
+    InputError
         For labels that are not a map, or a box larger than it.
 
     Notes
@@ -460,10 +590,10 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
     table = np.asarray(labels)
     size = checked_count("box", box)
     if table.ndim != 2 or table.dtype.kind not in "iu":
-        raise ValueError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
+        raise InputError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
     rows, columns = (n // size for n in table.shape)
     if not rows * columns:
-        raise ValueError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
+        raise InputError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
     whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
     boxes = whole.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
     entropy = np.zeros(len(boxes))

@@ -18,6 +18,7 @@ from latolato.analysis.stroboscopic import (
     checked_transient,
     settled_motion,
 )
+from latolato.errors import InputError
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
@@ -97,7 +98,7 @@ def bifurcation_diagram(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, an unknown parameter, a drive without a period, the linearised pendulum.
 
     Notes
@@ -132,16 +133,16 @@ def bifurcation_diagram(
     known = {n: p for n, p in parameters_of(system, law).items() if p.owner != "run"}
     known.pop("drive_phase", None)
     if parameter not in known:
-        raise ValueError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
+        raise InputError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
     about = known[parameter]
     first, last = checked_span(parameter, low, high, about.quantity.unit)
     for value in (first, last):
         checked_number(parameter, value, about.allowed, about.quantity.unit)
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
-        raise ValueError(f"points must be from 2 to {_MOST_POINTS}, got {count}")
+        raise InputError(f"points must be from 2 to {_MOST_POINTS}, got {count}")
     if direction not in DIRECTIONS:
-        raise ValueError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+        raise InputError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)
     start: dict[str, Any] = {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.quantities import ANY
 from latolato.registry import checked_number, suggest
 
@@ -49,7 +50,7 @@ def boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown observable, a map that is not 2-D or smaller than 2 x 2, a level that is not
         finite.
 
@@ -139,21 +140,21 @@ def _checked(grid: xr.Dataset, observable: str) -> xr.DataArray:
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise TypeError(f"boundary needs the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError(f"boundary needs the dataset of a sweep, got {type(grid).__name__}")
     known = [str(name) for name in grid.data_vars if name != "status"]
     if observable not in known:
-        raise ValueError(f"unknown observable '{observable}': {suggest(str(observable), known)}")
+        raise InputError(f"unknown observable '{observable}': {suggest(str(observable), known)}")
     values = grid[observable]
     dims = [str(dim) for dim in values.dims]
     if len(dims) != 2 or min(values.shape) < 2:
         shown = ", ".join(f"{d} ({n})" for d, n in values.sizes.items()) or "nothing"
-        raise ValueError(
+        raise InputError(
             f"boundary needs a map over two parameters of at least 2 values each, but "
             f"{observable} is over {shown}; take a part with grid.sel or grid.isel"
         )
     for dim in dims:
         if dim not in grid.coords or grid[dim].dtype.kind not in "iuf":
-            raise ValueError(
+            raise InputError(
                 f"boundary needs numbers along {dim}: set one of its parameters as its index with "
                 "grid.swap_dims"
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,21 +11,32 @@ import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, drive_period, varied
 from latolato.analysis.orbits import CLOSED, Orbit, confined, find_orbit, gap_of, scale_of
+from latolato.observables.period import wrapped
+from latolato.physics.contacts import REST
+from latolato.physics.pendulum import BallPair
 
 KINDS = (
-    "fold", "period_doubling", "symmetry_breaking", "torus", "grazing", "lift_off", "rest_ends",
+    "fold", "period_doubling", "symmetry_breaking", "branch_point", "torus", "grazing", "lift_off",
+    "rest_ends",
 )  # fmt: skip
+_TESTS = ("fold", "period_doubling", "crossing", "torus")
+_MARKS = ("grazing", "lift_off", "rest_ends")
 # The longest step along the branch, in units of the range of the parameter and of radians.
 LONGEST_STEP = 2e-2
 BISECTIONS = 60
 _NEWTON = 8
 # Beside a wall steps are cut, and the map jumps by the error of a step: this much is enough then.
 _CLOSE = 1e-9
+_ROUNDING = 1e-15  # of angles, which small hops do not get below
 _DIFFERENCE = 1e-6  # of the parameter's range, for its derivative
 # How far beyond the end of a branch the reason is looked for, in lengths of steps.
 _BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
-# Below this singular value branches cross: the one that is followed turns round in a pitchfork.
-_CROSSING = 1e-3
+# Steps are as long for motions of this share of a radian and more; smaller bounces set the unit.
+_SMALL = 0.1
+# Orbits that differ by less than this, in the branch's units, are one.
+_SAME = 1e-6
+# An orbit behind a turning point lies so near to the image of one before it, if it is that image.
+_MEETS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -40,15 +51,12 @@ class Place:
         Of the parameter.
     tangent : ndarray
         Direction of the branch, of state and parameter, in the branch's units.
-    rank : float
-        Smallest singular value of what determines the tangent: zero where branches cross.
     """
 
     orbit: Orbit
     value: float
     tangent: Floats
     shift: float
-    rank: float
 
     @property
     def tests(self) -> dict[str, float]:
@@ -60,7 +68,7 @@ class Place:
         return {
             "fold": float(self.tangent[-1]),
             "period_doubling": float(np.linalg.det(matrix + unit)),
-            "symmetry_breaking": float(np.linalg.det(matrix - unit)),
+            "crossing": float(np.linalg.det(matrix - unit)),
             "torus": float(np.max(np.where(turning, moduli, 0.0), initial=0.0)) - 1.0,
         }
 
@@ -79,6 +87,7 @@ class Branch:
 
     def __init__(self, flow: Flow, parameter: str, span: tuple[float, float], period: int) -> None:
         self.flow, self.parameter, self.span, self.period = flow, parameter, span, period
+        # Units of state and parameter.
         self.scale = np.append(scale_of(flow.system), span[1] - span[0])
         # When orbits begin, as a share of their duration: not at an impact, where they jump.
         self.shift = 0.0
@@ -96,9 +105,30 @@ class Branch:
         matrix = (orbit.passage.matrix - np.eye(orbit.flow.size)) * self.scale[:-1]
         matrix /= self.scale[:-1, None]
         system = np.column_stack([matrix, self.slope(orbit.start, value, orbit.turns)])
-        _, sizes, rows = np.linalg.svd(system)
+        rows = np.linalg.svd(system)[2]
         tangent: Floats = rows[-1] if rows[-1] @ like >= 0.0 else -rows[-1]
-        return Place(orbit, value, tangent, self.shift, float(sizes[-1]))
+        return Place(orbit, value, tangent, self.shift)
+
+    def rescaled(self, place: Place, least: Floats | float = 0.0) -> Place:
+        """Return a point in units that become those of the branch: the size of its orbit.
+
+        Bouncing balls may hop by any fraction of a radian. `least` keeps units from shrinking
+        along a branch, which may lead to a motion of size zero; others begin in natural units.
+        """
+        orbit, scale = place.orbit, self.scale.copy()
+        scale[:-1] = scale_of(self.flow.system)
+        if orbit.passage.impacts and not orbit.rests:
+            impacts = orbit.passage.contact_kinds < REST
+            times = np.sort(orbit.passage.contact_times[impacts])
+            flight = float(np.diff(np.append(times, times[0] + orbit.duration)).max())
+            speed = float(np.abs(orbit.passage.contact_values[:, impacts]).max())
+            size = np.tile([0.25 * speed * flight, speed], self.flow.system.angles)
+            scale[:-1] = np.minimum(scale[:-1], np.maximum(size / _SMALL, least))
+        change = scale / self.scale
+        if change.min() > 0.5 and change.max() < 2.0:
+            return place
+        self.scale = scale
+        return self.place(orbit, place.value, place.tangent / change)
 
     def begin_between_contacts(self, place: Place) -> Place | None:
         """Return the same point begun in the longest time without contact, or None."""
@@ -156,6 +186,7 @@ class Branch:
         guess = begin + length * place.tangent
         point, column = guess, None
         turns = place.orbit.turns
+        closed = 0.5 * CLOSED + _ROUNDING / float(self.scale.min())
         for trial in range(_NEWTON):
             value = float(point[-1] * self.scale[-1])
             try:
@@ -169,8 +200,9 @@ class Branch:
             size = float(np.linalg.norm(missed))
             if not passage.is_complete or not math.isfinite(size):
                 return None
-            if size <= (0.5 * CLOSED if trial < _NEWTON - 1 else _CLOSE):
-                orbit = Orbit(flow, x, passage, duration, turns, size)
+            if size <= (closed if trial < _NEWTON - 1 else max(closed, _CLOSE)):
+                defect = float(np.linalg.norm(gap / scale_of(flow.system)))
+                orbit = Orbit(flow, x, passage, duration, turns, defect)
                 return self.place(orbit, value, place.tangent)
             if column is None:
                 column = self.slope(x, value, turns)
@@ -191,26 +223,84 @@ class Branch:
         before, after = old.tests, new.tests
         both_move = not (old.orbit.rests or new.orbit.rests)
         if both_move and old.marks == new.marks:
-            for test in KINDS[:4]:
-                kind = test
+            for kind in _TESTS:
                 # At a fold a multiplier is one as well: that is no other branch.
-                if kind == "symmetry_breaking" and before["fold"] * after["fold"] < 0.0:
+                if kind == "crossing" and before["fold"] * after["fold"] < 0.0:
                     continue
                 if before[kind] * after[kind] < 0.0:
                     if kind == "torus" and min(before[kind], after[kind]) == -1.0:
                         continue  # two real multipliers meet: nothing crosses the unit circle
                     there = self._locate(old, new, length, _sign_of(kind, before))
-                    if kind == "fold" and there.rank < _CROSSING:
-                        kind = "symmetry_breaking"
-                        there = self._vertex(old, new, length, there)
-                    found.append((kind, there))
+                    if kind == "fold" and (met := self._image_met(old, new, there)):
+                        found.append((met, self._vertex(old, new, length, there)))
+                    elif kind == "crossing":
+                        found.append((self._broken(old.orbit, there.orbit), there))
+                    else:
+                        found.append((kind, there))
         elif before["fold"] * after["fold"] < 0.0:
             found.append(("fold", self._locate(old, new, length, _sign_of("fold", before))))
         return found + [
             (kind, self._locate(old, new, length, _same(kind, old)))
-            for kind in KINDS[4:]
+            for kind in _MARKS
             if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
         ]
+
+    def _images(self, orbit: Orbit) -> Iterator[tuple[str, Floats, Floats]]:
+        """Yield the kind, the state and the linearised map of each image of an orbit.
+
+        An image is the motion seen in a mirror, or a number of drive periods later, or both.
+        """
+        period = orbit.duration / self.period
+        unit = np.eye(orbit.flow.size)
+        for mirror in (*mirrors_of(orbit.flow), unit):
+            kind = "period_doubling" if mirror is unit else "symmetry_breaking"
+            for count in range(1 if mirror is unit else 0, self.period):
+                end, matrix = orbit.start, unit
+                if count:
+                    passage = orbit.flow.follow(orbit.start, count * period)
+                    end, matrix = passage.end, passage.matrix
+                gap = mirror @ end - orbit.start
+                gap[0::2] = wrapped(gap[0::2])
+                yield kind, orbit.start + gap, mirror @ matrix
+
+    def _broken(self, old: Orbit, there: Orbit) -> str:
+        """Return what a motion loses where a multiplier is one and the branch goes on.
+
+        An image that equals the motion itself is a symmetry. It is lost if the eigenvector, along
+        which the other branch leaves, changes its sign under it.
+        """
+        values, vectors = np.linalg.eig(there.passage.matrix)
+        scale = self.scale[:-1]
+        leaving = np.real(vectors[:, np.argmin(np.abs(values - 1.0))]) / scale
+        for (kind, image, _), (_, _, matrix) in zip(
+            self._images(old), self._images(there), strict=True
+        ):
+            moved = (matrix @ (leaving * scale)) / scale
+            is_own = np.linalg.norm((image - old.start) / scale) < _SAME
+            if is_own and np.linalg.norm(moved + leaving) < np.linalg.norm(moved - leaving):
+                return kind
+        return "branch_point"
+
+    def _image_met(self, old: Place, new: Place, there: Place) -> str | None:
+        """Return what happens where the branch turns round into images of itself, or None.
+
+        In a pitchfork the orbits behind the turning point are images of those before it; at a fold
+        they are other motions.
+        """
+        near, far = sorted((old, new), key=lambda place: abs(place.value - there.value))
+        here = np.append(near.orbit.start, near.value) / self.scale
+        origin = np.append(far.orbit.start, far.value) / self.scale
+        for kind, image, _ in self._images(far.orbit):
+            point = np.append(image, far.value) / self.scale
+            apart = float(np.linalg.norm(point - origin))
+            if apart < 0.1 * np.linalg.norm(here - origin):
+                continue  # the orbit's own symmetry
+            behind = self.correct(near, float(near.tangent @ (point - here)))
+            if behind is not None:
+                end = np.append(behind.orbit.start, behind.value) / self.scale
+                if np.linalg.norm(end - point) < _MEETS * apart:
+                    return kind
+        return None
 
     def obstacles(self, place: Place) -> list[tuple[str, Place]]:
         """Return which contact appears or vanishes just beyond the end of a branch."""
@@ -223,7 +313,7 @@ class Branch:
                 return []
             passage = flow.follow(confined(flow, beyond[:-1]), duration)
             marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks
-            for kind in KINDS[4:]:
+            for kind in _MARKS:
                 if marks[kind] != place.marks[kind]:
                     return [(kind, place)]
         return []
@@ -261,6 +351,26 @@ class Branch:
             else:
                 high, place = middle, trial
         return place
+
+
+def mirrors_of(flow: Flow) -> list[Floats]:
+    """Return the matrices that turn every motion into another one, its mirror image.
+
+    Angles count modulo 2 pi. Walls at one side, as those of a `LatoLato`, leave no mirror.
+    """
+    unit = np.eye(flow.size)
+    has_walls = math.isfinite(flow.walls[0])
+    system = flow.system
+    if not isinstance(system, BallPair):
+        return [] if has_walls else [-unit]
+    found = [-unit]
+    if not has_walls:
+        one = np.diag([-1.0, -1.0, 1.0, 1.0])
+        found += [one, -one]
+    if system.right == system.left:
+        exchanged = np.roll(unit, 2, axis=0)
+        found += [-exchanged, exchanged]
+    return found
 
 
 def _sign_of(kind: str, before: dict[str, float]) -> Callable[[Place], bool]:

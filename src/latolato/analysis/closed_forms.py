@@ -20,6 +20,7 @@ from latolato.analysis.mathieu import (
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,
 )
+from latolato.errors import InputError
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 from latolato.quantities import ANY, NON_NEGATIVE
 from latolato.registry import checked_number
@@ -188,7 +189,7 @@ def collision_times(
     ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
     """
     if count != int(count) or count < 0:
-        raise ValueError(f"count must be a whole number, at least 0, got {count}")
+        raise InputError(f"count must be a whole number, at least 0, got {count}")
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
     return np.asarray((2.0 * np.arange(1, int(count) + 1) - 1.0) * tau, dtype=np.float64)
 
@@ -256,7 +257,7 @@ def zeno_time(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, or e = 1, for which nothing accumulates.
 
     Notes
@@ -274,7 +275,7 @@ def zeno_time(
     system = LatoLato(length=length, mass=1.0, radius=radius, restitution=restitution)
     e = system.restitution
     if e == 1.0:
-        raise ValueError("restitution must lie in [0, 1) for impacts to accumulate, got 1")
+        raise InputError("restitution must lie in [0, 1) for impacts to accumulate, got 1")
     total = _fall_time(bounce)
     if e == 0.0:
         return total
@@ -315,7 +316,7 @@ def fold_angle(free_angle: ArrayLike) -> Array:
     """
     free = np.asarray(free_angle, dtype=np.float64)
     if not np.all(np.isfinite(free)):
-        raise ValueError("free_angle must be finite, got nan or inf; drop such samples first")
+        raise InputError("free_angle must be finite, got nan or inf; drop such samples first")
     return np.asarray(np.abs(free - 2.0 * math.pi * np.rint(free / (2.0 * math.pi))))
 
 
@@ -334,7 +335,7 @@ def _bounce(length: float, radius: float, initial_angle: float, gravity: float) 
     low, high = system.contact_angle_low, system.contact_angle_high
     top = checked_number("initial_angle", initial_angle, ANY, "rad")
     if not low < top <= high:
-        raise ValueError(
+        raise InputError(
             f"initial_angle must lie above the low wall {low:.6g} rad and not above the high one "
             f"{high:.6g} rad, got {top:.6g}; a ball at rest on the low wall stays there"
         )

@@ -14,6 +14,7 @@ from latolato.analysis.floquet import smallest_period, told_of_period
 from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
+from latolato.errors import InputError
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, Quantity, Range
@@ -92,17 +93,20 @@ def continue_orbit(
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown parameter, a range that does not hold its present value, and as `floquet`.
 
     Notes
     -----
     Steps adapt to Newton's convergence, between 1e-7 and 2e-2 of radians and of the range.
     Special points are bisected to 1e-11 of a step, pitchforks in which the branch turns round are
-    taken from a parabola (error about 1e-7 of the range). Missed are two of the same kind within
-    one step, and branches that are not connected to the first orbit. At grazing the map has a
-    square root: a branch may end there, and says ``lost``. If the first orbit has a shorter period
-    that fits into `period`, so has its branch; the attribute ``message`` says so.
+    taken from a parabola (error about 1e-7 of the range). A branch that turns round is in a
+    pitchfork if the orbits on both sides of the turning point are images of each other, and at a
+    fold otherwise. Bouncing balls that hop by less than 0.1 rad are followed in units of their
+    hops. Missed are two special points of the same kind within one step, and branches that are not
+    connected to the first orbit. At grazing the map has a square root: a branch may end there, and
+    says ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
+    branch; the attribute ``message`` says so.
 
     Examples
     --------
@@ -123,12 +127,12 @@ def continue_orbit(
     low = checked_number(f"low ({parameter})", low, closed, unit)
     high = checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
-        raise ValueError(
+        raise InputError(
             f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
             f"[{low:g}, {high:g}]"
         )
     if direction not in ("up", "down"):
-        raise ValueError(f"direction must be 'up' or 'down', got {direction!r}")
+        raise InputError(f"direction must be 'up' or 'down', got {direction!r}")
     count = checked_period(period)
     most = checked_count("points", points)
     flow = Flow(
@@ -150,7 +154,7 @@ def continue_orbit(
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
-        places[0] = branch.begin_between_contacts(places[0]) or places[0]
+        places[0] = branch.rescaled(branch.begin_between_contacts(places[0]) or places[0])
         status = _follow(branch, places, specials, most)
     if status in ("not found", "lost"):
         where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
@@ -200,11 +204,13 @@ def _follow(
         if not low <= new.value <= high:
             places[-1] = _end(branch, place, stepped)
             return "end of range"
-        if new.shift != places[0].shift:
-            continue
-        gap = np.append(new.orbit.start - places[0].orbit.start, new.value - places[0].value)
-        if len(places) > 10 and np.linalg.norm(gap / branch.scale) < 0.5 * length:
-            return "closed"
+        # A branch that closes arrives as it set out, not on the other side of a fold.
+        returns = new.tangent[-1] * places[0].tangent[-1] > 0.0
+        if new.shift == places[0].shift and returns:
+            gap = np.append(new.orbit.start - places[0].orbit.start, new.value - places[0].value)
+            if len(places) > 10 and np.linalg.norm(gap / branch.scale) < 0.5 * length:
+                return "closed"
+        places[-1] = branch.rescaled(new, branch.scale[:-1])
     return "points"
 
 

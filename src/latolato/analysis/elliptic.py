@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from latolato.errors import InputError
 from latolato.physics.pendulum import GRAVITY, Pendulum
 from latolato.quantities import ANY
 from latolato.registry import checked_number
@@ -223,5 +224,5 @@ def checked_times(times: ArrayLike) -> Array:
     """Return the instants as float64, all finite."""
     instants = np.asarray(times, dtype=np.float64)
     if not np.all(np.isfinite(instants)):
-        raise ValueError("times must be finite seconds, got nan or inf; drop such samples first")
+        raise InputError("times must be finite seconds, got nan or inf; drop such samples first")
     return instants

@@ -17,6 +17,7 @@ from latolato.analysis.stroboscopic import (
     positive_values,
     run_samples,
 )
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato, System
@@ -100,7 +101,7 @@ def first_push(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a drive without a period, the linearised pendulum.
 
     Notes
@@ -129,7 +130,7 @@ def first_push(
     ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
     phases = positive_values("drive_phase", drive_phase, "rad", ANY)
     if push not in PUSHES:
-        raise ValueError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
+        raise InputError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
     unit = QUANTITIES[push].unit
     largest = checked_number("largest_push", _default(system, push, largest_push), POSITIVE, unit)
     count = checked_count("scan_points", scan_points)

@@ -105,7 +105,7 @@ def floquet(
 
     Raises
     ------
-    ValueError
+    InputError
         For a drive that does not repeat itself, a start inside a wall, no start where there are
         walls, clamped contact.
 

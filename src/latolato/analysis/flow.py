@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
+from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
 from latolato.observables import LargestAngle, Observable
@@ -95,7 +96,7 @@ class Flow:
     def __post_init__(self) -> None:
         law = checked_contact(self.contact, self.system)
         if isinstance(law, Clamp):
-            raise ValueError(
+            raise InputError(
                 "contact must be exact or none here: a clamped motion depends on its step, so "
                 "small deviations have no meaning"
             )
@@ -163,13 +164,13 @@ def drive_period(drive: Drive) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         For a drive that does not repeat itself, which one of frequency zero does not.
     """
     if isinstance(drive, (Harmonic, CrankSlider)):
         frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
         return math.tau / frequency
-    raise ValueError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
+    raise InputError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
 
 
 def periodic_drive(system: System, drive: Any) -> Drive:
@@ -177,7 +178,7 @@ def periodic_drive(system: System, drive: Any) -> Drive:
     found = checked_drive(drive)
     ratio = math.tau / drive_period(found) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
-        raise ValueError(
+        raise InputError(
             f"drive_frequency must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, "
             f"got {ratio:.3g}; raise drive_frequency"
         )
@@ -189,7 +190,7 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown parameter, with the closest known one, and a value out of range.
     """
     parameter = _parameter(system, drive, name)
@@ -221,7 +222,7 @@ def _parameter(system: System, drive: Drive, name: str) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
     known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
     if name not in known:
-        raise ValueError(f"unknown parameter '{name}': {suggest(name, list(known))}")
+        raise InputError(f"unknown parameter '{name}': {suggest(name, list(known))}")
     return known[name]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from latolato.analysis.linear import METHODS, SLOWEST, checked_choice, linearised
 from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
+from latolato.errors import InputError
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
 from latolato.quantities import Quantity
@@ -47,7 +48,7 @@ def growth_rate(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         As `tongue_edges`; also for a drive slower than a hundredth of w0.
 
     Notes
@@ -78,7 +79,7 @@ def growth_rate(
         rate = w0 * (math.sqrt(max(rest, 0.0)) - zeta)
         w = math.nan if is_static or w == 0.0 else w
     elif w < SLOWEST * w0:
-        raise ValueError(
+        raise InputError(
             f"drive_frequency must be at least {SLOWEST:g} of the natural frequency {w0:g} rad/s, "
             f"got {w:g}"
         )

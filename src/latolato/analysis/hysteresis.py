@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
 from latolato.analysis.stroboscopic import octaves, settled_motion
+from latolato.errors import InputError
 from latolato.observables.period import PERIODICITY
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, Pendulum, System
@@ -105,7 +106,7 @@ def hysteresis(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, a drive without one frequency, or a linear system.
 
     Notes
@@ -132,17 +133,17 @@ def hysteresis(
     """
     system = checked_system(system)
     if isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
             "Pendulum"
         )
     checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise ValueError(f"{name} drive has no frequency to sweep: give a Harmonic one")
+        raise InputError(f"{name} drive has no frequency to sweep: give a Harmonic one")
     ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise ValueError("frequency_ratio must be two or more values that increase; sort them")
+        raise InputError("frequency_ratio must be two or more values that increase; sort them")
     amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
     held = checked_number("duration", duration, POSITIVE, "s")
     jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
@@ -255,7 +256,7 @@ def _listed(name: str, values: Any, default: Any) -> list[float]:
     """Return the checked values of a parameter."""
     given = np.atleast_1d(default if values is None else values).tolist()
     if not given:
-        raise ValueError(f"{name}: the list of values is empty; give one or leave it out")
+        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
     unit = QUANTITIES[name].unit
     return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
 

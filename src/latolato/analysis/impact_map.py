@@ -10,6 +10,7 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import checked_periodic, checked_transient
+from latolato.errors import InputError
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.quantities import Quantity
@@ -67,7 +68,7 @@ def impact_map(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a system without walls, a drive without a period.
 
     Notes
@@ -87,7 +88,7 @@ def impact_map(
     """
     law = checked_periodic(system, drive, "an impact map")
     if not system.has_contacts:
-        raise ValueError(
+        raise InputError(
             f"an impact map needs walls, and {type(system).__name__} has none; use LatoLato or "
             "BallPair, or poincare_section"
         )

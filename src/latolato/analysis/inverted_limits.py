@@ -53,7 +53,7 @@ def inverted_limits(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         As `tongue_edges`; a `Mathieu` system has no inverted position.
 
     Notes

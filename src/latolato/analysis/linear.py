@@ -26,6 +26,7 @@ from latolato.analysis.waveform import (
     hill_value,
     undamped_growth,
 )
+from latolato.errors import InputError
 from latolato.physics.drives import Drive, Harmonic, drives
 from latolato.physics.pendulum import BallPair, LatoLato, Mathieu, System, systems
 from latolato.quantities import POSITIVE
@@ -181,16 +182,16 @@ def checked_template(drive: Drive | None) -> Drive:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         Unless it is a periodic drive with an amplitude and a frequency.
     """
     if drive is None:
         return Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     if not isinstance(drive, Drive):
-        raise TypeError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+        raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
     names = {field.name for field in fields(drive)}
     if not set(_SOUGHT) <= names or len(drive.stretches(math.inf)) != 1:
-        raise ValueError(
+        raise InputError(
             f"drive must be periodic with one amplitude and one frequency, got "
             f"{drives.name_of(drive)}; use Harmonic or CrankSlider"
         )
@@ -200,7 +201,7 @@ def checked_template(drive: Drive | None) -> Drive:
 def checked_choice(name: str, value: str, choices: tuple[str, ...]) -> str:
     """Return one of the choices."""
     if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+        raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
     return value
 
 
@@ -208,7 +209,7 @@ def checked_ratio(frequency_ratio: float) -> float:
     """Return a frequency ratio that is not too slow."""
     ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
     if ratio < SLOWEST:
-        raise ValueError(f"frequency_ratio must be at least {SLOWEST:g}, got {ratio:g}")
+        raise InputError(f"frequency_ratio must be at least {SLOWEST:g}, got {ratio:g}")
     return ratio
 
 
@@ -217,20 +218,20 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         Where there is no linear stability: a wall or friction at the position.
     """
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     checked_choice("position", position, POSITIONS)
     if position == "inverted" and isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             "a Mathieu system is linearised about hanging and has no inverted position; use "
             "ll.Pendulum"
         )
     for ball in system.balls:
         if ball.coulomb_damping > 0.0:
-            raise ValueError(
+            raise InputError(
                 f"coulomb_damping must be 0, got {ball.coulomb_damping:g}: dry friction holds the "
                 "ball near the position, whose stability is then no linear question; simulate "
                 "with a push instead"
@@ -257,18 +258,18 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
         f"gravity={system.gravity:g}) for a ball without walls, as for tongues drawn over maps"
     )
     if any(each.radius > 0.0 for each in system.balls):
-        raise ValueError(
+        raise InputError(
             f"balls of radius {max(each.radius for each in system.balls):g} m cannot {where}, for "
             f"they touch before; {way_out}"
         )
     if system.restitution < 1.0:
-        raise ValueError(
+        raise InputError(
             f"restitution must be 1, got {system.restitution:g}: balls that meet at each passage "
             f"lose energy there, which no linear equation tells; {way_out}"
         )
     rates = {each.damping / each.mass for each in system.balls}
     if len(rates) > 1:
-        raise ValueError(
+        raise InputError(
             "the balls must have one drag rate damping/mass, or their meetings mix two different "
             f"motions; {way_out}"
         )

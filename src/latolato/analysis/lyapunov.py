@@ -82,7 +82,7 @@ def lyapunov_spectrum(
 
     Raises
     ------
-    ValueError
+    InputError
         For a start inside a wall, clamped contact, a transient not below the duration.
 
     Notes

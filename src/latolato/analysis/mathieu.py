@@ -21,6 +21,7 @@ from latolato.analysis.hill import (
     hill_determinant,
     own_instability,
 )
+from latolato.errors import InputError
 from latolato.physics.pendulum import GRAVITY, Mathieu
 from latolato.quantities import NON_NEGATIVE, POSITIVE
 from latolato.registry import checked_number
@@ -101,7 +102,7 @@ def mathieu_growth_rate(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, or a drive slower than about a hundredth of w0.
 
     Notes
@@ -172,7 +173,7 @@ def mathieu_tongue_edges(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, or ``damping >= 2 m l w0`` (no oscillation to resonate).
 
     Notes
@@ -191,9 +192,9 @@ def mathieu_tongue_edges(
     system, zeta = _checked_system(length, mass, damping, gravity)
     q = 2.0 * checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m") / system.length
     if order != int(order) or not 1 <= order <= LARGEST_CHARACTERISTIC_ROOT / 2:
-        raise ValueError(f"order must be a whole number from 1 to 100, got {order}")
+        raise InputError(f"order must be a whole number from 1 to 100, got {order}")
     if zeta >= 1.0:
-        raise ValueError(
+        raise InputError(
             f"damping must be below 2 m l w0 for a tongue to exist, got {damping} "
             f"({zeta:.3g} times that); use mathieu_growth_rate for overdamped cases"
         )
@@ -253,7 +254,7 @@ def mathieu_threshold_amplitude(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range.
 
     Notes
@@ -301,7 +302,7 @@ def _checked_system(
 ) -> tuple[Mathieu, float]:
     """Return the checked system and its damping ratio C/(2 m l w0) [1]."""
     if mass is None and damping != 0.0:
-        raise ValueError(f"mass must be given with damping {damping}: the drag rate is C/(m l)")
+        raise InputError(f"mass must be given with damping {damping}: the drag rate is C/(m l)")
     # Without damping the mass drops out of eq14.
     m = 1.0 if mass is None else mass
     system = Mathieu(length=length, mass=m, damping=damping, gravity=gravity)
@@ -312,13 +313,13 @@ def _checked_system(
 def _require_range(a: Array, q: Array) -> None:
     """Refuse parameters for which the determinant would overflow or lose its accuracy."""
     if a.size and np.max(np.abs(a)) > LARGEST_CHARACTERISTIC_ROOT**2:
-        raise ValueError(
+        raise InputError(
             f"the drive is too slow or the damping too strong: |4 (w0^2 - gamma^2/4)/w^2| must be "
             f"at most {LARGEST_CHARACTERISTIC_ROOT**2:g}, got {np.max(np.abs(a)):g}; raise "
             "drive_frequency (frequency_ratio of at least 0.01)"
         )
     if q.size and np.max(q) > LARGEST_MATHIEU_Q:
-        raise ValueError(
+        raise InputError(
             f"drive_amplitude must be at most {LARGEST_MATHIEU_Q / 2:g} length, "
             f"got {np.max(q) / 2:g} length; lower drive_amplitude"
         )

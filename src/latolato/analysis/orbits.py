@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
+from latolato.errors import InputError
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
 from latolato.quantities import Range
@@ -92,7 +93,7 @@ def checked_period(period: Any) -> int:
     """Return how many drive periods an orbit lasts."""
     number = checked_number("period", period, Range(1, LONGEST), "1")
     if number != int(number):
-        raise ValueError(f"period must be a whole number of drive periods, got {period}")
+        raise InputError(f"period must be a whole number of drive periods, got {period}")
     return int(number)
 
 
@@ -101,7 +102,7 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
     system = flow.system
     if angle is None and offset is None:
         if system.has_contacts and math.isfinite(flow.walls[0]):
-            raise ValueError(
+            raise InputError(
                 "initial_angle is needed [rad]: a motion between walls has no natural first guess "
                 "(a start on the attractor, from a run, will do)"
             )

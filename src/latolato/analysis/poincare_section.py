@@ -10,6 +10,7 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import checked_periodic, checked_transient
+from latolato.errors import InputError
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -69,7 +70,7 @@ def poincare_section(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a drive without a period, and the linearised pendulum.
 
     Notes
@@ -93,7 +94,7 @@ def poincare_section(
     phase = checked_number("section_phase", section_phase, ANY, "rad")
     count = checked_count("periods", periods)
     if count > _MOST_PERIODS:
-        raise ValueError(f"periods must be at most {_MOST_PERIODS}, got {count}; take fewer")
+        raise InputError(f"periods must be at most {_MOST_PERIODS}, got {count}; take fewer")
     start: dict[str, Any] = {
         "initial_angle": initial_angle,
         "initial_angular_velocity": initial_angular_velocity,
@@ -104,7 +105,7 @@ def poincare_section(
     numbers = np.arange(first, first + count, dtype=np.float64)
     times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
     if count == 1 and times[0] == 0.0:
-        raise ValueError("the only point would be the start: take more periods or a transient")
+        raise InputError("the only point would be the start: take more periods or a transient")
     run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)
     status = str(run.attrs["status"])
     two = system.angles == 2

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from latolato.errors import InputError
 from latolato.physics.drives import FrequencySchedule
 from latolato.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
 from latolato.registry import check_fields, checked_number
@@ -55,7 +56,7 @@ class Protocol:
             checked_number(f"dwells[{i}]", t, POSITIVE, "s") for i, t in enumerate(self.dwells)
         )
         if not stages or len(dwells) != len(stages) - 1:
-            raise ValueError(
+            raise InputError(
                 f"dwells must be one fewer than drive_frequencies, got {len(dwells)} and "
                 f"{len(stages)}; the last stage goes on"
             )

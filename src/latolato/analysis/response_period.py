@@ -69,15 +69,17 @@ def response_period(
         ("event_limit", "failed", "invalid").
         ``response_period`` [1] is NaN where there is none; ``recurrence_residual`` [rad] is the
         distance left after one period, or of the closest recurrence.
-        ``rotation_number`` [1] is, with walls, the impacts per drive period; without, the turns
-        per drive period of a rotating pendulum and otherwise the swings per drive period.
+        ``rotation_number`` [1] is, with walls, the impacts per drive period. Without, it is the
+        turns per drive period of a rotating pendulum, negative where the mean angular velocity is
+        (the mirror image of a motion rotates the other way), and otherwise the swings per drive
+        period, which have no sign. Of two balls it is that of the one that turns more.
         ``mirror_residual`` [rad] is the distance from the mirror image ``mirror_shift`` drive
         periods later. ``stroboscopic_angle`` [rad], modulo 2 pi, and
         ``stroboscopic_angular_velocity`` [rad/s] are the samples, over ([ball,] sample).
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a drive without a period, and the linearised pendulum.
 
     Notes

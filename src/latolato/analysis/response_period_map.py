@@ -72,7 +72,7 @@ angle_tolerance, tolerance, rest_speed
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         As `response_period`.
 
     Notes

@@ -17,6 +17,7 @@ from latolato.analysis.linear import (
     told_waveform,
 )
 from latolato.analysis.registry import analyses, labelled
+from latolato.errors import InputError
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
@@ -68,7 +69,7 @@ def self_start(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For a system without walls, and for balls without a radius: they rest where nothing can
         lift them.
 
@@ -137,7 +138,7 @@ def self_start(
 def _resting_angles(system: System) -> tuple[float, ...]:
     """Return the angles of the balls at rest against each other [rad]."""
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     if isinstance(system, LatoLato):
         angles: tuple[float, ...] = (system.contact_angle_low,)
     elif isinstance(system, BallPair):
@@ -147,12 +148,12 @@ def _resting_angles(system: System) -> tuple[float, ...]:
         _, offset = joint_coupling(m1 * l1, m2 * l2, inertia, separation)
         angles = (separation - offset, -offset)
     else:
-        raise ValueError(
+        raise InputError(
             f"a {systems.name_of(system)} has no wall to start from; use a LatoLato or BallPair, "
             "or threshold_amplitude for growth from hanging"
         )
     if angles[0] == 0.0:
-        raise ValueError(
+        raise InputError(
             "balls without a radius rest straight below the pivot, where nothing lifts them; give "
             "a radius or use threshold_amplitude"
         )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
+from latolato.errors import InputError
 from latolato.physics.drives import Chirp, Drive, FrequencySchedule, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
@@ -53,6 +54,9 @@ _QUANTITIES = {
     "checked_share": Quantity("1", "p^*", "its share of success in complete runs"),
     "smallest_push": Quantity("rad/s", r"\dot\theta_p^*", "smallest push that reaches it"),
     "smallest_push_energy": Quantity("J", "E_p", "kinetic energy of that push, all balls"),
+    "angle_after_push": Quantity(
+        "rad", r"\theta_p", "lasting angle after a push, median over drive phases"
+    ),
     "angle_from_rest": Quantity("rad", r"\theta_-", "lasting angle from rest at the target"),
     "upper_angle": Quantity("rad", r"\theta_+", "lasting angle on the upper branch"),
     "status": Quantity("1", "", "whether a protocol was found"),
@@ -134,14 +138,14 @@ def shortest_protocol(
         ``best_first_ratio``, ``best_dwell_time``, ``lead_time`` and ``checked_share`` of the
         shortest protocol, ``smallest_push`` and ``smallest_push_energy``, ``angle_from_rest``,
         ``upper_angle`` and ``threshold_angle``; ``success_share`` over
-        ``first_frequency_ratio`` and ``dwell_time``, ``push_share`` over ``push``. The status is
-        "found", "reached from rest" (no protocol is needed: a lead time of 0), "no upper branch"
-        (no push leads to a second motion, and nothing was searched) or "not reached"; what does
-        not exist is NaN.
+        ``first_frequency_ratio`` and ``dwell_time``, ``push_share`` and ``angle_after_push`` over
+        ``push``. The status is "found", "reached from rest" (no protocol is needed: a lead time of
+        0), "no upper branch" (no push leads to a larger motion, and nothing was searched) or "not
+        reached"; what does not exist is NaN.
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, a linear system, or a drive without frequencies.
 
     Notes
@@ -168,7 +172,7 @@ def shortest_protocol(
     """
     system = checked_system(system)
     if isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
         )
     amplitude, target = _drive_of(system, drive, frequency_ratio)
@@ -203,6 +207,8 @@ def shortest_protocol(
     if threshold_angle is not None:
         threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
     shares = np.mean(pushed > threshold, axis=1)
+    if math.isnan(threshold):
+        shares = np.full(len(pushed), math.nan)
     success = np.full((len(first), len(dwells)), math.nan)
     found: dict[str, Any] = dict.fromkeys(
         ("best_first_ratio", "best_dwell_time", "lead_time", "checked_share"), math.nan
@@ -216,7 +222,7 @@ def shortest_protocol(
         found |= _shortest(search, first, dwells, success, threshold, required)
     if found["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
-            NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a second motion",
+            NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a larger motion than rest",
             NOT_REACHED: f"no protocol succeeds for {required:.0%} of the drive phases",
         }
         warnings.warn(
@@ -233,6 +239,7 @@ def shortest_protocol(
             **found,
             "success_share": (("first_frequency_ratio", "dwell_time"), success),
             "push_share": ("push", shares),
+            "angle_after_push": ("push", np.median(pushed, axis=1)),
             "smallest_push": smallest,
             "smallest_push_energy": 0.5 * inertia * smallest**2,
             "angle_from_rest": rest,
@@ -282,7 +289,7 @@ def _drive_of(
         amplitude, target = drive.drive_amplitude, drive.drive_frequencies[-1]
     else:
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise ValueError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
+        raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
     if frequency_ratio is not None:
         target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
@@ -294,7 +301,7 @@ def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]
     unit = QUANTITIES[name].unit
     found = [checked_number(said or name, value, POSITIVE, unit) for value in given]
     if not found or any(b <= a for a, b in pairwise(found)):
-        raise ValueError(
+        raise InputError(
             f"the values of {said or name} must be one or more and increase; sort them"
         )
     return found

@@ -6,13 +6,14 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 
 def checked_system(system: Any) -> System:
     """Return a system, or raise with what is known."""
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     return system
 
 

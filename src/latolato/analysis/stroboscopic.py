@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -32,7 +33,9 @@ Floats = NDArray[np.float64]
 # Variables of `motion_of` that latolato.quantities does not know.
 QUANTITIES_HERE: dict[str, Quantity] = {
     **ResponseSamples.variables,
-    "rotation_number": Quantity("1", r"\rho", "turns, or with walls impacts, per drive period"),
+    "rotation_number": Quantity(
+        "1", r"\rho", "turns (signed), swings, or with walls impacts per drive period"
+    ),
     "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
     "status": Quantity("1", "", "status"),
     "ball": Quantity("1", "", "ball"),
@@ -55,20 +58,20 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For a drive without a period, and for the linearised pendulum.
     """
     checked_system(system)
     if isinstance(system, Mathieu):
-        raise ValueError(
+        raise InputError(
             f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
             "use Pendulum, or mathieu_growth_rate"
         )
     checked_drive(drive)
     if drive is None:
-        raise ValueError(f"{what} needs a drive with a period, got None; give Harmonic")
+        raise InputError(f"{what} needs a drive with a period, got None; give Harmonic")
     if not isinstance(drive, (Harmonic, CrankSlider)):
-        raise ValueError(
+        raise InputError(
             f"{what} needs a drive with a single period, harmonic or crank_slider, got "
             f"{drives.name_of(drive)}"
         )
@@ -85,7 +88,7 @@ def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, floa
     """Return two limits of which the second is larger."""
     first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
     if not first < last:
-        raise ValueError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
+        raise InputError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
     return first, last
 
 
@@ -254,7 +257,7 @@ def motion_of(
     if two:  # of the one that turns more
         turns = np.take_along_axis(turns, abs(turns).argmax(axis=1)[:, None], axis=1)[:, 0]
     windings, impacts = either("windings"), either("impacts_per_period")
-    rotation = np.where(turns != 0.0, abs(turns), windings)
+    rotation = np.where(turns != 0.0, turns, windings)
     rotation = np.where(np.isfinite(period), rotation, math.nan)
     if system.has_contacts:
         rotation = impacts
@@ -331,6 +334,6 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
 def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
     """Return numbers along an axis, each of them checked; one number is an axis of one."""
     if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+        raise InputError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
     several = values if np.ndim(values) else [values]
     return np.array([checked_number(name, value, allowed, unit) for value in several])

@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import positive_values
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
@@ -81,7 +82,7 @@ def pair_symmetry(
 
     Raises
     ------
-    TypeError
+    InputError
         For another system than a `LatoLato`: only its motion has this symmetry.
 
     Notes
@@ -107,7 +108,7 @@ def pair_symmetry(
     from latolato.sweep import sweep
 
     if not isinstance(system, LatoLato):
-        raise TypeError(
+        raise InputError(
             f"pair_symmetry questions the one-ball model of a LatoLato, got {system!r}: other "
             "systems have no mirror-symmetric motion"
         )

@@ -52,7 +52,7 @@ def threshold_amplitude(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         As `tongue_edges`.
 
     Notes

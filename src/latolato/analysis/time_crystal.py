@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
+from latolato.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import Stroboscope
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
@@ -224,7 +225,7 @@ def time_crystal(
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter outside its range, a drive without a period, several trajectories without
         noise.
 
@@ -264,22 +265,22 @@ def time_crystal(
     checked_drive(drive)
     if not isinstance(drive, (Harmonic, CrankSlider)):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise ValueError(f"{name} drive has no single period to count in: give a Harmonic one")
+        raise InputError(f"{name} drive has no single period to count in: give a Harmonic one")
     ratios = _listed("frequency_ratio", frequency_ratio)
     if ratios is None:
         ratios = [drive.drive_frequency / system.natural_frequency]
     if min(ratios) <= 0.0:
-        raise ValueError(f"frequency_ratio must be positive, got {min(ratios):g}; leave it out")
+        raise InputError(f"frequency_ratio must be positive, got {min(ratios):g}; leave it out")
     amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
     strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
     count = checked_count("trajectories", trajectories)
     if count > 1 and strength == 0.0:
-        raise ValueError(
+        raise InputError(
             f"{count} trajectories without noise are all the same: give noise_strength or one"
         )
     seen = checked_count("periods", periods)
     if seen < 16:
-        raise ValueError(f"periods must be at least 16 to tell a line, got {seen}")
+        raise InputError(f"periods must be at least 16 to tell a line, got {seen}")
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     noise = VelocityKicks(strength=strength, seed=noise_seed) if strength > 0.0 else None
@@ -360,7 +361,7 @@ def _listed(name: str, values: Any) -> list[float] | None:
     unit = QUANTITIES[name].unit
     given = np.atleast_1d(values).tolist()
     if not given:
-        raise ValueError(f"{name}: the list of values is empty; give one or leave it out")
+        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
     return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
 
 

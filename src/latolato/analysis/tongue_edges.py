@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from latolato.analysis.linear import METHODS, checked_choice, linearised, told_waveform, tongue
 from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.analysis.registry import analyses, labelled
+from latolato.errors import InputError
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, Quantity
@@ -64,7 +65,7 @@ def tongue_edges(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, balls with a radius or a restitution below 1, and Coulomb friction, which
         holds every ball near the position.
 
@@ -89,9 +90,9 @@ def tongue_edges(
     checked_choice("method", method, METHODS)
     order = 0 if order == 0 and position == "inverted" else checked_count("order", order)
     if order > _LARGEST_ORDER:
-        raise ValueError(f"order must be at most {_LARGEST_ORDER}, got {order}")
+        raise InputError(f"order must be at most {_LARGEST_ORDER}, got {order}")
     if position == "hanging" and problem.damping_ratio >= 1.0:
-        raise ValueError(
+        raise InputError(
             f"damping must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
             f"({problem.damping_ratio:.3g} times that); use growth_rate for overdamped cases"
         )

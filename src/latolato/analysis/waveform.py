@@ -21,6 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
+
 Complexes = NDArray[np.complex128]
 Floats = NDArray[np.float64]
 
@@ -40,7 +42,7 @@ def fourier_coefficients(waveform: Callable[[float], float]) -> Complexes:
 
     Raises
     ------
-    ValueError
+    InputError
         If 8192 samples do not resolve it.
     """
     count = _FEWEST_SAMPLES
@@ -54,7 +56,7 @@ def fourier_coefficients(waveform: Callable[[float], float]) -> Complexes:
             is_even = float(np.abs(found.imag).max()) <= least
             return np.asarray(found.real + 0j if is_even else found)
         count *= 2
-    raise ValueError(
+    raise InputError(
         f"the drive's waveform has more than {_MOST_SAMPLES // 4} overtones: it is not smooth "
         "enough for this analysis; a crank must be shorter than its connecting rod by more"
     )
@@ -68,7 +70,7 @@ def enough_harmonics(coefficients: Complexes, is_odd: bool, count: int) -> int:
 
     Raises
     ------
-    ValueError
+    InputError
         If they still change beyond 2000 harmonics.
     """
     strength = float(np.abs(coefficients).sum())
@@ -79,7 +81,7 @@ def enough_harmonics(coefficients: Complexes, is_odd: bool, count: int) -> int:
         if np.allclose(before, now, rtol=_AGREEMENT, atol=_AGREEMENT):
             return harmonics
         harmonics *= 2
-    raise ValueError(
+    raise InputError(
         f"the Fourier series did not settle with {harmonics} harmonics; lower the drive's "
         "amplitude or raise its frequency"
     )

@@ -22,6 +22,7 @@ from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
 from latolato.app.server import answered, json_of
+from latolato.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +37,8 @@ MOST_STEPS = 1e10
 _STEPS_PER_PERIOD = 40.0
 # Periods that are looked at after the transient, where no option says how many.
 _WATCHED = 48.0
+# How much longer a second run at a tenth of the tolerance makes the work.
+_TWICE = 2.3
 # Values of lists that are tried where none are given.
 _LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
 # Steps in a second on two cores, and seconds that every answer takes, with its picture.
@@ -101,7 +104,7 @@ class Question:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For another form, and for unknown analyses and options.
         """
         from latolato.analysis import analyses
@@ -110,14 +113,14 @@ class Question:
         asked = Asked.from_json(value)
         name, given = value.get("analysis"), value.get("given") or {}
         if not isinstance(name, str):
-            raise TypeError(f"analysis must be a name, got {name!r:.80}")
+            raise InputError(f"analysis must be a name, got {name!r:.80}")
         function = analyses[name]
         if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
-            raise TypeError("given must be an object of texts")
+            raise InputError("given must be an object of texts")
         own, _ = own_options(function)
         for option in given:
             if option not in own:
-                raise ValueError(f"{name} has no option '{option}': {suggest(option, list(own))}")
+                raise InputError(f"{name} has no option '{option}': {suggest(option, list(own))}")
         return cls(name, asked, {n: v.strip() for n, v in given.items() if v.strip()})
 
     @property
@@ -132,7 +135,7 @@ class Question:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For wrong values and units, and for what the analysis needs and nobody gave.
         """
         from latolato import analyse_command
@@ -147,7 +150,7 @@ class Question:
         except (TypeError, ValueError) as error:
             if not scenario.varied:
                 raise
-            raise ValueError(
+            raise InputError(
                 f"{error} ({scenario.name or 'this scenario'} is a map: take a point of it)"
             ) from None
 
@@ -206,14 +209,14 @@ def _typed(option: AnalysisOption, text: str) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         If it is of another kind.
     """
     if option.is_sequence:
         if ":" in text:
             found = _RANGE.fullmatch(text)
             if found is None or Path(text).is_file():
-                raise ValueError(f"{option.name} must be low : high : count, got {text!r:.80}")
+                raise InputError(f"{option.name} must be low : high : count, got {text!r:.80}")
             if int(found["count"]) > MOST_LISTED:
                 raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
             return text
@@ -223,11 +226,11 @@ def _typed(option: AnalysisOption, text: str) -> Any:
         return parts[0] if option.is_single and len(parts) == 1 else parts
     if option.kind is bool:
         if text.lower() not in ("true", "false"):
-            raise ValueError(f"{option.name} must be true or false, got {text!r:.80}")
+            raise InputError(f"{option.name} must be true or false, got {text!r:.80}")
         return text.lower() == "true"
     if option.kind is int:
         if not re.fullmatch(r"[-+]?\d{1,18}", text):
-            raise ValueError(f"{option.name} must be a whole number, got {text!r:.80}")
+            raise InputError(f"{option.name} must be a whole number, got {text!r:.80}")
         return int(text)
     return text
 
@@ -275,6 +278,8 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
     else:
         return 0.0
     many = math.prod(max(number(name, 1.0), 1.0) for name in _COUNTS)
+    if "check_tolerance" in known:
+        many *= _TWICE
     for name, option in own.items():
         value = known.get(name)
         if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):
@@ -295,7 +300,7 @@ def prepare(given: Any) -> Job:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, and for a question that would take very long.
     """
     question = Question.from_json(given)

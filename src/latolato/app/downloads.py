@@ -19,6 +19,7 @@ from latolato.app.blocks import pack
 from latolato.app.given import Asked, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.app.server import answered
+from latolato.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -79,11 +80,11 @@ def file_response(asked: Asked, kind: str) -> Response:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, an unknown kind and a run that is too large, before any work.
     """
     if kind not in TYPES:
-        raise ValueError(f"a run is stored as {', '.join(TYPES)}, not as {kind!r}")
+        raise InputError(f"a run is stored as {', '.join(TYPES)}, not as {kind!r}")
     scenario = scenario_of(asked)
     with tempfile.TemporaryDirectory(prefix="latolato-") as folder:
         content = _written(scenario, kind, Path(folder))
@@ -95,7 +96,7 @@ def scenario_of(asked: Asked) -> Scenario:
     """Return the scenario of one run that is neither a map nor too large."""
     scenario = asked.to_scenario()
     if scenario.varied:
-        raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
+        raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
     return scenario
 
@@ -140,7 +141,7 @@ def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
         return to_toml(scenario).encode()
     run = simulate_for_file(scenario)
     if kind == "contacts.csv" and run.attrs.get("contact", "none") == "none":
-        raise ValueError("no ball can touch anything in this run: it has no table of contacts")
+        raise InputError("no ball can touch anything in this run: it has no table of contacts")
     path = folder / f"run.{kind.rpartition('.')[2]}"
     if kind in ("png", "svg"):
         from latolato.figures.plot import plot
@@ -190,7 +191,7 @@ def prepare_animation(given: Any) -> Job:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input.
     ModuleNotFoundError
         Without the extra `video`.
@@ -200,7 +201,7 @@ def prepare_animation(given: Any) -> Job:
     asked = Asked.from_json(given)
     speed = given.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
-        raise TypeError(f"speed must be a number, got {speed!r}")
+        raise InputError(f"speed must be a number, got {speed!r}")
     check_target("run.mp4", float(speed), FPS)
     scenario = scenario_of(asked)
     check_frames(scenario, float(speed))

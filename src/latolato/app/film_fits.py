@@ -14,6 +14,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.film_options import Told
 from latolato.app.given import options_of
+from latolato.errors import InputError
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.model import fit_model
@@ -62,7 +63,7 @@ def fit_of(
 
     Raises
     ------
-    TypeError, ValueError, RuntimeError
+    InputError, RuntimeError
         If the table does not allow it.
     """
     gravity = told.gravity or GRAVITY
@@ -89,7 +90,7 @@ def fit_of(
             fit = fit_restitution(table, length=length, radius=told.radius, gravity=gravity)
         else:
             if not length:
-                raise ValueError("length must be known: it is the scale of the motion")
+                raise InputError("length must be known: it is the scale of the motion")
             guess = _guess(table, told, length, gravity)
             fit = fit_model(table, guess)
             system = _system_of(fit)

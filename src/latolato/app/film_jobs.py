@@ -7,6 +7,8 @@ from collections.abc import Callable, Coroutine, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from latolato.errors import InputError
+
 if TYPE_CHECKING:
     from latolato.app.film_store import Allowance, Film
     from latolato.app.processes import Workers
@@ -104,7 +106,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
 
     Raises
     ------
-    ValueError
+    InputError
         With the reason, whatever a broken file does to a decoder.
     """
     job = {**given, "folder": str(folder)}
@@ -114,9 +116,9 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
 
         return {"found": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
-        raise ValueError("this video needs more memory than it may take: scale it down") from None
+        raise InputError("this video needs more memory than it may take: scale it down") from None
     except Exception as error:
-        raise ValueError(one_line(error, job)) from None
+        raise InputError(one_line(error, job)) from None
 
 
 def one_line(error: Exception, job: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from latolato.app.forms import registry
+from latolato.errors import InputError
 from latolato.registry import suggest
 from latolato.units import to_si
 
@@ -51,24 +52,24 @@ class Told:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For unknown names, wrong types, units and values.
         """
         if not isinstance(given, Mapping):
-            raise TypeError(f"what is told of a video must be an object, got {given!r}")
+            raise InputError(f"what is told of a video must be an object, got {given!r}")
         known = ("pivot", "balls", "is_proposed", *SHARED, *CAMERA)
         for name in given:
             if name not in known:
-                raise ValueError(f"unknown name '{name}': {suggest(str(name), list(known))}")
+                raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
         balls = given.get("balls") or ()
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
-            raise TypeError("balls must be one place or two")
+            raise InputError("balls must be one place or two")
         found: dict[str, Any] = {
             name: number(name, given.get(name)) for name in (*SHARED, *CAMERA) if given.get(name)
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
             if name in found and not found[name] > 0.0:
-                raise ValueError(f"{name} must be positive, got {found[name]:g}")
+                raise InputError(f"{name} must be positive, got {found[name]:g}")
         return cls(
             pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
             balls=tuple(place("balls", ball) for ball in balls),
@@ -82,15 +83,15 @@ def number(name: str, value: Any) -> float:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If it is no finite number with a unit that fits.
     """
     unit = CAMERA[name][0] if name in CAMERA else registry()["options"][name]["unit"]
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise TypeError(f"{name} must be a text or a number, got {value!r}")
+        raise InputError(f"{name} must be a text or a number, got {value!r}")
     found = to_si(name, value, unit)
     if not isinstance(found, float) or not math.isfinite(found):
-        raise ValueError(f"{name} must be a finite number, got {value!r}")
+        raise InputError(f"{name} must be a finite number, got {value!r}")
     return found
 
 
@@ -102,7 +103,7 @@ def place(name: str, value: Any) -> tuple[float, float]:
         or len(value) != 2
         or not all(isinstance(v, (int, float)) and math.isfinite(v) for v in value)
     ):
-        raise TypeError(f"{name} must be a column and a row in pixels, got {value!r}")
+        raise InputError(f"{name} must be a column and a row in pixels, got {value!r}")
     return float(value[0]), float(value[1])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import secrets
 import shutil
 import tempfile
@@ -15,9 +14,9 @@ from typing import Any
 from urllib.parse import unquote
 
 from latolato.app.given import TooLargeError
+from latolato.errors import InputError
 from latolato.experiment.video import Limits
 
-_PREFIX = "latolato-films-"
 _LONGEST_NAME = 80
 # What lies in the folder of a film. The name of the upload is told, and never a path.
 UPLOAD = "film"
@@ -81,7 +80,7 @@ class Allowance:
 
         Raises
         ------
-        ValueError
+        InputError
             Unless both are positive.
 
         Examples
@@ -93,7 +92,7 @@ class Allowance:
         usual = cls()
         for name, value in (("video-megabytes", megabytes), ("video-minutes", minutes)):
             if value is not None and not 0.0 < value < math.inf:
-                raise ValueError(f"{name} must be positive, got {value:g}")
+                raise InputError(f"{name} must be positive, got {value:g}")
         size = usual.upload if megabytes is None else 1e6 * megabytes
         length = usual.duration if minutes is None else 60.0 * minutes
         larger, longer = max(1.0, size / usual.upload), max(1.0, length / usual.duration)
@@ -195,11 +194,11 @@ class Desk:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is none of that key.
         """
         if not isinstance(key, str) or key not in self.films:
-            raise ValueError("this video is no longer on the server: upload it again")
+            raise InputError("this video is no longer on the server: upload it again")
         return self.films[key]
 
 
@@ -215,8 +214,7 @@ class Store:
     def folder(self) -> Path:
         """The folder of this server, made when it is first needed."""
         if self._folder is None:
-            remove_orphans()
-            self._folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+            self._folder = Path(tempfile.mkdtemp(prefix="latolato-films-"))
         return self._folder
 
     def close(self) -> None:
@@ -248,11 +246,11 @@ class Store:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is none: its page has closed.
         """
         if key not in self.desks:
-            raise ValueError("this page is not connected: load it again")
+            raise InputError("this page is not connected: load it again")
         return self.desks[key]
 
     def film(self, key: str) -> Film | None:
@@ -309,24 +307,3 @@ def shown_name(text: str) -> str:
     plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")
     name = "".join(c for c in plain.rpartition("/")[2] if c.isprintable()).strip(" .")
     return name[-_LONGEST_NAME:] or "video"
-
-
-def remove_orphans() -> None:
-    """Remove the folders of servers that were killed before they could tidy up."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*-*"):
-        process = folder.name.removeprefix(_PREFIX).partition("-")[0]
-        if process.isdigit() and not folder.is_symlink() and not _runs(int(process)):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _runs(process: int) -> bool:
-    """Return whether a process is there; unknown counts as yes."""
-    if os.name != "posix":
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):
-        return True
-    return True

@@ -16,6 +16,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.film_fits import fit_of, fits_of, trial_row
 from latolato.app.film_options import EXPORTS, Told
+from latolato.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
@@ -50,7 +51,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         video, Path(job["folder"]) / "shown.mp4", lambda share: tell("reading", share)
     )
     if len(times) < _FEWEST:
-        raise ValueError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
+        raise InputError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
     found: dict[str, Any] = {
         "width": video.width, "height": video.height, "shown": size, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "told": None,
@@ -112,7 +113,7 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Track a video, write its table, and return what the table and the usual fits say."""
     told = Told.from_json(job["told"])
     if not told.balls:
-        raise ValueError("balls must be pointed at: one place or two")
+        raise InputError("balls must be pointed at: one place or two")
     task = prepare(
         Path(job["path"]),
         told.pivot,

@@ -1,10 +1,10 @@
 """Videos of an experiment: upload, work on them with progress, results; gone with their page.
 
-A page opens the WebSocket ``/api/films/desk`` and keeps it open; it is told its key, uploads with
-``POST /api/films?desk=KEY`` (the body is the file, its name stands in the header ``X-Name``), and
-asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY, ...}``. It is told
-``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket closes, running work
-is killed and every file of that page is removed.
+A page opens the WebSocket ``/api/films/desk``, sends ``{"hello": true}`` and keeps it open. It
+receives its key, uploads with ``POST /api/films?desk=KEY`` (the body is the file, its name stands
+in the header ``X-Name``), and asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY,
+...}``. It receives ``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket
+closes, running work is killed and every file of that page is removed.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from latolato.app.film_jobs import film_workers_of, work
 from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
+from latolato.errors import InputError
 
 _REFUSALS = (TypeError, ValueError, ModuleNotFoundError)
 _LONGEST_FRAME = 100_000
+# The first frame of a page; its first job may come much later.
+GREETING = {"hello": True}
 
 
 def routes() -> list[BaseRoute]:
@@ -64,7 +67,7 @@ async def _upload(request: Request) -> Response:
         with anyio.fail_after(store.allowance.upload_time), film.upload.open("xb") as file:
             await _received(request, store, desk, film, file)
         if film.size == 0:
-            raise ValueError(f"{film.name} is empty")
+            raise InputError(f"{film.name} is empty")
         film.is_whole = True
     except TooLargeError as error:
         return refusal(413, str(error))
@@ -89,7 +92,7 @@ async def _received(request: Request, store: Store, desk: Desk, film: Film, file
         if not part:
             return
         if film.key not in desk.films:
-            raise ValueError("the page has closed")
+            raise InputError("the page has closed")
         store.check_size(film, film.size + len(part))
         film.size += len(part)
         await anyio.to_thread.run_sync(file.write, part)
@@ -129,7 +132,7 @@ def _trials_csv(films: list[Film]) -> Response:
 
     rows = trial_rows(films)
     if not rows:
-        raise ValueError("none of the videos is a trial: each needs a driven pivot")
+        raise InputError("none of the videos is a trial: each needs a driven pivot")
     rows = [{k: v for k, v in row.items() if k != "film"} for row in rows]
     table = trial_table({name: [row[name] for row in rows] for name in rows[0]})
     with tempfile.TemporaryDirectory() as folder:
@@ -228,14 +231,16 @@ class _Clerk:
         number = None
         try:
             if text is None or len(text) > _LONGEST_FRAME:
-                raise ValueError("a frame must be a short text")
+                raise InputError("a frame must be a short text")
             given = json.loads(text)
             if not isinstance(given, dict):
-                raise TypeError("a frame must be an object")
+                raise InputError("a frame must be an object")
+            if given == GREETING:
+                return
             number = given.get("job")
             if isinstance(number, bool) or not isinstance(number, int):
                 number = None
-                raise TypeError("job must be a whole number")
+                raise InputError("job must be a whole number")
             self._begin(number, given)
         except (*_REFUSALS, RecursionError) as error:
             message = "a frame must be JSON" if isinstance(error, RecursionError) else str(error)
@@ -257,7 +262,7 @@ class _Clerk:
                 task.cancel()
             return
         if number in self._jobs:
-            raise ValueError(f"job {number} runs already")
+            raise InputError(f"job {number} runs already")
         if len(self._jobs) >= self._store.allowance.waiting:
             raise TooLargeError(f"{len(self._jobs)} jobs wait already")
         if do == "remove":
@@ -330,7 +335,7 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For anything that is not known, before a process begins.
     """
     from latolato.app.film_options import EXAMPLES, EXPORTS, FITS, Told
@@ -341,14 +346,14 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
         film = store.admit(desk, f"{kind}.mp4")
         return film, {"do": do, "kind": kind}
     if do not in ("look", "track", "fit", "export"):
-        raise ValueError(f"do must be look, track, fit, export, example or remove, got {do!r}")
+        raise InputError(f"do must be look, track, fit, export, example or remove, got {do!r}")
     film = desk.film(given.get("film"))
     if not film.is_whole and not film.about:
-        raise ValueError(f"{film.name} is still on its way")
+        raise InputError(f"{film.name} is still on its way")
     if do == "look":
         return film, {"do": do}
     if not film.about:
-        raise ValueError(f"{film.name} could not be read")
+        raise InputError(f"{film.name} could not be read")
     if do == "export":
         return film, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
     told = given.get("told")
@@ -362,5 +367,5 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
 def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
     """Return a word that is one of those known."""
     if not isinstance(value, str) or value not in known:
-        raise ValueError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+        raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
     return value

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.numerics.integrate import choose_step, choose_stepper
 from latolato.options import LawOption, changes, law_options
 from latolato.registry import suggest
@@ -29,7 +30,7 @@ _SWITCH = {"true": True, "false": False}
 _WHOLE = re.compile(r"\s*[-+]?\d{1,18}\s*")
 
 
-class TooLargeError(ValueError):
+class TooLargeError(InputError):
     """What is asked for would keep the machine busy for too long."""
 
 
@@ -46,16 +47,16 @@ class Asked:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             If it has another form than ``{"scenario": name, "options": {name: value}}``.
         """
         if not isinstance(value, Mapping):
-            raise TypeError(f"a request must be an object, got {value!r}")
+            raise InputError(f"a request must be an object, got {value!r}")
         name, options = value.get("scenario"), value.get("options") or {}
         if name is not None and not isinstance(name, str):
-            raise TypeError(f"scenario must be a text, got {name!r}")
+            raise InputError(f"scenario must be a text, got {name!r}")
         if not isinstance(options, Mapping):
-            raise TypeError(f"options must be an object, got {options!r}")
+            raise InputError(f"options must be an object, got {options!r}")
         return cls(name or None, options)
 
     def to_scenario(self) -> Scenario:
@@ -63,20 +64,20 @@ class Asked:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For unknown names, wrong types, units and values.
         """
         known = law_options()
         given: dict[str, Any] = {}
         for name, value in (self.options or {}).items():
             if name not in known:
-                raise ValueError(f"unknown option '{name}': {suggest(name, list(known))}")
+                raise InputError(f"unknown option '{name}': {suggest(name, list(known))}")
             given[name] = option_value(known[name], value)
         path = None
         if self.scenario is not None:
             if self.scenario not in shipped():
                 hint = suggest(self.scenario, list(shipped()))
-                raise ValueError(f"there is no scenario '{self.scenario}': {hint}")
+                raise InputError(f"there is no scenario '{self.scenario}': {hint}")
             path = shipped()[self.scenario]
         tables, folder = changed_tables(path, changes(given))
         return Scenario.from_dict(tables, folder=folder)
@@ -95,10 +96,10 @@ def option_value(option: LawOption, value: Any) -> Any:
         if len(value) > MOST_LISTED:
             raise TooLargeError(f"{name} holds {len(value)} values, the limit is {MOST_LISTED}")
         if not all(isinstance(part, (str, int, float)) for part in value):
-            raise TypeError(f"{name} must be a list of quantities")
+            raise InputError(f"{name} must be a list of quantities")
         return list(value)
     if value is not None and not isinstance(value, (str, int, float, bool)):
-        raise TypeError(f"{name} must be a text or a number, got {value!r}")
+        raise InputError(f"{name} must be a text or a number, got {value!r}")
     return value
 
 

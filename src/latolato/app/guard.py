@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import hmac
-from http.cookies import CookieError, SimpleCookie
-from urllib.parse import parse_qs, urlsplit
+import ipaddress
+from contextlib import suppress
 
-from starlette.datastructures import Headers, MutableHeaders
+import anyio
+from starlette.datastructures import MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 TOKEN = "token"
-_COOKIE = "latolato_token"
 _POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -32,89 +33,147 @@ HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+_POLICY_VIOLATION = 1008
+_FOREIGN = "the request comes from a page of another site"
 
 
 class Guard:
-    """Middleware that lets in what comes from this server's own pages only.
+    """Middleware that lets in only what comes from this server's own pages.
 
-    A request must name this server in ``Host`` (a page elsewhere that points its own name at this
-    address does not), must not come from a page of another site, and must carry the token if there
-    is one: in the address once, in a cookie from then on.
+    ``Host`` must be one of the server's names or the address at which the connection arrived: a
+    foreign page that points its own name at this address is refused. The request must not come from
+    a page of another site, and must carry the token if there is one: in the address once, in a
+    cookie from then on. A WebSocket must send its first frame soon.
 
     Parameters
     ----------
     app : ASGI application
         What is guarded.
-    hosts : frozenset of str
-        Names under which the server is known, each with its port.
+    names : frozenset of str
+        Values of ``Host`` that name this server, in lower case.
     token : str, optional
-        The secret that every request must know.
+        The secret that every request must carry.
+    cookie : str
+        Name of the cookie that keeps the token.
+    first_frame_time : float
+        Longest wait for the first frame of a WebSocket [s].
     """
 
-    def __init__(self, app: ASGIApp, hosts: frozenset[str], token: str | None = None) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        names: frozenset[str],
+        token: str | None,
+        cookie: str,
+        first_frame_time: float,
+    ) -> None:
         self._app = app
-        self._hosts = hosts
+        self._names = names
         self._token = token
+        self._cookie = cookie
+        self._first_frame_time = first_frame_time
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or hand on, one request."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        headers = Headers(scope=scope)
-        fault = self._fault(scope, headers)
+        request = HTTPConnection(scope)
+        is_invited = self._is_token(*request.query_params.getlist(TOKEN))
+        fault = self._fault(request, is_invited)
         if fault is not None:
-            await self._refuse(fault, scope, receive, send)
+            await _refuse(fault, scope, receive, send)
             return
-        query = parse_qs(scope["query_string"].decode("latin-1"))
-        brought = query.get(TOKEN, [""])[0] if self._token else ""
+        if scope["type"] == "websocket":
+            await self._app(scope, self._impatient(receive, send), send)
+            return
 
         async def answer(message: Message) -> None:
             if message["type"] == "http.response.start":
-                own = MutableHeaders(scope=message)
+                headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
-                    own.setdefault(name, value)
-                if brought:
-                    own.append(
-                        "Set-Cookie", f"{_COOKIE}={brought}; HttpOnly; SameSite=Strict; Path=/"
+                    headers.setdefault(name, value)
+                if is_invited:
+                    headers.append(
+                        "Set-Cookie",
+                        f"{self._cookie}={self._token}; HttpOnly; SameSite=Strict; Path=/",
                     )
             await send(message)
 
         await self._app(scope, receive, answer)
 
-    def _fault(self, scope: Scope, headers: Headers) -> str | None:
+    def _fault(self, request: HTTPConnection, is_invited: bool) -> str | None:
         """Return why a request is refused, None if it is welcome."""
-        if headers.get("host", "") not in self._hosts:
-            return "this server does not know the name that you call it by"
-        origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc not in self._hosts:
-            return "a page of another site asks"
-        if scope["type"] == "websocket" and origin is None:
+        hosts = [host.lower() for host in request.headers.getlist("host")]
+        if len(hosts) != 1 or not (hosts[0] in self._names or hosts[0] in _addresses(request)):
+            return (
+                "this server does not know the name in the address of the page; use a link that it "
+                "printed, or start it with --name HOST"
+            )
+        own = (f"http://{hosts[0]}", f"https://{hosts[0]}")
+        origins = request.headers.getlist("origin")
+        if any(origin not in own for origin in origins):
+            return _FOREIGN
+        if request.scope["type"] == "websocket" and not origins:
             return "a WebSocket must say which page opens it"
-        if headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
-            return "a page of another site asks"
-        if self._token is not None and not self._knows_token(scope, headers):
+        if self._token is not None and not (
+            is_invited or self._is_token(request.cookies.get(self._cookie, ""))
+        ):
             return "the address lacks the access token that the server printed when it started"
-        return None
+        # Whoever follows a link with the token comes from the page where the link stands.
+        is_own_site = request.headers.get("sec-fetch-site", "none") in ("none", "same-origin")
+        return (
+            None if is_own_site or is_invited else "the request comes from a page of another site"
+        )
 
-    def _knows_token(self, scope: Scope, headers: Headers) -> bool:
-        """Return whether a request carries the token, in its address or in a cookie."""
-        assert self._token is not None
-        given = parse_qs(scope["query_string"].decode("latin-1")).get(TOKEN, [])
-        cookies: SimpleCookie = SimpleCookie()
-        try:
-            cookies.load(headers.get("cookie", ""))
-        except CookieError:
+    def _is_token(self, *given: str) -> bool:
+        """Return whether one of the texts is the server's token."""
+        token = self._token
+        if token is None:
             return False
-        if _COOKIE in cookies:
-            given.append(cookies[_COOKIE].value)
-        return any(hmac.compare_digest(each.encode(), self._token.encode()) for each in given)
+        return any(hmac.compare_digest(text.encode(), token.encode()) for text in given)
 
-    async def _refuse(self, fault: str, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request that is not welcome."""
-        if scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": fault})
-            return
-        response = PlainTextResponse(f"Refused: {fault}.\n", status_code=403, headers=HEADERS)
-        await response(scope, receive, send)
+    def _impatient(self, receive: Receive, send: Send) -> Receive:
+        """Return what receives the messages of a WebSocket, and ends one that sends no frame."""
+        is_silent = True
+
+        async def first() -> Message:
+            nonlocal is_silent
+            if not is_silent:
+                return await receive()
+            with anyio.move_on_after(self._first_frame_time):
+                message = await receive()
+                is_silent = message["type"] == "websocket.connect"
+                return message
+            is_silent = False
+            fault = f"no frame came within {self._first_frame_time:g} s"
+            with suppress(OSError):  # the page may be gone already
+                await send({"type": "websocket.close", "code": _POLICY_VIOLATION, "reason": fault})
+            return {"type": "websocket.disconnect", "code": _POLICY_VIOLATION}
+
+        return first
+
+
+def _addresses(request: HTTPConnection) -> tuple[str, ...]:
+    """Return the values of ``Host`` that stand for the socket at which a request arrived."""
+    name, port = request.scope.get("server") or ("", None)
+    try:
+        address = ipaddress.ip_address(name.partition("%")[0])
+    except ValueError:
+        return ()
+    if isinstance(address, ipaddress.IPv6Address):
+        mapped = address.ipv4_mapped  # IPv4 on a socket for both
+        shown = f"[{address}]" if mapped is None else str(mapped)
+    else:
+        shown = str(address)
+    return (f"{shown}:{port}", shown) if port == 80 else (f"{shown}:{port}",)
+
+
+async def _refuse(fault: str, scope: Scope, receive: Receive, send: Send) -> None:
+    """Answer a request that is not welcome."""
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": _POLICY_VIOLATION, "reason": fault})
+        return
+    response = PlainTextResponse(f"Refused: {fault}.\n", status_code=403, headers=HEADERS)
+    await response(scope, receive, send)

@@ -27,6 +27,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.server import field_of, in_thread
 from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
+from latolato.errors import InputError
 from latolato.summary import plain
 
 if TYPE_CHECKING:
@@ -63,15 +64,15 @@ def parsed(text: str) -> Any:
 
     Raises
     ------
-    ValueError
+    InputError
         If it is too long or none.
     """
     if len(text) > MOST_MESSAGE:
-        raise ValueError(f"a message must not exceed {MOST_MESSAGE} characters, got {len(text)}")
+        raise InputError(f"a message must not exceed {MOST_MESSAGE} characters, got {len(text)}")
     try:
         return json.loads(text)
     except (ValueError, RecursionError):
-        raise ValueError("a message must be JSON") from None
+        raise InputError("a message must be JSON") from None
 
 
 def told(error: Exception) -> str:
@@ -126,7 +127,7 @@ async def _text(socket: WebSocket) -> str:
 
     Raises
     ------
-    TypeError
+    InputError
         If it is binary.
     WebSocketDisconnect
         If there is none any more.
@@ -136,7 +137,7 @@ async def _text(socket: WebSocket) -> str:
         raise WebSocketDisconnect(message.get("code", 1000))
     text = message.get("text")
     if not isinstance(text, str):
-        raise TypeError("a message must be text, got bytes")
+        raise InputError("a message must be text, got bytes")
     return text
 
 

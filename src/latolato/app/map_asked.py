@@ -18,6 +18,7 @@ from latolato.app.map_choices import (
     suggested_range,
     watched_of,
 )
+from latolato.errors import InputError
 from latolato.observables import Observable
 from latolato.quantities import ANY
 from latolato.registry import checked_count, checked_number, suggest
@@ -60,7 +61,7 @@ class MapAsked:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For unknown entries and values of another kind.
         TooLargeError
             For more cells than are drawn.
@@ -70,14 +71,14 @@ class MapAsked:
         given = {k: v for k, v in value.items() if v is not None}
         for name in given:
             if name not in (*names, "scenario", "options"):
-                raise ValueError(f"unknown entry '{name}' of a map: {suggest(name, names)}")
+                raise InputError(f"unknown entry '{name}' of a map: {suggest(name, names)}")
         found: dict[str, Any] = {"asked": asked}
         for which in ("x", "y"):
             if which in given:
                 found[which] = Span.from_json(which, given[which])
         if "observable" in given:
             if not isinstance(given["observable"], str):
-                raise TypeError(f"observable must be a text, got {given['observable']!r}")
+                raise InputError(f"observable must be a text, got {given['observable']!r}")
             found["observable"] = given["observable"]
         for name in ("width", "height"):
             if name in given:
@@ -168,7 +169,7 @@ class Map:
         ------
         TooLargeError
             If the whole map, or one of its points, would take too long.
-        ValueError
+        InputError
             If no point can run, saying why.
         """
         height, width = self.shape
@@ -177,7 +178,7 @@ class Map:
         plan = self.plan_of((rows[:, None] * width + columns).ravel())
         batch = make_batch(plan, np.arange(plan.size), stepper_of(plan))
         if not batch.valid.any():
-            raise ValueError(batch.reason)
+            raise InputError(batch.reason)
         steps = plan.duration / batch.points.settings["step"][batch.valid]
         if steps.max() > MOST_STEPS:
             raise TooLargeError(
@@ -195,13 +196,13 @@ class Map:
 
 
 def _check_times(duration: float, transient: float) -> None:
-    """Raise ValueError unless runs last and something of them is left."""
+    """Raise InputError unless runs last and something of them is left."""
     if not duration > 0.0:
-        raise ValueError(f"each run must last longer than 0 s, got {duration:g} s")
+        raise InputError(f"each run must last longer than 0 s, got {duration:g} s")
     if not transient >= 0.0:
-        raise ValueError(f"what is left out must be at least 0 s, got {transient:g} s")
+        raise InputError(f"what is left out must be at least 0 s, got {transient:g} s")
     if transient >= duration:
-        raise ValueError(
+        raise InputError(
             f"what is left out must be shorter than a run of {duration:g} s, got {transient:g} s"
         )
 
@@ -211,7 +212,7 @@ def make_map(asked: MapAsked) -> Map:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input.
     """
     scenario = asked.asked.to_scenario()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.sweep.chunk import STATUS, Values
+from latolato.sweep.executors import ROUNDING
 from latolato.sweep.plan import Plan
 from latolato.sweep.results import Memory
 
@@ -55,7 +56,7 @@ class Maps:
         found = self.by_hash(plan.hash)
         if found is not None:
             return found
-        memory, base = Memory(plan), _base(plan)
+        memory, base = Memory(plan, ROUNDING["threads"]), _base(plan)
         with self._lock:
             others = [other for other, same in self._found.values() if same == base]
             # Kicks are those of a point's number, which another map counts otherwise.

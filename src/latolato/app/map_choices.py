@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from latolato.app.forms import SUGGESTED, units_of
 from latolato.app.given import options_of
+from latolato.errors import InputError
 from latolato.figures.sides import is_geometric
 from latolato.observables import Observable, observables
 from latolato.physics.drives import Drive, Harmonic, Static
@@ -40,15 +41,15 @@ class Span:
 
     @classmethod
     def from_json(cls, which: str, value: Any) -> Span:
-        """Return an axis, or raise TypeError or ValueError."""
+        """Return an axis, or raise InputError."""
         own = set(value) - {"log"} if isinstance(value, Mapping) else set()
         if not isinstance(value, Mapping) or own - {"name", "low", "high"}:
-            raise TypeError(f"{which} must be an object with name, low and high, got {value!r}")
+            raise InputError(f"{which} must be an object with name, low and high, got {value!r}")
         name, log = value.get("name", ""), value.get("log")
         if not isinstance(name, str):
-            raise TypeError(f"the name of {which} must be a text, got {name!r}")
+            raise InputError(f"the name of {which} must be a text, got {name!r}")
         if log is not None and not isinstance(log, bool):
-            raise TypeError(f"log of {which} must be true or false, got {log!r}")
+            raise InputError(f"log of {which} must be true or false, got {log!r}")
         low, high = (
             checked_number(f"{k} of {which}", value[k], ANY, "SI") if k in value else math.nan
             for k in ("low", "high")
@@ -103,13 +104,13 @@ def spans_of(
         if span is not None and not span.name:
             span = replace(span, name=own.name)
         if span is not None and span.name not in known:
-            raise ValueError(f"unknown parameter '{span.name}': {suggest(span.name, list(known))}")
+            raise InputError(f"unknown parameter '{span.name}': {suggest(span.name, list(known))}")
         if span is not None and span.is_open:
             span = _span(span.name, known, scenario, span.log, (span.low, span.high))
         chosen.append(_checked(span or own, known))
     if DERIVED.get(chosen[0].name, chosen[0].name) == DERIVED.get(chosen[1].name, chosen[1].name):
         a, b = (known[span.name].quantity.long_name for span in chosen)
-        raise ValueError(
+        raise InputError(
             f"both axes show the {a}: choose another one"
             if a == b
             else f"{a} and {b} set the same thing: choose another axis"
@@ -140,19 +141,19 @@ def _span(
 
 
 def _checked(span: Span, known: Mapping[str, Parameter]) -> Span:
-    """Return an axis, or raise ValueError in the words of the quantity along it."""
+    """Return an axis, or raise InputError in the words of the quantity along it."""
     parameter = known[span.name]
     label = named(span.name, parameter)
     low, high = (in_words(span.name, v, parameter) for v in (span.low, span.high))
     if not span.low < span.high:
-        raise ValueError(f"{label}: the end must lie above the start, got {low} to {high}")
+        raise InputError(f"{label}: the end must lie above the start, got {low} to {high}")
     allowed = parameter.allowed
     for value, said in ((span.low, low), (span.high, high)):
         if value not in allowed:
             rule = rule_of(span.name, parameter)
-            raise ValueError(f"{label}: values must be {rule}, got {said}")
+            raise InputError(f"{label}: values must be {rule}, got {said}")
     if span.log and not span.low > 0.0:
-        raise ValueError(
+        raise InputError(
             f"{label}: a logarithmic axis must begin above zero, got {low}: raise the start, or "
             "make the axis linear"
         )
@@ -263,7 +264,7 @@ def watched_of(
         own = [everything[0]]
     shown = chosen or next(iter(mappable(own[0], angles)))
     if shown not in names:
-        raise ValueError(f"unknown observable '{shown}': {suggest(shown, names)}")
+        raise InputError(f"unknown observable '{shown}': {suggest(shown, names)}")
     owner = next(each for each in everything if shown in mappable(each, angles))
     return tuple(own if owner in own else [owner]), shown, variables
 

@@ -11,6 +11,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.given import TooLargeError
 from latolato.app.map_shown import Shown
+from latolato.errors import InputError
 from latolato.figures.contours import Line, lines_of, round_levels
 from latolato.quantities import ANY
 from latolato.registry import checked_number
@@ -27,14 +28,14 @@ def contours(shown: Shown, given: Mapping[str, Any]) -> tuple[list[float], list[
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad levels, and for a variable of classes.
     TooLargeError
         If there is more to draw than a page can.
     """
     drawing = shown.drawing
     if drawing.classes:
-        raise ValueError(f"{drawing.name} has classes, not a scale: it has no contour lines")
+        raise InputError(f"{drawing.name} has classes, not a scale: it has no contour lines")
     levels = _levels(given["levels"]) if given.get("levels") is not None else _usual(shown, given)
     lines, tiny = lines_of(drawing, levels)
     if sum(len(line.x) for line in lines) > MOST_VERTICES:
@@ -65,7 +66,7 @@ def contour_block(shown: Shown, given: Mapping[str, Any]) -> bytes:
 def _levels(given: Any) -> list[float]:
     """Return the levels that a page asks for."""
     if not isinstance(given, (list, tuple)) or not given:
-        raise TypeError(f"levels must be a list of numbers, got {given!r}")
+        raise InputError(f"levels must be a list of numbers, got {given!r}")
     if len(given) > MOST_LEVELS:
         raise TooLargeError(f"at most {MOST_LEVELS} contour lines, got {len(given)} levels")
     return sorted({checked_number("a level", value, ANY, "SI") for value in given})

@@ -16,6 +16,7 @@ from latolato.app.downloads import PICTURE_DPI, TYPES, drawing_lock
 from latolato.app.given import TooLargeError
 from latolato.app.map_contours import contours
 from latolato.app.map_shown import Shown
+from latolato.errors import InputError
 from latolato.quantities import ANY
 from latolato.registry import checked_number, suggest
 
@@ -38,13 +39,13 @@ def file_response(kind: str, given: Any, shown_of: Callable[[Any], Shown]) -> Re
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, an unknown kind, and an unfinished map as a store.
     TooLargeError
         For a stored sweep that is too large.
     """
     if kind not in KINDS:
-        raise ValueError(f"a map is stored as {', '.join(KINDS)}, not as {kind!r}")
+        raise InputError(f"a map is stored as {', '.join(KINDS)}, not as {kind!r}")
     shown = shown_of(given)
     if shown.grid.nbytes > MOST_BYTES:
         raise TooLargeError(
@@ -88,7 +89,7 @@ def _zipped(shown: Shown, folder: Path) -> bytes:
     if shown.path is not None and shown.path.is_dir():
         return _zip(shown.path, shown.path.name)
     if shown.missing:
-        raise ValueError(
+        raise InputError(
             f"{shown.missing} points are not computed yet: a store holds whole maps; let it "
             "finish, or take NetCDF"
         )
@@ -98,10 +99,15 @@ def _zipped(shown: Shown, folder: Path) -> bytes:
         import json
 
         plan = Plan.from_description(json.loads(shown.grid.attrs["plan"]))
+    if "rounding" not in shown.grid.attrs:
+        raise InputError(
+            "this map was computed by an earlier latolato, which did not record how it rounds",
+            way_out="compute it again, or take NetCDF",
+        )
     path = folder / f"{shown.name}.zarr"
     reason = str(shown.grid.attrs.get("first_invalid", ""))
     arrays = {str(name): array.values for name, array in shown.grid.data_vars.items()}
-    with Store(plan, path) as store:
+    with Store(plan, path, shown.grid.attrs["rounding"]) as store:
         for number in store.missing:
             block = plan.block(number)
             store.write(number, {name: a[block] for name, a in arrays.items()}, reason)
@@ -130,11 +136,11 @@ def _picture(
 
     overlays = given.get("overlays") or []
     if not isinstance(overlays, list) or not all(isinstance(name, str) for name in overlays):
-        raise TypeError(f"overlays must be a list of names, got {overlays!r}")
+        raise InputError(f"overlays must be a list of names, got {overlays!r}")
     trials, points = given.get("trials"), None
     if trials is not None:
         if not isinstance(trials, str) or len(trials) > MOST_TRIALS:
-            raise TypeError("trials must be the text of a trial table")
+            raise InputError("trials must be the text of a trial table")
         points = folder / "trials.csv"
         points.write_text(trials, encoding="utf-8")
     look = _look(shown, given, shown_of)
@@ -152,11 +158,11 @@ def _look(shown: Shown, given: Mapping[str, Any], shown_of: Callable[[Any], Show
 
     scale, ends = given.get("scale") or SCALES[0], given.get("limits")
     if scale not in SCALES:
-        raise ValueError(f"unknown scale {scale!r}: {suggest(str(scale), list(SCALES))}")
+        raise InputError(f"unknown scale {scale!r}: {suggest(str(scale), list(SCALES))}")
     limits = None
     if ends is not None:
         if not isinstance(ends, list) or len(ends) != 2:
-            raise TypeError(f"limits must be two numbers, got {ends!r}")
+            raise InputError(f"limits must be two numbers, got {ends!r}")
         low, high = (checked_number("limits", value, ANY, "SI") for value in ends)
         # Values as pages have them, in single precision, may lie beside those of the map.
         own = [float(np.float32(value)) for value in shown.drawing.limits]

@@ -80,7 +80,7 @@ def frames(shown: Map, cancel: NDArray[np.int64], maps: Maps) -> Generator[bytes
     ------
     Cancelled
         If ``cancel[0]`` was set; kernels stop within moments.
-    TooLargeError, ValueError
+    TooLargeError, InputError
         Before any work.
     """
     cost = shown.cost_of_point()

@@ -11,11 +11,13 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.map_asked import MapAsked, make_map
+from latolato.errors import InputError
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.quantities import ANY
 from latolato.registry import checked_number
 from latolato.scenario import Scenario
 from latolato.simulate import simulate
+from latolato.sweep.executors import ROUNDING
 from latolato.sweep.points import arguments_of
 from latolato.sweep.results import attributes_of
 
@@ -33,11 +35,11 @@ def scenario_at(given: Any, find: Find) -> Scenario:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If there is no such point, or its parameters contradict each other.
     """
     if not isinstance(given, Mapping):
-        raise TypeError(f"a request must be an object, got {given!r}")
+        raise InputError(f"a request must be an object, got {given!r}")
     rest = dict(given)
     x, y = _pair("at", rest.pop("at", None))
     if "stored" in rest:
@@ -45,7 +47,7 @@ def scenario_at(given: Any, find: Find) -> Scenario:
 
         names = rest.get("names")
         if not isinstance(names, list) or len(names) != 2:
-            raise TypeError("names must be those of the two axes")
+            raise InputError("names must be those of the two axes")
         path = find(rest["stored"])
         select = rest.get("select") or {}
         found = arguments_at(path, (str(names[0]), x), (str(names[1]), y), select)
@@ -63,7 +65,7 @@ def scenario_at(given: Any, find: Find) -> Scenario:
 def _pair(name: str, value: Any) -> tuple[float, float]:
     """Return two numbers."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise TypeError(f"{name} must be two numbers, got {value!r}")
+        raise InputError(f"{name} must be two numbers, got {value!r}")
     x, y = (checked_number(name, v, ANY, "SI") for v in value)
     return x, y
 
@@ -76,21 +78,21 @@ def overlays(given: Any, find: Find) -> bytes:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, also of trials that are no trial table.
     """
     from latolato.figures.overlays import OVERLAYS, curve
 
     if not isinstance(given, Mapping):
-        raise TypeError(f"a request must be an object, got {given!r}")
+        raise InputError(f"a request must be an object, got {given!r}")
     rest = dict(given)
     text = rest.pop("trials", None)
     limits = rest.pop("limits", None)
     if not isinstance(limits, list) or len(limits) != 4:
-        raise TypeError(f"limits must be four numbers, got {limits!r}")
+        raise InputError(f"limits must be four numbers, got {limits!r}")
     left, right, bottom, top = (checked_number("limits", v, ANY, "SI") for v in limits)
     if not (left < right and bottom < top):
-        raise ValueError(f"limits must go upwards, got {limits}")
+        raise InputError(f"limits must go upwards, got {limits}")
     arrays: dict[str, Any] = {}
     notes: dict[str, str] = {}
     try:
@@ -124,11 +126,11 @@ def _context(rest: dict[str, Any], find: Find) -> Context:
 
         names = rest.get("names")
         if not isinstance(names, list) or len(names) != 2:
-            raise TypeError("names must be those of the two axes")
+            raise InputError("names must be those of the two axes")
         return Context.of(opened(find(rest["stored"])), str(names[0]), str(names[1]))
     shown = make_map(MapAsked.from_json(rest))
     plan = shown.plan_at(shown.x.high, shown.y.high)
-    grid = xr.Dataset(attrs=attributes_of(plan))
+    grid = xr.Dataset(attrs=attributes_of(plan, ROUNDING["threads"]))
     return Context.of(grid, shown.x.name, shown.y.name)
 
 
@@ -137,7 +139,7 @@ def _trials(text: Any, context: Context) -> tuple[Any, Any, Any]:
     from latolato.experiment.trial_table import parse_trials
 
     if not isinstance(text, str):
-        raise TypeError("trials must be the text of a trial table")
+        raise InputError("trials must be the text of a trial table")
     table = parse_trials(text)
     amplitude = table["drive_amplitude"].values.astype(float)
     # In natural frequencies of the toy that was measured, where these are known.

@@ -14,6 +14,7 @@ import numpy as np
 
 from latolato.app.forms import units_of
 from latolato.app.map_cells import Maps, known_of
+from latolato.errors import InputError
 from latolato.figures.map import Drawing
 from latolato.registry import suggest
 
@@ -58,27 +59,27 @@ def shown_of(given: Any, maps: Maps, find: Callable[[Any], Path]) -> Shown:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If there is no such map, or no such variable of it.
     """
     if not isinstance(given, Mapping):
-        raise TypeError(f"a request must be an object, got {given!r}")
+        raise InputError(f"a request must be an object, got {given!r}")
     variable, ball = given.get("observable"), given.get("ball")
     if not isinstance(variable, str):
-        raise TypeError(f"observable must be a text, got {variable!r}")
+        raise InputError(f"observable must be a text, got {variable!r}")
     if ball is not None and ball not in _BALLS:
-        raise ValueError(f"ball must be right or left, got {ball!r}")
+        raise InputError(f"ball must be right or left, got {ball!r}")
     if given.get("stored") is not None:
         return _stored(given, find(given["stored"]), variable)
     memory = maps.by_hash(given.get("key"))
     if memory is None:
-        raise ValueError(
+        raise InputError(
             "the server no longer has this map, for it was restarted or others took its place: "
             "compute it again"
         )
     grid = memory.dataset()
     if variable not in grid:
-        raise ValueError(
+        raise InputError(
             f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
         )
     inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
@@ -112,16 +113,16 @@ def spaced(side: Any, log: Any) -> Any:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If a logarithm is asked for of what is not above zero.
     """
     if log is None or log == side.is_log:
         return side
     if not isinstance(log, bool):
-        raise TypeError(f"log of {side.name} must be true or false, got {log!r}")
+        raise InputError(f"log of {side.name} must be true or false, got {log!r}")
     if log and not side.values[0] > 0.0:
         label = str(side.attributes.get("long_name", side.name))
-        raise ValueError(
+        raise InputError(
             f"{label}: a logarithmic axis must begin above zero, this map has {side.values[0]:g}"
         )
     return replace(side, is_log=log)

@@ -15,6 +15,7 @@ from latolato.app.given import TooLargeError
 from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
 from latolato.app.map_shown import spaced
+from latolato.errors import InputError
 from latolato.numerics.records import STATUS_NAMES
 from latolato.registry import suggest
 
@@ -31,7 +32,7 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If one of them is no sweep.
     """
     from latolato.sweep.store import plan_from_store
@@ -67,17 +68,17 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If there is nothing that a map can show.
     """
     grid = opened(path)
     variable = asked.get("observable")
     names = [str(n) for n in grid.data_vars if len(_dims(grid, str(n))) >= 2]
     if not names:
-        raise ValueError(f"{path.name} varies less than two parameters: there is no map to show")
+        raise InputError(f"{path.name} varies less than two parameters: there is no map to show")
     if variable not in names:
         if variable is not None and asked.get("strict"):
-            raise ValueError(f"unknown observable '{variable}': {suggest(str(variable), names)}")
+            raise InputError(f"unknown observable '{variable}': {suggest(str(variable), names)}")
         variable = names[0]
     _, rest = _selected(grid, variable, asked.get("select") or {})
     drawing = drawing_of(grid, variable, asked.get("select") or {})
@@ -162,20 +163,20 @@ def arguments_at(path: Path, x: tuple[str, float], y: tuple[str, float], select:
                 index[axis.name] = int(np.argmin(np.abs(values - value)))
                 break
         else:
-            raise ValueError(f"unknown parameter '{name}': {suggest(name, list(plan.varied))}")
+            raise InputError(f"unknown parameter '{name}': {suggest(name, list(plan.varied))}")
     place = tuple(index[dim] for dim in plan.dims)
     if not all(0 <= i < n for i, n in zip(place, plan.shape, strict=True)):
-        raise ValueError("this point lies outside of the map")
+        raise InputError("this point lies outside of the map")
     return arguments_of(plan, int(np.ravel_multi_index(place, plan.shape)))
 
 
 def _checked(select: Any) -> dict[str, int]:
     """Return which value of further dimensions is taken."""
     if not isinstance(select, Mapping):
-        raise TypeError(f"select must be an object, got {select!r}")
+        raise InputError(f"select must be an object, got {select!r}")
     for name, value in select.items():
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise TypeError(f"select.{name} must be a whole number from 0, got {value!r}")
+            raise InputError(f"select.{name} must be a whole number from 0, got {value!r}")
     return dict(select)
 
 
@@ -221,7 +222,7 @@ def drawing_of(grid: xr.Dataset, variable: str, select: Any) -> Drawing:
     from latolato.figures.map import Drawing
 
     if variable not in grid:
-        raise ValueError(
+        raise InputError(
             f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
         )
     grid, _ = _selected(grid, variable, select)

@@ -18,6 +18,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.server import answered, field_of, json_of
+from latolato.errors import InputError
 from latolato.progress import compiling
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ async def _socket(socket: WebSocket) -> None:
     try:
         given = json.loads(message.get("text") or message.get("bytes") or b"")
     except (ValueError, RecursionError):
-        await _refuse(socket, ValueError("a map is asked for in JSON"))
+        await _refuse(socket, InputError("a map is asked for in JSON"))
         return
     import numpy as np
 
@@ -166,7 +167,7 @@ def _path(app: Any, name: Any) -> Path:
     """Return the file of a stored map; only those that the command line named are opened."""
     paths: dict[str, Path] = app.state.stored
     if not isinstance(name, str) or name not in paths:
-        raise ValueError(f"there is no stored map {name!r}: start with latolato app --open MAP")
+        raise InputError(f"there is no stored map {name!r}: start with latolato app --open MAP")
     return paths[name]
 
 

@@ -24,6 +24,7 @@ from starlette.websockets import WebSocket
 from latolato.app.blocks import pack
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.server import answered
+from latolato.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -129,7 +130,7 @@ def prepare(given: Any, report: Path | None = None) -> Job:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For an unknown name.
     ModuleNotFoundError
         If the figure goes through a video and the extra `video` is missing.
@@ -139,10 +140,10 @@ def prepare(given: Any, report: Path | None = None) -> Job:
 
     name = given.get("figure") if isinstance(given, Mapping) else None
     if not isinstance(name, str):
-        raise TypeError(f"a request must name a figure, got {given!r:.80}")
+        raise InputError(f"a request must name a figure, got {given!r:.80}")
     modules = catalogue.evidence()
     if name not in modules:
-        raise ValueError(f"there is no figure '{name:.40}': {suggest(name, list(modules))}")
+        raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(modules))}")
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         block = block_of(about, folder / f"{name}.svg")
@@ -177,7 +178,7 @@ def stored(name: str, report: Path) -> bytes | None:
 
     Raises
     ------
-    ValueError
+    InputError
         If the report's file is none of ours.
     """
     from latolato.figures import catalogue
@@ -191,7 +192,7 @@ def stored(name: str, report: Path) -> bytes | None:
         try:
             about = told(catalogue.evidence()[name], load(path))
         except (AttributeError, KeyError) as error:
-            raise ValueError(
+            raise InputError(
                 f"'{path}' is not of this version: make the report anew ({error})"
             ) from None
         _known[key] = block_of({"name": name, "source": "report", **about}, report / f"{name}.svg")

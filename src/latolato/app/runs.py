@@ -21,6 +21,7 @@ from latolato.app.given import (
     options_of,
 )
 from latolato.app.lines import command_line, python_line
+from latolato.errors import InputError
 from latolato.options import law_options
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
@@ -84,7 +85,7 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, and for a run that is too large, before any work.
     """
     wanted = dict(asked.options or {})
@@ -99,7 +100,7 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
 def simulate_shown(scenario: Scenario, samples: int | None = None) -> Record:
     """Return the run of a scenario as `simulate_asked` does."""
     if scenario.varied:
-        raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
+        raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
     times = scenario.run.get("times")
     if times is None:
@@ -127,7 +128,7 @@ def block_of(scenario: Scenario, columns: Sequence[str] = USUAL_COLUMNS) -> byte
 def _block(run_it: Callable[[], tuple[Scenario, Record]], columns: Sequence[str]) -> bytes:
     for name in columns:
         if name not in COLUMNS:
-            raise ValueError(f"unknown column '{name}': {suggest(name, list(COLUMNS))}")
+            raise InputError(f"unknown column '{name}': {suggest(name, list(COLUMNS))}")
     begun = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

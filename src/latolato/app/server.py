@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -18,14 +18,18 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
+from latolato.app.connections import ConnectionLimits
 from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
+from latolato.errors import InputError
 from latolato.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
+# Addresses that stand for all of this machine's.
+ANY_ADDRESS = ("0.0.0.0", "::")
 # Runs that are computed at the same time; others wait.
 _WORKERS = 2
 
@@ -40,28 +44,51 @@ class Settings:
         The address.
     token : str, optional
         The secret that every request must carry; needed for any address but this machine's own.
+    names : sequence of str
+        Further names by which browsers may call the server, with or without a port.
     report : Path, optional
         Folder of a reproduction report whose figures are shown.
     films : Allowance
         What uploaded videos may take.
     stored : mapping
         Stored maps that pages may open, by name.
+    connections : ConnectionLimits
+        What connections may take.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
     token: str | None = None
+    names: Sequence[str] = ()
     report: Path | None = None
     films: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
+    connections: ConnectionLimits = field(default_factory=ConnectionLimits)
 
     @property
-    def names(self) -> frozenset[str]:
-        """Names of the server as browsers send them in ``Host``."""
-        hosts = {self.host, "127.0.0.1", "localhost", "[::1]"}
-        return frozenset(f"{host}:{self.port}" for host in hosts) | (
-            frozenset(hosts) if self.port == 80 else frozenset()
-        )
+    def known_hosts(self) -> frozenset[str]:
+        """Values of ``Host`` that name this server, beside the address of the socket.
+
+        A name without a port stands for this port and, for a proxy before this server, for none.
+        """
+        own = {"127.0.0.1", "localhost", "[::1]"}
+        if self.host not in ANY_ADDRESS:
+            own.add(f"[{self.host}]" if ":" in self.host else self.host)
+        hosts = {f"{host}:{self.port}" for host in own} | (own if self.port == 80 else set())
+        for name in self.names:
+            hosts |= {name} if has_port(name) else {name, f"{name}:{self.port}"}
+        return frozenset(host.lower() for host in hosts)
+
+
+def has_port(name: str) -> bool:
+    """Return whether a host is named with its port.
+
+    Examples
+    --------
+    >>> has_port("lab.example:9000"), has_port("lab.example"), has_port("[fd00::1]")
+    (True, False, False)
+    """
+    return ":" in name.rpartition("]")[2]
 
 
 def make_app(settings: Settings) -> Starlette:
@@ -75,7 +102,16 @@ def make_app(settings: Settings) -> Starlette:
             *_views(),
             Route("/static/{path:path}", static),
         ],
-        middleware=[Middleware(Guard, hosts=settings.names, token=settings.token)],
+        middleware=[
+            Middleware(
+                Guard,
+                names=settings.known_hosts,
+                token=settings.token,
+                # Browsers send a cookie to every port of a host.
+                cookie=f"latolato_token_{settings.port}",
+                first_frame_time=settings.connections.first_frame_time,
+            )
+        ],
         exception_handlers={HTTPException: _refused},
         lifespan=_lifespan,
     )
@@ -88,6 +124,7 @@ def make_app(settings: Settings) -> Starlette:
     app.state.map_cells = None
     app.state.stored = dict(settings.stored)
     app.state.is_compiling = False
+    app.state.body_time = settings.connections.body_time
     return app
 
 
@@ -142,13 +179,18 @@ async def json_of(request: Request) -> Any:
     Raises
     ------
     HTTPException
-        If it is too long or no JSON.
+        If it is too long, too slow or no JSON.
     """
     body = bytearray()
-    async for part in request.stream():
-        body += part
-        if len(body) > MOST_BODY:
-            raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
+    seconds = request.app.state.body_time
+    try:
+        with anyio.fail_after(seconds):
+            async for part in request.stream():
+                body += part
+                if len(body) > MOST_BODY:
+                    raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
+    except TimeoutError:
+        raise HTTPException(408, f"a request must arrive within {seconds:g} s") from None
     try:
         return json.loads(body)
     except (ValueError, RecursionError):
@@ -201,5 +243,5 @@ def _run_response(given: Any) -> Response:
     asked = Asked.from_json(given)
     columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
-        raise TypeError("columns must be a list of names")
+        raise InputError("columns must be a list of names")
     return Response(run_block(asked, columns, samples), media_type="application/octet-stream")

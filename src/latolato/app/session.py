@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked
+from latolato.errors import InputError
 from latolato.physics.drives import CrankSlider, MeasuredPivot
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Session:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For bad input.
         """
         from latolato.app.toy import Toy
@@ -67,7 +68,7 @@ class Session:
         asked = Asked.from_json(hello)
         scenario = asked.to_scenario()
         if scenario.varied:
-            raise ValueError(f"{scenario.name or 'this scenario'} is a map, not one run")
+            raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run")
         toy = Toy(scenario, hello.get("state"))
         controls = hello.get("controls")
         if controls is not None:
@@ -83,7 +84,7 @@ class Session:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             For bad input; nothing of the message is done then, but what stands before it.
         """
         assert self.toy is not None
@@ -92,7 +93,7 @@ class Session:
         known = ("seq", "ack", "set", "push", "drag", "pause", "record", "reset")
         for name in given:
             if name not in known:
-                raise ValueError(f"unknown message '{name}': known are {', '.join(known)}")
+                raise InputError(f"unknown message '{name}': known are {', '.join(known)}")
         if "ack" in given:
             self.acked = int(_count("ack", given["ack"]))
         if "set" in given:
@@ -189,23 +190,23 @@ def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
 
 
 def checked_object(name: str, value: Any) -> Mapping[str, Any]:
-    """Return a JSON object, or raise TypeError."""
+    """Return a JSON object, or raise InputError."""
     if not isinstance(value, Mapping):
-        raise TypeError(f"{name} must be an object, got {shown(value)}")
+        raise InputError(f"{name} must be an object, got {shown(value)}")
     return value
 
 
 def _count(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise TypeError(f"{name} must be a number, got {shown(value)}")
+        raise InputError(f"{name} must be a number, got {shown(value)}")
     if not 0 <= value <= 2**53:
-        raise ValueError(f"{name} must lie in [0, 2^53], got {shown(value)}")
+        raise InputError(f"{name} must lie in [0, 2^53], got {shown(value)}")
     return float(value)
 
 
 def _switch(name: str, value: Any) -> bool:
     if not isinstance(value, bool):
-        raise TypeError(f"{name} must be true or false, got {shown(value)}")
+        raise InputError(f"{name} must be true or false, got {shown(value)}")
     return value
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
 from latolato.quantities import QUANTITIES, Range
@@ -46,7 +47,7 @@ def limits_of(system: System) -> dict[str, tuple[float, float]]:
 def checked_state(was: Mapping[str, Any], angles: int) -> tuple[Any, ...]:
     """Return time, phase, angles, velocities, amplitude and frequency of an earlier toy."""
     if not isinstance(was, Mapping):
-        raise TypeError(f"state must be an object, got {was!r}")
+        raise InputError(f"state must be an object, got {was!r}")
     anything = Range(-1e9, 1e9)
     time = checked_number("time", was.get("time"), Range(0.0, 1e7), "s")
     phase = checked_number("phase", was.get("phase"), anything, "rad")
@@ -54,7 +55,7 @@ def checked_state(was: Mapping[str, Any], angles: int) -> tuple[Any, ...]:
     for name in ("angles", "velocities"):
         values = was.get(name)
         if not isinstance(values, list) or len(values) < angles:
-            raise ValueError(f"{name} must be a list of {angles} numbers, got {values!r}")
+            raise InputError(f"{name} must be a list of {angles} numbers, got {values!r}")
         numbers = [checked_number(name, value, anything, "") for value in values[:angles]]
         lists.append(numbers if angles == 2 else numbers[0])
     drive = [

@@ -13,6 +13,7 @@ import numpy as np
 from latolato.app.recording import Recording
 from latolato.app.session import TICKS_PER_SECOND
 from latolato.app.steering import checked_state, cosine_of, limits_of
+from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.integrate import (
     Floats,
@@ -91,7 +92,7 @@ class Toy:
             self._check({"drive_amplitude": amplitude, "drive_frequency": frequency})
         start = checked_start(system, self.walls, angles, velocities, offset)
         if max(map(abs, start.velocities)) > 100.0 * system.natural_frequency:
-            raise ValueError("initial_angular_velocity is too fast for Live")
+            raise InputError("initial_angular_velocity is too fast for Live")
 
         self._stepper = choose_stepper(system)
         kind = "pair" if system.angles == 2 else "one"
@@ -150,7 +151,7 @@ class Toy:
 
         Raises
         ------
-        TypeError, ValueError
+        InputError
             If one is unknown or beyond its limits; then none is taken.
         """
         found = self._check(values)
@@ -177,9 +178,9 @@ class Toy:
     def hold(self, ball: Any, angle: Any) -> None:
         """Lead a ball to an angle [rad] from now on, as a hand would."""
         if isinstance(ball, bool) or not isinstance(ball, int):
-            raise TypeError(f"ball must be a whole number, got {ball!r}")
+            raise InputError(f"ball must be a whole number, got {ball!r}")
         if not 0 <= ball < self.system.angles:
-            raise ValueError(f"ball must lie in [0, {self.system.angles}), got {ball}")
+            raise InputError(f"ball must lie in [0, {self.system.angles}), got {ball}")
         turns = Range(-1e4, 1e4)
         target = checked_number("angle", angle, turns, "rad")
         if self.system.angles == 1:
@@ -283,10 +284,10 @@ class Toy:
         found = {}
         for name, value in values.items():
             if name not in self.controls:
-                raise ValueError(f"unknown control '{name}': {suggest(name, list(self.controls))}")
+                raise InputError(f"unknown control '{name}': {suggest(name, list(self.controls))}")
             low, high = self.limits[name]
             if not isinstance(value, (int, float)) or isinstance(value, bool):
-                raise TypeError(f"{name} must be a number, got {value!r}")
+                raise InputError(f"{name} must be a number, got {value!r}")
             found[name] = checked_number(name, value, Range(low, high), QUANTITIES[name].unit)
         return found
 

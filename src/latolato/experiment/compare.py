@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input.
 
     Examples
@@ -58,10 +59,10 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
     from latolato.experiment.fits.result import Fit
 
     if not isinstance(measured, xr.Dataset):
-        raise TypeError(f"compare needs a track table or trials, got {type(measured).__name__}")
+        raise InputError(f"compare needs a track table or trials, got {type(measured).__name__}")
     kind = measured.attrs.get("table")
     if kind not in ("track", "trials"):
-        raise ValueError("compare needs a track table or a trial table")
+        raise InputError("compare needs a track table or a trial table")
     if isinstance(computed, Fit):
         system, sigmas = system_of(computed)
         options = {"sigmas": sigmas, **options}
@@ -69,12 +70,12 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
         computed = system
     if kind == "track":
         if not isinstance(computed, System):
-            raise TypeError(f"a track table is compared with a system or a fit, got {computed!r}")
+            raise InputError(f"a track table is compared with a system or a fit, got {computed!r}")
         from latolato.experiment.comparison.motion import compare_motion
 
         return compare_motion(measured, computed, drive, **options)
     if drive is not None:
-        raise ValueError("trials tell their own drive: leave out drive")
+        raise InputError("trials tell their own drive: leave out drive")
     if isinstance(computed, System):
         from latolato.experiment.comparison.response import compare_response
 
@@ -89,7 +90,7 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
 
     Raises
     ------
-    ValueError
+    InputError
         If the fit is of no system.
     """
     from latolato.physics.pendulum import Pendulum, systems
@@ -105,7 +106,7 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
         values: dict[str, Any] = {name: fit[name].value for name in names}
         system = Pendulum(mass=float(attrs["mass"]), gravity=float(attrs["gravity"]), **values)
     else:
-        raise ValueError(
+        raise InputError(
             f"a fit of {fit.kind} names no whole system: use a fit of a model, or of a decay with "
             "its mass"
         )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.experiment.table import column_names, track_table
 from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
 from latolato.registry import checked_number, suggest
@@ -92,7 +93,7 @@ def import_table(
 
     Raises
     ------
-    ValueError
+    InputError
         For missing or double columns, missing or unfit units, cells that are no numbers, times
         that do not increase, and positions without a pivot.
     OSError
@@ -104,19 +105,19 @@ def import_table(
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
     if path.stat().st_size > _LARGEST:
-        raise ValueError(f"'{path}' is larger than {_LARGEST // 1_000_000} MB; cut it")
+        raise InputError(f"'{path}' is larger than {_LARGEST // 1_000_000} MB; cut it")
     raw = path.read_bytes()
     text = _split(raw, path)
     mapping = _usual(text.names, path) if columns is None else dict(columns)
     if "time" not in mapping:
-        raise ValueError(f"'{path}': say which column is the time, as in time = 't [s]'")
+        raise InputError(f"'{path}': say which column is the time, as in time = 't [s]'")
     found = {target: _column(text, target, name, path) for target, name in mapping.items()}
     if y_axis == "down":
         found = {name: -v if name.endswith("_y") else v for name, v in found.items()}
         pivot = None if pivot is None else (pivot[0], -pivot[1])
     if _RATE in found:
         if "angle_1" in found:
-            raise ValueError(f"'{path}': give angle_1 or {_RATE}, not both")
+            raise InputError(f"'{path}': give angle_1 or {_RATE}, not both")
         found["angle_1"] = _integrated(found["time"], found.pop(_RATE), path)
     _place_angles(found, path, pivot, angle_from)
     if angle_sigma is not None:
@@ -135,19 +136,19 @@ def import_table(
     try:
         return track_table(found, attributes)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"'{path}': {error}") from None
+        raise InputError(f"'{path}': {error}") from None
 
 
 def _check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Raise ValueError unless a value is one of its choices."""
+    """Raise InputError unless a value is one of its choices."""
     if value not in choices:
-        raise ValueError(f"{name} must be {' or '.join(choices)}, got {value!r}")
+        raise InputError(f"{name} must be {' or '.join(choices)}, got {value!r}")
 
 
 def _split(raw: bytes, path: Path) -> _Text:
     """Return the cells of a text table below its line of names."""
     if not raw.strip():
-        raise ValueError(f"'{path}' is empty")
+        raise InputError(f"'{path}' is empty")
     for encoding in ("utf-8-sig", "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252"):
         try:
             lines = raw.decode(encoding).splitlines()
@@ -155,29 +156,29 @@ def _split(raw: bytes, path: Path) -> _Text:
         except UnicodeDecodeError:
             continue
     else:
-        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text")
+        raise InputError(f"'{path}' is no text file; save it as UTF-8 text")
     if "\0" in lines[0]:
-        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text")
+        raise InputError(f"'{path}' is no text file; save it as UTF-8 text")
     for delimiter in ("\t", ";", ",", None):
         rows = _rows(lines, delimiter)
         body = next((i for i, row in enumerate(rows) if _is_numbers(row, delimiter)), None)
         if body is not None:
             break
     else:
-        raise ValueError(f"'{path}' holds no rows of numbers below a line of names")
+        raise InputError(f"'{path}' holds no rows of numbers below a line of names")
     width = len(rows[body])
     while body > 0 and _is_sparse(rows[body - 1], width, delimiter):
         body -= 1
     named = [row for row in rows[:body] if len(row) == width and any(row)]
     if not named:
-        raise ValueError(
+        raise InputError(
             f"'{path}' has no names above its {width} columns: put a line such as 't [s]' there"
         )
     names = [name.strip().lstrip("#%").strip().strip('"') for name in named[-1]]
     numbers = [row for row in rows[body:] if any(row)]
     for i, row in enumerate(numbers):
         if len(row) != width:
-            raise ValueError(f"'{path}': row {i + 1} has {len(row)} cells below {width} names")
+            raise InputError(f"'{path}': row {i + 1} has {len(row)} cells below {width} names")
     return _Text(names, [list(cells) for cells in zip(*numbers, strict=True)], delimiter != ",")
 
 
@@ -229,7 +230,7 @@ def _usual(names: list[str], path: Path) -> dict[str, str]:
     if "angle_1" in found:
         found = {k: v for k, v in found.items() if k in ("time", "angle_1")}
     if "time" not in found or len(found) < 2:
-        raise ValueError(
+        raise InputError(
             f"'{path}': say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
         )
     return found
@@ -239,18 +240,18 @@ def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
     """Return a column of the file in SI units."""
     if target not in (*TARGETS, _RATE):
         known = [*TARGETS, _RATE]
-        raise ValueError(f"a track table has no column '{target}': {suggest(target, known)}")
+        raise InputError(f"a track table has no column '{target}': {suggest(target, known)}")
     index, unit = _found(text.names, wanted, path)
     quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
     if not unit:
-        raise ValueError(
+        raise InputError(
             f"'{path}': the unit of column '{wanted}' is missing; write it in brackets, as in "
             f"{target} = '{wanted} [{quantity.unit}]'"
         )
     try:
         factor = to_si(target, f"1 {unit}", quantity.unit)
     except ValueError:
-        raise ValueError(
+        raise InputError(
             f"'{path}': column '{wanted}' is in [{unit}], which is no unit of {target} "
             f"[{quantity.unit}]"
         ) from None
@@ -258,7 +259,7 @@ def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
     for row, cell in enumerate(text.columns[index]):
         number = _number(cell, text.decimal_comma)
         if number is None:
-            raise ValueError(f"'{path}': row {row + 1} of column '{wanted}' holds {cell!r}")
+            raise InputError(f"'{path}': row {row + 1} of column '{wanted}' holds {cell!r}")
         numbers.append(number)
     values: Floats = factor * np.array(numbers)
     return values
@@ -274,12 +275,12 @@ def _found(names: list[str], wanted: str, path: Path) -> tuple[int, str]:
         matches = [i for i, each in enumerate(names) if _parted(each)[0] == name]
     if not matches:
         known = ", ".join(names)
-        raise ValueError(f"'{path}' has no column '{name}'; it has {known}")
+        raise InputError(f"'{path}' has no column '{name}'; it has {known}")
     if len(matches) > 1:
-        raise ValueError(f"'{path}' has {len(matches)} columns '{name}': rename them")
+        raise InputError(f"'{path}' has {len(matches)} columns '{name}': rename them")
     own = _parted(names[matches[0]])[1]
     if unit and own and unit != own:
-        raise ValueError(f"'{path}': column '{name}' is in [{own}] itself, not in [{unit}]")
+        raise InputError(f"'{path}': column '{name}' is in [{own}] itself, not in [{unit}]")
     return matches[0], unit or own
 
 
@@ -294,17 +295,17 @@ def _place_angles(
     for ball in (1, 2):
         half = {f"ball_{ball}_x", f"ball_{ball}_y"} & found.keys()
         if len(half) == 1:
-            raise ValueError(f"'{path}': {half.pop()} needs its other coordinate too")
+            raise InputError(f"'{path}': {half.pop()} needs its other coordinate too")
     if pivot is not None:
         if len(pivot) != 2:
-            raise ValueError(f"pivot must be two numbers x, y [m], got {pivot!r}")
+            raise InputError(f"pivot must be two numbers x, y [m], got {pivot!r}")
         if "pivot_x" in found or "pivot_y" in found:
-            raise ValueError("give the pivot either as numbers or as columns, not both")
+            raise InputError("give the pivot either as numbers or as columns, not both")
         found["pivot_x"] = np.full(len(found["time"]), float(pivot[0]))
         found["pivot_y"] = np.full(len(found["time"]), float(pivot[1]))
     if placed and not {"pivot_x", "pivot_y"} <= found.keys():
         if any(f"angle_{b}" not in found for b in placed):
-            raise ValueError(
+            raise InputError(
                 f"'{path}': angles from positions need the pivot: give pivot = (x, y) in m, or its "
                 "columns pivot_x and pivot_y"
             )
@@ -333,11 +334,11 @@ def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
 
     known = np.isfinite(rate) & np.isfinite(time)
     if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
-        raise ValueError(f"'{path}': {_RATE} needs at least 8 numbers at increasing times")
+        raise InputError(f"'{path}': {_RATE} needs at least 8 numbers at increasing times")
     spline = CubicSpline(time[known], rate[known]).antiderivative()
     turns = crossings(time[known], rate[known] - np.median(rate[known]))
     if len(turns) < 6:
-        raise ValueError(
+        raise InputError(
             f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points, got "
             f"{len(turns)}"
         )

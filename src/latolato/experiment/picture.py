@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.experiment.render import BOLT, Floats, Image, Look, kernel
 from latolato.experiment.scene import Camera, Scene, linear_colour
 from latolato.experiment.wall import make_wall
@@ -72,7 +73,7 @@ class View:
             value = q * (1.0 + q * q * (camera.k1 + camera.k2 * q * q))
             slope = 1.0 + q * q * (3.0 * camera.k1 + 5.0 * camera.k2 * q * q)
             if np.any(slope <= 0.05):
-                raise ValueError(
+                raise InputError(
                     f"k1, k2 must not fold the picture over itself, got {camera.k1:g}, "
                     f"{camera.k2:g}; give smaller ones or a longer focal_length"
                 )

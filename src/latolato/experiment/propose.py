@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.blobs import Backdrop, Disc
 from latolato.experiment.calibrate import Optics, undistorted
 from latolato.experiment.orbit import Orbit, better, circle, driven_circle
@@ -100,7 +101,7 @@ def propose(
 
     Raises
     ------
-    ValueError
+    InputError
         If no ball is found, with how to point at it.
 
     Notes
@@ -115,7 +116,7 @@ def propose(
     seen = [backdrop.discs(frame) for frame in frames]
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:
-        raise ValueError(
+        raise InputError(
             f"{video.path}: no moving ball was found; point at pivot and ball in the first frame: "
             "--pivot u,v --ball u,v (in Python pivot=(u, v), balls=[(u, v)])"
         )
@@ -327,7 +328,7 @@ def _starts(
         ]
         if len(on_circle) >= count:
             return list(on_circle[:count])
-    raise ValueError(
+    raise InputError(
         f"{video.path}: {count} {'balls were' if count == 2 else 'ball was'} found in the clip, "
         "but not in its first frame; point at pivot and ball there: --pivot u,v --ball u,v"
     )

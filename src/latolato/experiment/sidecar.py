@@ -133,7 +133,7 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
 
     Raises
     ------
-    ValueError
+    InputError
         If it is no such file, has unknown or wrong values, or belongs to another video.
     OSError
         If it cannot be read.
@@ -185,7 +185,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     _check_names("limits", limits, tuple(one.name for one in fields(Limits)))
     balls = geometry.get("balls", [])
     if not isinstance(balls, list) or len(balls) not in (1, 2):
-        raise ValueError("geometry.balls must hold one place or two")
+        raise InputError("geometry.balls must hold one place or two")
     numbers = {name: _number(f"camera.{name}", value) for name, value in camera.items()}
     bounds = {name: _number(f"limits.{name}", value) for name, value in limits.items()}
     whole = {
@@ -206,19 +206,19 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
 
 
 def _check_names(where: str, given: Any, known: tuple[str, ...]) -> None:
-    """Raise ValueError for a name that is not known."""
+    """Raise InputError for a name that is not known."""
     if not isinstance(given, Mapping):
-        raise TypeError(f"{where} must be a table")
+        raise InputError(f"{where} must be a table")
     for name in given:
         if name not in known:
-            raise ValueError(f"unknown '{where}{'.' if where else ''}{name}': "
+            raise InputError(f"unknown '{where}{'.' if where else ''}{name}': "
                              f"{suggest(name, list(known))}")  # fmt: skip
 
 
 def _number(name: str, value: Any) -> float:
     """Return a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(f"{name} must be a number, got {value!r}")
+        raise InputError(f"{name} must be a number, got {value!r}")
     return float(value)
 
 
@@ -230,7 +230,7 @@ def _optional(name: str, table: Mapping[str, Any]) -> float | None:
 def _place(name: str, value: Any) -> Place:
     """Return a column and a row."""
     if not isinstance(value, list) or len(value) != 2:
-        raise ValueError(f"{name} must be a column and a row, got {value!r}")
+        raise InputError(f"{name} must be a column and a row, got {value!r}")
     return _number(name, value[0]), _number(name, value[1])
 
 

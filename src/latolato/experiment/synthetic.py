@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.picture import Studio, View, moments_needed
 from latolato.experiment.render import Floats
@@ -110,7 +111,7 @@ def synthesise_video(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For a dataset that is no run, one that stops early, and one that is too short.
     ModuleNotFoundError
         Without the extra `video`.
@@ -206,7 +207,7 @@ def prepare(
     """Return the video of a run before it is encoded; see `synthesise_video`."""
     scene, camera = scene or Scene(), camera or Camera()
     if seed < 0:
-        raise ValueError(f"seed must be a whole number of at least 0, got {seed!r}")
+        raise InputError(f"seed must be a whole number of at least 0, got {seed!r}")
     stamps, begin = frame_stamps(run, camera, seed)
     times = stamps / TICKS
     motion, run = filmed_motion(run, begin + times, scene)
@@ -260,11 +261,11 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If it is no run, or if fewer than two frames fit into it.
     """
     if not hasattr(run, "attrs") or "angle" not in run or "scenario" not in run.attrs:
-        raise TypeError("a synthetic video needs a run: what simulate or load returned")
+        raise InputError("a synthetic video needs a run: what simulate or load returned")
     pause = 1.0 / camera.fps
     half = 0.5 * camera.exposure * pause
     readout = camera.row_time * (camera.rows - 1)
@@ -272,12 +273,12 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     room = float(run["time"][-1]) - begin - half - readout * (1.0 - camera.stamp_row)
     count = math.floor(room / pause + 1e-9) + 1
     if count < 2:
-        raise ValueError(
+        raise InputError(
             f"the run must hold two frames of {pause:g} s, got {float(run['time'][-1]):g} s; "
             "give a longer duration"
         )
     if count > MOST_FRAMES:
-        raise ValueError(
+        raise InputError(
             f"the video would have {count} frames, more than {MOST_FRAMES}; give a shorter "
             "duration or lower fps"
         )
@@ -301,7 +302,7 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
 
     Raises
     ------
-    ValueError
+    InputError
         If the run stops before the last frame.
     """
     from latolato.scenario import Scenario
@@ -315,7 +316,7 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
     mirrored = again.attrs["system"] == "latolato"
     angles = angle if angle.ndim == 2 else np.stack([angle, -angle] if mirrored else [angle])
     if not np.all(np.isfinite(angles)):
-        raise ValueError(f"the run must reach its end, got status '{again.attrs['status']}'")
+        raise InputError(f"the run must reach its end, got status '{again.attrs['status']}'")
     prefixes = ("right_", "left_") if angle.ndim == 2 else ("",) * len(angles)
     attrs = again.attrs
     lengths = tuple(float(attrs[f"{prefix}length"]) for prefix in prefixes)

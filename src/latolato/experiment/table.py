@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.quantities import QUANTITIES
 from latolato.registry import suggest
 
@@ -80,11 +81,10 @@ def track_table(
 
     Raises
     ------
-    ValueError
+    InputError
         For a missing time, unknown names, unequal lengths, no rows, times that do not increase,
-        infinite numbers and unknown flags.
-    TypeError
-        For values that are no numbers, and attributes that are neither numbers nor texts.
+        values that are not finite numbers, unknown flags, and attributes that are neither numbers
+        nor texts.
 
     Examples
     --------
@@ -100,16 +100,16 @@ def track_table(
     known = names + picture_names(balls)
     for name in columns:
         if name not in known:
-            raise ValueError(f"a track table has no column '{name}': {suggest(name, list(known))}")
+            raise InputError(f"a track table has no column '{name}': {suggest(name, list(known))}")
     if "time" not in columns:
-        raise ValueError("a track table needs the column 'time' [s]")
+        raise InputError("a track table needs the column 'time' [s]")
     given = {name: _values(name, value) for name, value in columns.items()}
     count = len(given["time"])
     if count == 0:
-        raise ValueError("a track table needs rows, got none")
+        raise InputError("a track table needs rows, got none")
     for name, values in given.items():
         if values.shape != (count,):
-            raise ValueError(
+            raise InputError(
                 f"column '{name}' must have {count} rows as time has, got {values.shape}"
             )
     given.setdefault("frame", np.arange(count))
@@ -131,22 +131,20 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
 
     Raises
     ------
-    TypeError
-        If it is no dataset.
-    ValueError
+    InputError
         If it is no track table, or a needed column is missing or empty.
     """
     import xarray as xr
 
     if not isinstance(table, xr.Dataset):
-        raise TypeError(f"a track table must be a dataset, got {type(table).__name__}: read_table")
+        raise InputError(f"a track table must be a dataset, got {type(table).__name__}: read_table")
     if table.attrs.get("table") != _KIND or "frame" not in table.dims:
-        raise ValueError("the dataset is no track table; make one with track_table or read_table")
+        raise InputError("the dataset is no track table; make one with track_table or read_table")
     for name in needed:
         if name not in table.variables:
-            raise ValueError(f"the track table has no column '{name}'")
+            raise InputError(f"the track table has no column '{name}'")
         if not np.any(np.isfinite(table[name].values)):
-            raise ValueError(f"the column '{name}' of the track table holds no number")
+            raise InputError(f"the column '{name}' of the track table holds no number")
     return table
 
 
@@ -169,7 +167,7 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If it is no track table or the suffix is unknown.
     OSError
         If the file cannot be written.
@@ -195,7 +193,7 @@ def read_table(path: str | Path) -> xr.Dataset:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown suffix, an empty file, a file of something else, missing columns, missing or
         other units, and what `track_table` refuses.
     OSError
@@ -210,11 +208,11 @@ def read_table(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
     if path.stat().st_size == 0:
-        raise ValueError(f"'{path}' is empty")
+        raise InputError(f"'{path}' is empty")
     read = {".csv": _read_csv, ".parquet": _read_parquet, ".nc": _read_netcdf}[suffix]
     columns, units, attributes = read(path)
     if attributes.get("table") != _KIND:
-        raise ValueError(
+        raise InputError(
             f"'{path}' is no track table: it does not say 'table: track'; "
             "other tables are read with import_table (`latolato import`)"
         )
@@ -222,11 +220,11 @@ def read_table(path: str | Path) -> xr.Dataset:
         balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1
         missing = [name for name in column_names(balls) if name not in columns]
         if missing:
-            raise ValueError(f"column {', '.join(missing)} is missing")
+            raise InputError(f"column {', '.join(missing)} is missing")
         for name in columns:
             unit = QUANTITIES[name].unit if name in QUANTITIES else units.get(name)
             if units.get(name) != unit:
-                raise ValueError(
+                raise InputError(
                     f"the unit of column '{name}' must be [{unit}], got [{units.get(name, '')}]"
                 )
         attributes = {key: value for key, value in attributes.items() if key != "table"}
@@ -239,7 +237,7 @@ def read_table(path: str | Path) -> xr.Dataset:
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
     except (TypeError, ValueError) as error:
-        raise ValueError(f"'{path}': {error}") from None
+        raise InputError(f"'{path}': {error}") from None
 
 
 def _values(name: str, given: Any) -> Any:
@@ -249,17 +247,19 @@ def _values(name: str, given: Any) -> Any:
         values = values.astype(str)
         for flag in np.unique(values):
             if flag not in FLAGS:
-                raise ValueError(f"{name} must be one of {', '.join(FLAGS)}, got '{flag}'")
+                raise InputError(f"{name} must be one of {', '.join(FLAGS)}, got '{flag}'")
         return values
     try:
         numbers = values.astype(np.float64)
     except (TypeError, ValueError):
-        raise TypeError(f"column '{name}' must hold numbers, got {_first_text(values)!r}") from None
+        raise InputError(
+            f"column '{name}' must hold numbers, got {_first_text(values)!r}"
+        ) from None
     if np.any(np.isinf(numbers)):
-        raise ValueError(f"column '{name}' must not hold infinite numbers; write NaN for unknown")
+        raise InputError(f"column '{name}' must not hold infinite numbers; write NaN for unknown")
     if name == "frame":
         if not np.all(numbers == np.floor(numbers)):
-            raise ValueError("column 'frame' must hold whole numbers")
+            raise InputError("column 'frame' must hold whole numbers")
         return numbers.astype(np.int64)
     return numbers
 
@@ -275,14 +275,14 @@ def _first_text(values: Any) -> Any:
 
 
 def _check_increasing(name: str, values: Any) -> None:
-    """Raise ValueError unless each value is known and larger than the one before."""
+    """Raise InputError unless each value is known and larger than the one before."""
     if not np.all(np.isfinite(values)):
         row = int(np.argmin(np.isfinite(values)))
-        raise ValueError(f"{name} must be known in every row, got nothing in row {row + 1}")
+        raise InputError(f"{name} must be known in every row, got nothing in row {row + 1}")
     falls = np.flatnonzero(np.diff(values) <= 0)
     if falls.size:
         i = int(falls[0])
-        raise ValueError(
+        raise InputError(
             f"{name} must increase strictly, got {values[i + 1]:g} after {values[i]:g} in row "
             f"{i + 2}; sort the rows and remove repeats"
         )
@@ -296,7 +296,7 @@ def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
         if plain is None:
             continue
         if not isinstance(plain, (bool, int, float, str)):
-            raise TypeError(f"attribute '{key}' must be a number or a text, got {value!r}")
+            raise InputError(f"attribute '{key}' must be a number or a text, got {value!r}")
         found[str(key)] = int(plain) if isinstance(plain, bool) else plain
     return found
 
@@ -346,7 +346,7 @@ def _read_csv(path: Path) -> Parts:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise ValueError(f"'{path}' is no text file; save it as UTF-8 text") from None
+        raise InputError(f"'{path}' is no text file; save it as UTF-8 text") from None
     count = 0
     for line in lines:
         if not line.startswith("#"):
@@ -361,11 +361,11 @@ def _read_csv(path: Path) -> Parts:
             attributes[key.strip()] = _as_value(value.strip())
     rows = [row for row in csv.reader(lines[count:]) if row]
     if not rows:
-        raise ValueError(f"'{path}' holds no columns")
+        raise InputError(f"'{path}' holds no columns")
     names, body = [name.strip() for name in rows[0]], rows[1:]
     for i, row in enumerate(body):
         if len(row) != len(names):
-            raise ValueError(
+            raise InputError(
                 f"'{path}': row {i + 1} has {len(row)} cells below {len(names)} column names"
             )
     cells = zip(*body, strict=True) if body else [()] * len(names)
@@ -405,7 +405,7 @@ def _read_parquet(path: Path) -> Parts:
     try:
         stored = pyarrow.parquet.read_table(path)
     except pyarrow.ArrowInvalid as error:
-        raise ValueError(f"'{path}' is no Parquet file: {error}") from None
+        raise InputError(f"'{path}' is no Parquet file: {error}") from None
     attributes = {}
     for key, value in (stored.schema.metadata or {}).items():
         if not key.startswith((b"ARROW:", b"pandas")):

@@ -116,7 +116,7 @@ def track(
     ------
     FileNotFoundError
         If there is no such file.
-    ValueError
+    InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
         a place lies outside the frame, no ball is found, or the sidecar is another video's.
     ModuleNotFoundError
@@ -170,7 +170,7 @@ def prepare(
     for name in ("length", "radius", "gravity"):
         value = given.get(name)
         if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be positive, got {value:g}")
+            raise InputError(f"{name} must be positive, got {value:g}")
     slower = given.get("slow_motion")
     video = open_video(
         path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
@@ -178,7 +178,7 @@ def prepare(
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
-        raise ValueError(f"balls must be 1 or 2, got {count}")
+        raise InputError(f"balls must be 1 or 2, got {count}")
     if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
         setup = with_changes(read_sidecar(sidecar, path), given)
         if count is not None and count != len(setup.balls):
@@ -242,7 +242,7 @@ def _sample_of(video: Video, progress: Progress | None) -> Sample:
     """Return the first reading of a video that shows a motion."""
     sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
     if len(sample.times) < _FEWEST:
-        raise ValueError(
+        raise InputError(
             f"{video.path} has {len(sample.times)} frames; a motion needs {_FEWEST} or more"
         )
     return sample
@@ -253,7 +253,7 @@ def _pair(place: Place) -> tuple[float, float]:
     try:
         u, v = (float(number) for number in place)
     except (TypeError, ValueError):
-        raise ValueError(f"a place must be a column and a row in pixels, got {place!r}") from None
+        raise InputError(f"a place must be a column and a row in pixels, got {place!r}") from None
     return u, v
 
 
@@ -264,7 +264,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
         named.insert(0, ("pivot", setup.pivot))
     for name, (u, v) in named:
         if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
-            raise ValueError(
+            raise InputError(
                 f"{video.path}: {name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
@@ -284,7 +284,7 @@ def _tracked(
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
-        raise ValueError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
+        raise InputError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
     scene = learn_scene(video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED))
     if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
         # A declared radius that is wrong may lead astray: without it more may be explained.
@@ -299,12 +299,12 @@ def _tracked(
         video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
     )
     if not np.isin(seen.flags, ("ok", "collision", "occluded")).any():
-        raise ValueError(
+        raise InputError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
     share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
     if share < _NEVER:
-        raise ValueError(
+        raise InputError(
             f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
             "samples only; point at the ball's centre in the first frame"
         )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.observables.angles import MotionClass
 from latolato.physics.pendulum import GRAVITY
 from latolato.quantities import QUANTITIES
@@ -119,31 +120,31 @@ def trial_table(
 
     Raises
     ------
-    ValueError
+    InputError
         For unknown, missing and unequal columns, unknown classes, and negative amplitudes.
     """
     import xarray as xr
 
     for name in columns:
         if name not in COLUMNS:
-            raise ValueError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
+            raise InputError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
     given = {name: _values(name, values) for name, values in columns.items()}
     if "drive_amplitude" not in given or not {"drive_frequency", "frequency_ratio"} & given.keys():
-        raise ValueError(
+        raise InputError(
             "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
             f"and class or largest_angle and stabilised_angle; got {', '.join(columns) or 'none'}"
         )
     count = len(given["drive_amplitude"])
     if count == 0:
-        raise ValueError("a trial table needs rows, got none")
+        raise InputError("a trial table needs rows, got none")
     for name, values in given.items():
         if values.shape != (count,):
-            raise ValueError(f"column '{name}' must have {count} rows, got {values.shape}")
+            raise InputError(f"column '{name}' must have {count} rows, got {values.shape}")
     for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
         values = given.get(name, np.ones(count))
         bad = np.flatnonzero(~(values > 0.0))
         if bad.size:
-            raise ValueError(f"{name} must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}")
+            raise InputError(f"{name} must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}")
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     unknown = np.full(count, np.nan)
     length = given.setdefault("length", unknown.copy())
@@ -156,7 +157,7 @@ def trial_table(
     sigmas = [given.get(f"{name}_angle_sigma", unknown) for name in ("largest", "stabilised")]
     if "class" not in given:
         if not (np.isfinite(largest) & np.isfinite(lasting)).all():
-            raise ValueError("a trial table without class needs largest_angle and stabilised_angle")
+            raise InputError("a trial table without class needs largest_angle and stabilised_angle")
         given["class"] = np.array([CLASSES[i] for i in class_of(largest, lasting)])
     given.setdefault("borderline", is_borderline(largest, sigmas[0], lasting, sigmas[1]))
     if "set" not in given:
@@ -190,13 +191,13 @@ def about(name: str) -> dict[str, str]:
 
 
 def checked_trials(trials: Any) -> xr.Dataset:
-    """Return a trial table, or raise TypeError or ValueError if it is none."""
+    """Return a trial table, or raise InputError if it is none."""
     import xarray as xr
 
     if not isinstance(trials, xr.Dataset):
-        raise TypeError(f"trials must be a trial table, got {type(trials).__name__}: read_trials")
+        raise InputError(f"trials must be a trial table, got {type(trials).__name__}: read_trials")
     if trials.attrs.get("table") != _KIND:
-        raise ValueError("the dataset is no trial table; make one with gather_trials or read it")
+        raise InputError("the dataset is no trial table; make one with gather_trials or read it")
     return trials
 
 
@@ -205,7 +206,7 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If it is no trial table or the suffix is unknown.
     OSError
         If the file cannot be written.
@@ -239,7 +240,7 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown suffix, missing columns, cells that are no numbers (naming the row), and
         what `trial_table` refuses.
     OSError
@@ -259,10 +260,10 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
         try:
             text = path.read_text(encoding="utf-8-sig")
         except UnicodeDecodeError:
-            raise ValueError("it is no text file; save the trials as UTF-8 CSV") from None
+            raise InputError("it is no text file; save the trials as UTF-8 CSV") from None
         return parse_trials(text, gravity=gravity)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"'{path}': {error}") from None
+        raise InputError(f"'{path}': {error}") from None
 
 
 def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
@@ -313,12 +314,12 @@ def _values(name: str, given: Any) -> Any:
             values = np.char.lower(values)
             for each in values:
                 if each not in CLASSES:
-                    raise ValueError(f"class must be one of {', '.join(CLASSES)}, got '{each}'")
+                    raise InputError(f"class must be one of {', '.join(CLASSES)}, got '{each}'")
         return values
     try:
         return values.astype(np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"column '{name}' must hold numbers") from None
+        raise InputError(f"column '{name}' must hold numbers") from None
 
 
 def _cell(value: Any) -> Any:
@@ -339,12 +340,12 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
     table = csv.reader(line for line in lines if line.strip() and not line.startswith("#"))
     rows = list(table)
     if not rows:
-        raise ValueError("it holds no columns")
+        raise InputError("it holds no columns")
     names = [name.strip() for name in rows[0]]
     columns: dict[str, Any] = {}
     for number, row in enumerate(rows[1:], start=1):
         if len(row) != len(names):
-            raise ValueError(f"trial {number} has {len(row)} cells below {len(names)} column names")
+            raise InputError(f"trial {number} has {len(row)} cells below {len(names)} column names")
     for place, name in enumerate(names):
         cells = [row[place].strip() for row in rows[1:]]
         if name not in COLUMNS or not any(cells):
@@ -358,6 +359,6 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
             try:
                 found.append(float(to_si(name, cell, unit)) if cell else math.nan)
             except ValueError as error:
-                raise ValueError(f"trial {number}: {error}") from None
+                raise InputError(f"trial {number}: {error}") from None
         columns[name] = found
     return columns, attributes

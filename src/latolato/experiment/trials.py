@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.table import balls_of, checked_table
 from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
@@ -63,7 +64,7 @@ def trial_of(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a pivot at rest, and angles that are not known.
     ModuleNotFoundError
         Without lmfit.
@@ -93,7 +94,7 @@ def trial_of(
     if transient is not None:
         late = first + checked_number("transient", transient, NON_NEGATIVE, "s")
         if late >= last:
-            raise ValueError(f"transient must end before the record does, got {transient:g} s of "
+            raise InputError(f"transient must end before the record does, got {transient:g} s of "
                              f"{last - first:g} s")  # fmt: skip
     drive = fit_drive(table, profile=False)
     frequency = drive["drive_frequency"]
@@ -170,7 +171,7 @@ def gather_trials(
 
     Raises
     ------
-    ValueError
+    InputError
         If there is no file, or none of them gives a trial.
 
     Warns
@@ -179,9 +180,9 @@ def gather_trials(
         For each file that gave no trial.
     """
     if sets not in ("auto", "folder", "amplitude"):
-        raise ValueError(f"sets must be auto, folder or amplitude, got {sets!r}")
+        raise InputError(f"sets must be auto, folder or amplitude, got {sets!r}")
     if isinstance(workers, bool) or workers < 1:
-        raise ValueError(f"workers must be at least 1, got {workers!r}")
+        raise InputError(f"workers must be at least 1, got {workers!r}")
     import xarray as xr
 
     alone = isinstance(sources, (str, Path, xr.Dataset))
@@ -203,7 +204,7 @@ def gather_trials(
         if progress is not None:
             progress(done / len(files))
     if not rows:
-        raise ValueError(f"no trial was found in {len(files)} files: {' | '.join(failed)}")
+        raise InputError(f"no trial was found in {len(files)} files: {' | '.join(failed)}")
     columns = {name: [row[name] for row in rows] for name in rows[0]}
     by_folder = sets == "folder" or (sets == "auto" and len(set(folders)) > 1 and all(folders))
     columns["set"] = folders if by_folder else sets_of(
@@ -223,7 +224,7 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no such file, or a folder has none.
     """
     import xarray as xr
@@ -245,13 +246,13 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
             ]
             found += inside
             if not inside:
-                raise ValueError(f"'{path}' holds neither track tables nor videos")
+                raise InputError(f"'{path}' holds neither track tables nor videos")
         elif path.is_file():
             found.append(path)
         else:
             raise FileNotFoundError(f"there is no file '{path}'")
     if not found:
-        raise ValueError("name track tables, videos or folders of them")
+        raise InputError("name track tables, videos or folders of them")
     return found
 
 
@@ -342,7 +343,7 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     flag = table[f"flag_{ball}"].values.astype(str)
     good = np.isfinite(angle) & np.isin(flag, _SEEN)
     if good.sum() < 8:
-        raise ValueError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
+        raise InputError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]
     known = np.isfinite(sigma) & (sigma > 0.0)
     sigma = filled(sigma) if known.any() else np.full(good.sum(), noise_of(angle[good]))
@@ -358,7 +359,7 @@ def _largest(
     whole = _extreme(sizes, errors, np.abs(angle), sigma, varies=0.0)
     last, inside = when >= late, time >= late
     if inside.sum() < 4:
-        raise ValueError(f"the ball was seen in {inside.sum()} frames of the last part")
+        raise InputError(f"the ball was seen in {inside.sum()} frames of the last part")
     lasting = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
     middle = 0.5 * (late + float(time[-1]))
     halves = [

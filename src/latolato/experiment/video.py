@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from latolato.errors import InputError
+
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
 _PER_PIXEL = 340
@@ -104,7 +106,7 @@ class Video:
 
         Raises
         ------
-        ValueError
+        InputError
             If a frame's time stamp is missing or does not increase, or a limit is passed.
         """
         last = first = -float("inf")
@@ -114,7 +116,7 @@ class Video:
             stream.thread_type = "AUTO"
             for picture in _pictures(container, stream, self.path):
                 if picture.pts is None:
-                    raise ValueError(f"{self.path}: frame {number} has no time stamp")
+                    raise InputError(f"{self.path}: frame {number} has no time stamp")
                 time = float(picture.pts * stream.time_base) / self.slow_motion
                 if number == 0:
                     first = time
@@ -122,22 +124,22 @@ class Video:
                 if (picture.height, picture.width) != (
                     (self.width, self.height) if turned else (self.height, self.width)
                 ):
-                    raise ValueError(
+                    raise InputError(
                         f"{self.path}: frame {number} has another size than those before, "
                         f"{picture.width} x {picture.height} pixels"
                     )
                 if time - first > self.limits.duration:
-                    raise ValueError(
+                    raise InputError(
                         f"{self.path}: longer than {self.limits.duration:g} s; cut the video or "
                         'raise the limit: --limit "duration = 2 h"'
                     )
                 if not time > last:
-                    raise ValueError(
+                    raise InputError(
                         f"{self.path}: time stamps must increase, frame {number} is at {time:.6g} s"
                         f" after {last:.6g} s; write the file anew, e.g. with ffmpeg -c copy"
                     )
                 if number >= self.limits.frames:
-                    raise ValueError(
+                    raise InputError(
                         f"{self.path}: more than {self.limits.frames} frames; cut the video or "
                         "raise the limit: --limit frames=1e6"
                     )
@@ -148,12 +150,12 @@ class Video:
                 number += 1
             declared = _duration(container, stream) / self.slow_motion
             if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
-                raise ValueError(
+                raise InputError(
                     f"{self.path} is cut off: {number} of {self.frame_count} frames are there, "
                     f"{last - first:.2f} of {declared:.2f} s; copy the file again"
                 )
         if number == 0:
-            raise ValueError(f"{self.path}: no frame could be decoded")
+            raise InputError(f"{self.path}: no frame could be decoded")
 
 
 def open_video(
@@ -174,7 +176,7 @@ def open_video(
     ------
     FileNotFoundError
         If there is no such file.
-    ValueError
+    InputError
         If it is no video, holds no picture or exceeds a limit.
     ModuleNotFoundError
         If PyAV is missing.
@@ -183,39 +185,39 @@ def open_video(
     limits = limits or Limits()
     if path.is_dir():
         pictures = _pictures_in(path)
-        raise ValueError(f"{path} is a folder{pictures and f' with {pictures}'}; name a video")
+        raise InputError(f"{path} is a folder{pictures and f' with {pictures}'}; name a video")
     if not path.exists():
         if not (path.suffix.lower() in _PICTURES and set("%*?") & set(path.name)):
             raise FileNotFoundError(f"there is no video '{path}'")
         pictures = _pictures_in(path.parent) or "no numbered pictures"
-        raise ValueError(
+        raise InputError(
             f"{path} names a sequence of pictures ({pictures} in '{path.parent}'); {_AS_VIDEO}"
         )
     if path.suffix.lower() in _PICTURES:
         pictures = _pictures_in(path.parent)
         told = f" (its folder has {pictures})" if pictures else ""
-        raise ValueError(f"{path} is a picture{told}; {_AS_VIDEO}")
+        raise InputError(f"{path} is a picture{told}; {_AS_VIDEO}")
     if path.stat().st_size == 0:
-        raise ValueError(f"{path} is empty")
+        raise InputError(f"{path} is empty")
     if not slow_motion > 0.0:
-        raise ValueError(f"slow_motion must be positive, got {slow_motion:g}")
+        raise InputError(f"slow_motion must be positive, got {slow_motion:g}")
     with _opened(path) as container:
         if not len(container.streams):
-            raise ValueError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
+            raise InputError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
         if not container.streams.video:
-            raise ValueError(f"{path} holds no video stream, only sound or data, or is cut off")
+            raise InputError(f"{path} holds no video stream, only sound or data, or is cut off")
         stream = container.streams.video[0]
         size = stream.codec_context.width * stream.codec_context.height
         if size == 0:
-            raise ValueError(f"{path}: the size of its frames is unknown; is the file whole?")
+            raise InputError(f"{path}: the size of its frames is unknown; is the file whole?")
         if size > limits.pixels:
-            raise ValueError(
+            raise InputError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels, at most {limits.pixels} pixels are read; scale the video down or raise "
                 "the limit: --limit pixels=2e7"
             )
         if size * _PER_PIXEL > limits.memory:
-            raise ValueError(
+            raise InputError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels take {size * _PER_PIXEL / 1e9:.1f} GB of memory, at most "
                 f"{limits.memory / 1e9:g} GB may be used; scale the video down or raise "
@@ -223,19 +225,19 @@ def open_video(
             )
         duration = _duration(container, stream)
         if duration / slow_motion > limits.duration:
-            raise ValueError(
+            raise InputError(
                 f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut "
                 'it or raise the limit: --limit "duration = 2 h"'
             )
         count = _frame_count(container, stream)
         if count > limits.frames:
-            raise ValueError(
+            raise InputError(
                 f"{path}: {count} frames, at most {limits.frames} are read; cut it "
                 "or raise the limit: --limit frames=1e6"
             )
         picture = next(_pictures(container, stream, path), None)
         if picture is None:
-            raise ValueError(f"{path}: no frame could be decoded")
+            raise InputError(f"{path}: no frame could be decoded")
         rotation = round(-picture.rotation / 90.0) % 4 * 90
         turned = rotation % 180 == 90
         return Video(
@@ -286,7 +288,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
-        raise ValueError(f"{path} cannot be read as a video: {error.strerror}") from None
+        raise InputError(f"{path} cannot be read as a video: {error.strerror}") from None
     with container:
         yield container
 
@@ -298,7 +300,7 @@ def _pictures(container: Any, stream: Any, path: Path) -> Iterator[Any]:
     try:
         yield from container.decode(stream)
     except av.error.FFmpegError as error:
-        raise ValueError(f"{path}: decoding fails ({error.strerror}); is the file whole?") from None
+        raise InputError(f"{path}: decoding fails ({error.strerror}); is the file whole?") from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:

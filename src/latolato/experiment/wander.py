@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.blobs import Backdrop, Disc
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video
@@ -57,7 +58,7 @@ def follow_path(
 
     Raises
     ------
-    ValueError
+    InputError
         If a ball is found in less than a tenth of the frames.
 
     Notes
@@ -83,7 +84,7 @@ def follow_path(
             progress(frame.number / count)
     seen = np.isfinite(centres[..., 0])
     if np.any(seen.mean(axis=0) < 0.1):
-        raise ValueError(
+        raise InputError(
             f"{video.path}: the ball was found in {100 * float(seen.mean(axis=0).min()):.0f} % of "
             "the frames; point at its centre in the first frame: --ball u,v"
         )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import style
 from latolato.figures.run import ball_angles
 from latolato.files import atomic_path, check_folder, check_suffix
@@ -64,7 +65,7 @@ def animate(
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown suffix, a number out of range or more than 100000 frames.
     ModuleNotFoundError
         For MP4 without the extra `video`.
@@ -105,13 +106,13 @@ def _frames(
     The array is the same one each time: use it before asking for the next.
     """
     if "angle" not in run or "time" not in run.dims:
-        raise ValueError("animate needs a run: a dataset with angle over time")
+        raise InputError("animate needs a run: a dataset with angle over time")
     finite = np.isfinite(next(iter(ball_angles(run).values())))
     run = run.isel(time=slice(0, int(np.count_nonzero(finite))))
     span = float(run["time"][-1] - run["time"][0])
     count = math.floor(span / step) + 1
     if count > MOST_FRAMES:
-        raise ValueError(
+        raise InputError(
             f"the animation would have {count} frames, more than {MOST_FRAMES}; "
             f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or lower fps"
         )

@@ -180,10 +180,12 @@ def decay_statement(name: str, where: str, damping: float, words: str) -> Statem
             Limit("pull", "error of C by the equation over its standard deviation", high=2.0),
         ),
         assumption=SYNTHETIC,
+        is_method_check=True,
         finding=(
-            "From a video rendered with C = " + f"{damping:g} kg m/s the equation gives C = "
-            "({damping_milli:.5f} ± {sigma_milli:.5f}) g m/s, {error_percent:.3f} % away, and the "
-            "envelope {envelope_milli:.5f} g m/s, {envelope_percent:.3f} % away."
+            f"From a synthetic video rendered with C = {damping:g} kg m/s, "
+            "a fit of the equation of motion gives C = ({damping_milli:.5f} ± {sigma_milli:.5f}) "
+            "g m/s, {error_percent:.3f} % away, and a fit of the envelope {envelope_milli:.5f} "
+            "g m/s, {envelope_percent:.3f} % away."
         ),
         why=(
             "Angles of {frames:.0f} frames are right to {rms_milli:.2f} mrad; the equation takes "

@@ -25,6 +25,7 @@ def statement(name: str, where: str, words: str) -> Statement:
         name=name,
         where=f"{where}, through the chain",
         words=words,
+        is_method_check=True,
         assumed=(
             Limit("residual", "difference of the angles in the last third", high=0.03, unit="rad"),
             Limit("phase", "difference of the phases there", high=0.03, unit="rad"),
@@ -35,13 +36,14 @@ def statement(name: str, where: str, words: str) -> Statement:
             "chain, not the paper's measurement."
         ),
         finding=(
-            "Computed on the measured drive, the angle differs from the measured one by "
+            f"For a synthetic experiment like that of {where}, "
+            "the angle computed on the fitted drive differs from the synthetic one by "
             "{residual_milli:.1f} mrad and {phase_milli:.1f} mrad of phase in the last third; the "
-            "lasting angles are {measured:.2f}° and {computed:.2f}°."
+            "lasting angles are {measured:.2f}° (synthetic) and {computed:.2f}° (computed)."
         ),
         why=(
             "Only the initial angle and velocity are fitted, in the first {match:.1f} s; the drive "
-            "is that fitted to the tracked pivot."
+            "is that fitted to the pivot's synthetic motion."
         ),
     )
 
@@ -56,7 +58,7 @@ def data(clip: chain.Clip, title: str, quick: bool) -> xr.Dataset:
     found = found.assign({n: found[n].fillna(0.0) for n in ("phase_difference", "likeness")})
     count = table.sizes["frame"]
     if quick:
-        made = f"Simulated samples with the tracker's noise ({count}), no video in a quick run."
+        made = f"Made from {count} samples that are simulated with the tracker's noise."
     else:
         found["still"] = chain.still_of(clip, int(_SHOWN * count))
         found["rms_error"] = variable(

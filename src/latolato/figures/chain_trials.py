@@ -39,7 +39,7 @@ def marked(found: xr.Dataset, title: str, failed: str) -> xr.Dataset:
     )  # fmt: skip
     made = f"{videos} trials by synthetic video, {others} simulated with the tracker's noise."
     if not videos:
-        made = f"All {others} trials are simulated with the tracker's noise in a quick run."
+        made = f"All {others} trials are simulated with the tracker's noise."
     if failed:
         made += f" {len(failed.split(' | '))} more gave no row: {failed}."
     found.attrs |= {"title": title, "chain": made}

@@ -22,6 +22,7 @@ class Verdict(Enum):
     REPRODUCED = "reproduced"
     ASSUMED = "reproduced with an assumption"
     NOT_AS_PRINTED = "not as printed"
+    METHOD_CHECK = "method check, not testable from the paper"
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ class Claim:
     assumption : str
         What had to be assumed; empty for none.
     verdict : Verdict
-        By the numbers and limits alone.
+        By the numbers and limits alone, unless it is a method check.
     why : str
         One or two sentences of explanation.
     numbers : dict of str to float
@@ -109,6 +110,9 @@ class Statement:
         True as printed if all hold. Empty: nothing can be computed without an assumption.
     assumed : tuple of Limit
         Otherwise true under `assumption` if all of these hold. Empty: no assumption helps.
+    is_method_check : bool
+        The claim needs data that the paper does not print; the assumed limits test only the method
+        by which such data would be judged.
     finding, why : str
         Templates that computed numbers are written into by ``str.format``.
     """
@@ -121,6 +125,7 @@ class Statement:
     printed: tuple[Limit, ...] = ()
     assumed: tuple[Limit, ...] = ()
     assumption: str = ""
+    is_method_check: bool = False
 
     def __post_init__(self) -> None:
         if not self.printed and not self.assumed:
@@ -129,6 +134,8 @@ class Statement:
             raise ValueError(
                 f"statement '{self.name}' must have both assumed limits and an assumption, or none"
             )
+        if self.is_method_check and self.printed:
+            raise ValueError(f"statement '{self.name}' is a method check: no limit can be printed")
 
     @property
     def limits(self) -> tuple[Limit, ...]:
@@ -137,6 +144,8 @@ class Statement:
 
     def verdict(self, numbers: Numbers) -> Verdict:
         """Return the verdict on computed numbers."""
+        if self.is_method_check:
+            return Verdict.METHOD_CHECK
         if self.printed and all(limit.holds(numbers) for limit in self.printed):
             return Verdict.REPRODUCED
         if self.assumed and all(limit.holds(numbers) for limit in self.assumed):
@@ -158,7 +167,9 @@ class Statement:
             words=self.words,
             finding=self.finding.format(**numbers),
             criteria=tuple((limit.report(numbers), limit.holds(numbers)) for limit in self.limits),
-            assumption=self.assumption if verdict is Verdict.ASSUMED else "",
+            assumption=self.assumption
+            if verdict in (Verdict.ASSUMED, Verdict.METHOD_CHECK)
+            else "",
             verdict=verdict,
             why=self.why.format(**numbers),
             numbers=dict(numbers),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import grids, style
 from latolato.figures.fits import ABOVE
 from latolato.quantities import QUANTITIES
@@ -34,7 +35,7 @@ def draw_comparison(dataset: xr.Dataset) -> Figure:
 
     Raises
     ------
-    ValueError
+    InputError
         If the dataset holds no comparison.
     """
     kind = str(dataset.attrs.get("comparison"))
@@ -48,7 +49,7 @@ def draw_comparison(dataset: xr.Dataset) -> Figure:
         figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.8)
         draw_responses(axes[0, 0], dataset)
     else:
-        raise ValueError("the dataset holds no comparison that can be drawn")
+        raise InputError("the dataset holds no comparison that can be drawn")
     letters = int(_LINE * figure.get_figwidth() / style.PAGE)
     words = textwrap.fill(str(dataset.attrs["verdict"]), letters)
     figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
@@ -77,15 +78,20 @@ def _motion(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+def _source(dataset: xr.Dataset) -> str:
+    """Return what to call data that are compared: synthetic ones are never measured."""
+    return "synthetic" if "chain" in dataset.attrs else "measured"
+
+
 def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
-    """Draw measured samples over the computed curve, in degrees."""
+    """Draw samples over the computed curve, in degrees."""
     time = dataset.time.values
     axes.plot(
         time, np.degrees(_broken(time, dataset.angle_computed.values)), color=style.RED, lw=0.6,
         label="computed",
     )  # fmt: skip
     axes.plot(
-        time, np.degrees(dataset.angle), ".", ms=1.6, color=style.BLUE, label="measured",
+        time, np.degrees(dataset.angle), ".", ms=1.6, color=style.BLUE, label=_source(dataset),
         zorder=1.5,
     )  # fmt: skip
     if float(dataset.followed_until) < time[-1]:
@@ -178,7 +184,8 @@ def _draw_boundary(axes: Axes, dataset: xr.Dataset) -> list[Any]:
         if own.size:
             (handle,) = axes.plot(
                 dataset.boundary_x.values[own], dataset.boundary_y.values[own],
-                color=style.PAPER, lw=1.6, ls=(0, (4, 2)), zorder=3.5, label="measured boundary",
+                color=style.PAPER, lw=1.6, ls=(0, (4, 2)), zorder=3.5,
+                label=f"{_source(dataset)} boundary",
                 path_effects=[Stroke(linewidth=2.8, foreground=style.INK), Normal()],
             )  # fmt: skip
     return [] if handle is None else [handle]

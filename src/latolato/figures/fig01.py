@@ -40,8 +40,9 @@ STATEMENTS = (
             Limit("gap_high", "gap of the balls at the high contact angle", -1e-12, 1e-12, "m"),
         ),
         finding=(
-            "For l = 1 m and r = 0.1 m they are {low:.5f} and {high:.5f} rad ({low_degrees:.2f}° "
-            "and {high_degrees:.2f}°); the balls' surfaces just touch there."
+            "For l = 1 m and r = 0.1 m the critical angles are {low:.5f} and {high:.5f} rad "
+            "({low_degrees:.2f}° and {high_degrees:.2f}°); at these angles the surfaces of the "
+            "balls just touch."
         ),
         why="Balls of equal size touch where each centre is one radius from the symmetry axis.",
     ),

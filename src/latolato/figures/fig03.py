@@ -49,9 +49,9 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "At 6 rad/s the angle reaches {largest_resonant:.4f} rad after "
-            "{largest_resonant_time:.1f} s; at 5.9 rad/s it decays to {last_quiet:.1e} of its "
-            "start."
+            "In Fig. 3 the angle reaches {largest_resonant:.4f} rad after "
+            "{largest_resonant_time:.1f} s at 6 rad/s; at 5.9 rad/s it decays to {last_quiet:.1e} "
+            "of its start."
         ),
         why=(
             "6 rad/s lies inside the primary tongue of eq14 (growth rate {growth_resonant:.4f} "
@@ -63,7 +63,7 @@ STATEMENTS = (
         where="Fig. 3, caption",
         words="Note the order-of-magnitude difference in vertical scales between (a) and (b)",
         printed=(Limit("scale_ratio", "largest angle of (a) over that of (b)", low=10.0),),
-        finding="The largest angles differ by a factor of {scale_ratio:.0f}.",
+        finding="The largest angles of Fig. 3a and b differ by a factor of {scale_ratio:.0f}.",
         why="It is three orders of magnitude: (b) never exceeds the angle it starts from.",
     ),
     Statement(
@@ -72,8 +72,8 @@ STATEMENTS = (
         words="identified a more significant amplitude growth at ω = 1.92 ω0",
         printed=(Limit("gain", "largest angle at 6 rad/s over that of Fig. 2", low=1.1),),
         finding=(
-            "The largest angle is {largest_resonant:.3f} rad at 6 rad/s and {largest_twice:.3f} "
-            "rad at 6.26 rad/s."
+            "The largest angle of the pendulum of Fig. 3 is {largest_resonant:.3f} rad at 6 rad/s "
+            "(ω = 1.92 ω0) and {largest_twice:.3f} rad at 6.26 rad/s (ω = 2 ω0)."
         ),
         why=(
             "It grows further but more slowly ({growth_resonant:.4f} against {growth_twice:.4f} "
@@ -94,8 +94,9 @@ STATEMENTS = (
         ),
         assumption="1.92 is the rounded ratio of the sample at 6 rad/s, not the edge itself.",
         finding=(
-            "The edge is at ω/ω0 = {edge:.6f} (without damping {edge_undamped:.6f}); the samples "
-            "at 5.9 and 6 rad/s are at {ratio_quiet:.4f} and {ratio_resonant:.4f}."
+            "The lower edge of the resonance is at ω/ω0 = {edge:.6f} (without damping "
+            "{edge_undamped:.6f}); the samples at 5.9 and 6 rad/s are at {ratio_quiet:.4f} and "
+            "{ratio_resonant:.4f}."
         ),
         why=(
             "A zero of Hill's determinant; runs of eq14 a thousandth below and above it change by "

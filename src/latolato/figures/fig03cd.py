@@ -45,9 +45,10 @@ STATEMENTS = (
         ),
         assumption=START_WORDS,
         finding=(
-            "2 rad is passed from A0 = {tip_amplitude:.3f} m on, first at ω/ω0 = {tip_ratio:.2f}. "
-            "Near ω/ω0 = 1 the mean energy is up to {band_gain:.0f} times that beside it, yet the "
-            "largest angle is {band_angle:.2f} rad."
+            "In the map of Fig. 3c, d the pendulum passes 2 rad from A0 = {tip_amplitude:.3f} m "
+            "on, first at ω/ω0 = {tip_ratio:.2f}; near ω/ω0 = 1 the mean energy is up to "
+            "{band_gain:.0f} times that beside this band, yet the largest angle there is "
+            "{band_angle:.2f} rad."
         ),
         why=(
             "Both are tongues 2ω0/n of eq14, n = 1 and 2; a swing in the second one detunes "
@@ -63,9 +64,10 @@ STATEMENTS = (
         ),
         assumption=f"{START_WORDS} Distinct means a short rise of the mean energy, as in Fig. 3c.",
         finding=(
-            "From 10 to 90 % the energy rises over {left_width:.3f} in ω/ω0 on the left, no more "
-            "than the points' spacing of {spacing:.4f}, and over {right_width:.3f} on the right "
-            "(medians over A0). The crossings jump within {left_jump:.3f} and {right_jump:.3f}."
+            "In Fig. 3c the energy rises from 10 to 90 % over {left_width:.3f} in ω/ω0 at the "
+            "left edge, no more than the points' spacing of {spacing:.4f}, and over "
+            "{right_width:.3f} at the right edge (medians over A0); the crossings of Fig. 3d jump "
+            "within {left_jump:.3f} and {right_jump:.3f}."
         ),
         why=(
             "A pendulum softens: just inside the left edge growth goes on to large swings, towards "
@@ -84,9 +86,9 @@ STATEMENTS = (
         assumed=(Limit("left_width", "width of the left edge in ω/ω0, median", high=0.1),),
         assumption=START_WORDS,
         finding=(
-            "At A0 = 0.2, 0.3 and 0.4 m the left edge is at ω/ω0 = {left_2:.3f}, {left_3:.3f} and "
-            "{left_4:.3f}, the tongue of eq14 begins at {tongue_2:.3f}, {tongue_3:.3f} and "
-            "{tongue_4:.3f}."
+            "At A0 = 0.2, 0.3 and 0.4 m the left edge of Fig. 3c is at ω/ω0 = {left_2:.3f}, "
+            "{left_3:.3f} and {left_4:.3f}; the tongue of eq14 begins at {tongue_2:.3f}, "
+            "{tongue_3:.3f} and {tongue_4:.3f}."
         ),
         why=(
             "The edge is that of linear stability, up to what the finite start of 0.1 rad adds on "
@@ -111,9 +113,9 @@ STATEMENTS = (
         ),
         assumption="Points within 0.5 in ω/ω0 of the right edge are left out.",
         finding=(
-            "C = 0.05 kg m/s makes {changed:.1%} of the unstable points stable ({changed_all:.1%} "
-            "of the map) and {gained:.1%} more unstable; away from the right edge it changes "
-            "{changed_away:.1%}."
+            "In the map of Fig. 3c, d, C = 0.05 kg m/s makes {changed:.1%} of the unstable points "
+            "stable ({changed_all:.1%} of the map changes) and {gained:.1%} more points unstable; "
+            "away from the right edge it makes {changed_away:.1%} stable."
         ),
         why=(
             "Damping shifts the right edge of large motion: at A0 = 0.25 m from ω/ω0 = "

@@ -43,8 +43,9 @@ STATEMENTS = (
         ),
         assumption=f"Both start at rest {paper.PUSH_WORDS}; the paper prints no push.",
         finding=(
-            "As printed the pair rests for ever (rise {rise_strong_rest:.0e} rad). Pushed, it "
-            "reaches the top wall {top_strong_push:.0f} times at 0.2 m, and decays at 0.02 m to "
+            "With the parameters printed for Fig. 4 the pair rests for ever (it rises by "
+            "{rise_strong_rest:.0e} rad); after a push it reaches the top wall "
+            "{top_strong_push:.0f} times at A0 = 0.2 m, and at 0.02 m its motion decays to "
             "{late_weak_push:.0%} of the push."
         ),
         why=(
@@ -61,8 +62,9 @@ STATEMENTS = (
         ),
         printed=(Limit("onset_ratio", "onset with a step of 1 ms over that with 5 ms", 0.9, 1.1),),
         finding=(
-            "With reflection on overlap at fixed steps the motion of Fig. 4a begins after "
-            "{onset_coarse:.1f} s at a step of 5 ms and after {onset_fine:.1f} s at 1 ms."
+            "If the balls are reflected on overlap at fixed time steps, the motion of Fig. 4a "
+            "begins after {onset_coarse:.1f} s with a step of 5 ms and after {onset_fine:.1f} s "
+            "with a step of 1 ms."
         ),
         why=(
             "A true motion does not depend on the step. Motion from rest at these parameters is "
@@ -81,8 +83,9 @@ STATEMENTS = (
             Limit("gap_strong_push", "high contact angle minus the largest", low=-1e-9, unit="rad"),
         ),
         finding=(
-            "In all exact runs the angle stays between {low:.4f} and {high:.4f} rad, through "
-            "{bottom_strong_push:.0f} bottom and {top_strong_push:.0f} top contacts in 100 s."
+            "In all exact runs of Fig. 4 the angle stays between {low:.4f} and {high:.4f} rad, "
+            "through {bottom_strong_push:.0f} bottom and {top_strong_push:.0f} top contacts in "
+            "100 s."
         ),
         why="Contacts are located on the solution itself, so that no ball enters the other.",
     ),

@@ -49,10 +49,10 @@ STATEMENTS = (
         ),
         assumption=PUSH_WORDS,
         finding=(
-            "{agree_rest:.0%} (rest) and {agree_push:.0%} (push) of the points fall into the same "
-            "class as without walls. Points that differ from their surroundings: "
-            "{outliers_free:.2%} without walls, {outliers_rest:.2%} from rest, {outliers_push:.2%} "
-            "with the push."
+            "In the map of Fig. 5, {agree_rest:.0%} of the points from rest and {agree_push:.0%} "
+            "with a push fall into the same class as without walls; {outliers_free:.2%} of the "
+            "points differ from their surroundings without walls, {outliers_rest:.2%} from rest "
+            "and {outliers_push:.2%} with the push."
         ),
         why=(
             "Between impacts the equation is the same. From rest, though, the left boundary is the "
@@ -72,8 +72,9 @@ STATEMENTS = (
         ),
         assumption=PUSH_WORDS,
         finding=(
-            "Near ω/ω0 = 1 the mean energy is at most {band_rest:.2f} (rest) and {band_push:.2f} "
-            "(push) times that beside it; without walls it is {band_free:.0f} times."
+            "In the map of Fig. 5 the mean energy near ω/ω0 = 1 is at most {band_rest:.2f} times "
+            "that beside this band from rest and {band_push:.2f} times with a push; without walls "
+            "it is {band_free:.0f} times."
         ),
         why=(
             "From rest nothing leaves the wall there. Small bounces off a wall beside the lowest "
@@ -91,10 +92,10 @@ STATEMENTS = (
         ),
         assumption=PUSH_WORDS,
         finding=(
-            "2 rad is first reached at A0 = {tip_rest:.3f} m from rest (ω/ω0 = {at_rest:.2f}) and "
-            "{tip_push:.3f} m with the push ({at_push:.2f}), without walls at {tip_free:.3f} m "
-            "({at_free:.2f}). At ω/ω0 = 4 it is the other way round: {four_rest:.2f}, "
-            "{four_push:.2f} and {four_free:.2f} m."
+            "In the map of Fig. 5 the angle first reaches 2 rad at A0 = {tip_rest:.3f} m from "
+            "rest (ω/ω0 = {at_rest:.2f}), at {tip_push:.3f} m with a push ({at_push:.2f}) and at "
+            "{tip_free:.3f} m without walls ({at_free:.2f}); at ω/ω0 = 4 the order is reversed, "
+            "with {four_rest:.2f}, {four_push:.2f} and {four_free:.2f} m."
         ),
         why=(
             "It holds for the smallest amplitude of the map, not for each frequency: on the right "
@@ -113,9 +114,9 @@ STATEMENTS = (
             Limit("left_push", "left edge (2 rad) at A0 = 0.3 m, push", 1.95, 2.05),
         ),
         finding=(
-            "For the pair the range begins at ω/ω0 = {left_rest_2:.2f}, {left_rest:.2f} and "
-            "{left_rest_5:.2f} from rest and at {left_push_2:.2f}, {left_push:.2f} and "
-            "{left_push_5:.2f} with the push, for A0 = 0.2, 0.3 and 0.5 m."
+            "For A0 = 0.2, 0.3 and 0.5 m the resonance range of the colliding pair begins at ω/ω0 "
+            "= {left_rest_2:.2f}, {left_rest:.2f} and {left_rest_5:.2f} from rest and at "
+            "{left_push_2:.2f}, {left_push:.2f} and {left_push_5:.2f} with a push."
         ),
         why=(
             "It depends on amplitude and start. From rest the range begins at the lift-off curve "

@@ -58,8 +58,8 @@ STATEMENTS = (
         ),
         assumption=_PUSHED,
         finding=(
-            "In {same_sign:.0%} of the drive periods the energy changes in the direction of the "
-            "work."
+            "In Fig. 6 the energy changes in the direction of the drive's work in {same_sign:.0%} "
+            "of the drive periods."
         ),
         why=(
             "Change of energy = work - losses: the ledger closes to {residual:.0e} of the largest "
@@ -74,8 +74,8 @@ STATEMENTS = (
         assumed=(Limit("power_ratio", "mean |input power| over mean dissipated power", low=10.0),),
         assumption=_PUSHED,
         finding=(
-            "The mean magnitudes are {mean_input:.2f} W and {mean_damping:.3f} W, a factor of "
-            "{power_ratio:.0f}."
+            "In Fig. 6 the mean magnitudes of the drive's power and of the damping's power are "
+            "{mean_input:.2f} W and {mean_damping:.3f} W, a factor of {power_ratio:.0f}."
         ),
         why="C l θ'² is small beside m l A0 ω² |θ' sin θ| once the swing is large.",
     ),
@@ -103,8 +103,9 @@ STATEMENTS = (
             "other claims."
         ),
         finding=(
-            "E is never below T or U; with eq2's U = -m g l cos θ the kinetic energy would exceed "
-            "it by up to {excess_eq2:.2f} J."
+            "In Fig. 6 the total energy is never below T or U if U is counted from the lowest "
+            "point; with eq2's U = -m g l cos θ the kinetic energy would exceed it by up to "
+            "{excess_eq2:.2f} J."
         ),
         why="Both parts must be positive for their sum to be an envelope: eq2 makes U negative.",
     ),
@@ -124,8 +125,9 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "The largest power in W over the largest energy in J is {peak_ratio:.2f} here and "
-            "{peak_ratio_short:.2f} for a toy of a quarter of the length that moves alike."
+            "The largest drive power in W over the largest energy in J is {peak_ratio:.2f} for "
+            "the toy of Fig. 6 and {peak_ratio_short:.2f} for a toy of a quarter of the length "
+            "that moves alike."
         ),
         why=(
             "Joule and watt differ by a time: at this length their numbers happen to be alike. "

@@ -34,7 +34,7 @@ STATEMENTS = (
         where="Fig. 8, caption",
         words="driving frequency ω = 10.09 rad/s and the frequency ratio ω/ω0 = 1.942",
         printed=(Limit("ratio", "ω/ω0 from the printed l and g", 1.9415, 1.9425),),
-        finding="The ratio is {ratio:.5f}.",
+        finding="With the parameters printed for Fig. 8 the frequency ratio ω/ω0 is {ratio:.5f}.",
         why="ω0 = √(g/l) = {natural:.4f} rad/s with l = 0.3630 m and g = 9.8 m/s².",
     ),
     Statement(
@@ -53,14 +53,15 @@ STATEMENTS = (
         ),
         assumption=f"{paper.SINGLE_WORDS}, neither of which is printed.",
         finding=(
-            "It grows at {growth:.4f} 1/s (linear theory {hill:.4f} 1/s), reaches "
-            "{largest_degrees:.1f}° after {largest_time:.1f} s and settles at "
+            "The swing of Fig. 8 grows at {growth:.4f} 1/s (linear theory {hill:.4f} 1/s), "
+            "reaches {largest_degrees:.1f}° after {largest_time:.1f} s and settles at "
             "{settled_degrees:.1f}°."
         ),
         why="The same detuning as in Fig. 2, with the experiment's length and damping.",
     ),
     Statement(
         name="threshold-of-fig-8",
+        is_method_check=True,
         where="Fig. 8",
         words="the experimental results align well with numerical simulations",
         assumed=(
@@ -69,8 +70,8 @@ STATEMENTS = (
         ),
         assumption="The experiment's driving amplitude was above the threshold.",
         finding=(
-            "With the printed l, m, C and ω growth needs A0 ≥ {threshold_mm:.2f} mm; runs 1% "
-            "below and above change by {rate_below:.4f} and {rate_above:+.4f} 1/s."
+            "With the l, m, C and ω printed for Fig. 8, growth needs A0 ≥ {threshold_mm:.2f} mm; "
+            "runs 1 % below and above change at {rate_below:.4f} and {rate_above:+.4f} 1/s."
         ),
         why=(
             "ω/ω0 = {ratio:.3f} lies in the tongue only when the tongue is wide enough. The "

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NEEDS_VIDEO = True
-TITLE = "The single pendulum, tracked and computed"
+TITLE = "The single pendulum, a synthetic experiment and its calculation"
 CAPTION = (
-    f"ω = 10.09 rad/s, A0 = {1e3 * paper.SINGLE_AMPLITUDE:g} mm and a start at 2°, rendered as a "
-    "video and tracked (in a quick run simulated with the tracker's noise), and computed on the "
-    "measured drive: angles, their difference over twice the "
-    "deviation that the fitted start leaves open, and the phase of one over the other."
+    f"A synthetic experiment with ω = 10.09 rad/s, A0 = {1e3 * paper.SINGLE_AMPLITUDE:g} mm and a "
+    "start at 2°, and the motion computed on the drive that is fitted to it: angles, their "
+    "difference over twice the deviation that the fitted start leaves open, and the phase of one "
+    "over the other."
 )
 STATEMENTS = (
     chain_motion.statement(

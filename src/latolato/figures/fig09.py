@@ -49,10 +49,10 @@ STATEMENTS = (
             "not printed."
         ),
         finding=(
-            "{below:.0%} of the growing points stay below 45°: the right side of the region, and "
-            "all of it up to A0 = {all_below_mm:.1f} mm. At the left edge {left_jumps:.0%} of the "
-            "amplitudes from 10 mm on jump to 45° or more at the "
-            "first growing point."
+            "In the map of Fig. 9, {below:.0%} of the growing points stay below 45°: the right "
+            "side of the region, and all of it up to A0 = {all_below_mm:.1f} mm; at the left edge "
+            "{left_jumps:.0%} of the amplitudes from 10 mm on jump to 45° or more at the first "
+            "growing point."
         ),
         why=(
             "The lasting swing falls steadily with the frequency, from {left_angle:.0f} degrees at "

@@ -48,9 +48,9 @@ STATEMENTS = (
         ),
         assumption=ASSUMED,
         finding=(
-            "The peaks are at ω/ω0 = {peak_0:.2f}, {peak_1:.2f}, {peak_2:.2f} and {peak_3:.2f} "
-            "with {height_0:.0f}, {height_1:.0f}, {height_2:.0f} and {height_3:.0f} degrees for "
-            "A0 = 15, 20, 25 and 30 mm."
+            "The response curves of Fig. 11 peak at ω/ω0 = {peak_0:.2f}, {peak_1:.2f}, "
+            "{peak_2:.2f} and {peak_3:.2f}, with {height_0:.0f}, {height_1:.0f}, {height_2:.0f} "
+            "and {height_3:.0f} degrees, for A0 = 15, 20, 25 and 30 mm."
         ),
         why=(
             "They are where the start still reaches the large motion; with starts of 0.1 to 0.3 "
@@ -70,9 +70,9 @@ STATEMENTS = (
         ),
         assumption=ASSUMED,
         finding=(
-            "On the left the angle falls to half its height within {left_half:.3f} in ω/ω0, on the "
-            "right within {right_half:.2f} or more; from 15 to 30 mm the peak moves by "
-            "{whole_shift:+.2f}."
+            "Left of the peaks of Fig. 11 the angle falls to half its height within "
+            "{left_half:.3f} in ω/ω0, right of them within {right_half:.2f} or more; from A0 = 15 "
+            "to 30 mm the peak moves by {whole_shift:+.2f}."
         ),
         why=(
             "A pendulum that softens has a branch of large motion that rises towards low "
@@ -95,9 +95,10 @@ STATEMENTS = (
             Limit("hysteresis", "difference of falling and rising frequency in the band", high=5.0),
         ),
         finding=(
-            "At 25 mm the left flank moves by {start_spread:.2f} in ω/ω0 with the start. Followed "
-            "downwards the same motion lasts to ω/ω0 = {down_end:.2f} and {down_height:.0f} "
-            "degrees; in the band it is up to {hysteresis:.0f} degrees larger than on the way up."
+            "The left flank of Fig. 11 at A0 = 25 mm moves by {start_spread:.2f} in ω/ω0 with the "
+            "start; followed downwards in frequency the same motion lasts to ω/ω0 = "
+            "{down_end:.2f} and {down_height:.0f} degrees, and in the band it is up to "
+            "{hysteresis:.0f} degrees larger than on the way up."
         ),
         why=(
             "The left flank is the end of a start's basin, not an edge of the parameters: this is "

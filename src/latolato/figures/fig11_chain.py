@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NEEDS_VIDEO = True
-TITLE = "Response curves of the colliding pair, tracked and computed"
+TITLE = "Response curves of the colliding pair, synthetic trials and calculation"
 AMPLITUDES = (0.015, 0.020, 0.025, 0.030)  # m, assumed: four sets, none printed
 RATIOS = (1.9, 3.1)
 TRIALS = 12  # in each set
@@ -27,13 +27,14 @@ BAND = (2.2, 2.6)
 SIGMAS = {"restitution": 0.005, "damping": 5e-5}
 CAPTION = (
     "Four sets of twelve trials (A0 = 15 to 30 mm, a start 0.15 rad above the wall, 24 s, the "
-    "largest angle after 16 s), each simulated or filmed and tracked (squares), beside the "
-    "computed curves (lines). Triangles: peaks with their deviation, that of the gap to the trial "
-    "left of the cliff. Shaded: the paper's range."
+    "largest angle after 16 s), each a synthetic experiment, beside the computed curves (lines). "
+    "Triangles: peaks with their deviation, that of the gap to the trial left of the cliff. "
+    "Shaded: the paper's range."
 )
 STATEMENTS = (
     Statement(
         name="fig11-chain",
+        is_method_check=True,
         where="Fig. 11, through the chain",
         words=(
             "each curve exhibits a peak occurring at frequency ratios between 2.2 and 2.6 … with "
@@ -41,17 +42,17 @@ STATEMENTS = (
         ),
         assumed=(
             Limit("pull", "largest distance of the peaks over its deviation", high=3.0),
-            Limit("first", "lowest measured peak", low=BAND[0]),
-            Limit("last", "highest measured peak", high=BAND[1]),
+            Limit("first", "lowest peak of the trials", low=BAND[0]),
+            Limit("last", "highest peak of the trials", high=BAND[1]),
         ),
         assumption=(
             "A synthetic experiment stands for the paper's trials, with r/l, e, A0 and start "
             "assumed: this tests the chain and how sharply twelve trials tell a peak."
         ),
         finding=(
-            "The four measured peaks lie at {peak_0:.2f}, {peak_1:.2f}, {peak_2:.2f} and "
-            "{peak_3:.2f} ± {sigma:.2f}, computed {shown_0:.3f}, {shown_1:.3f}, {shown_2:.3f} and "
-            "{shown_3:.3f}."
+            "In synthetic trials of Fig. 11 the four peaks lie at {peak_0:.2f}, {peak_1:.2f}, "
+            "{peak_2:.2f} and {peak_3:.2f} ± {sigma:.2f}; the computed curves peak at "
+            "{shown_0:.3f}, {shown_1:.3f}, {shown_2:.3f} and {shown_3:.3f}."
         ),
         why=(
             "The left flank is a cliff between two trials: their distance, not the tracking, "

@@ -54,10 +54,11 @@ STATEMENTS = (
         ),
         assumption=f"{_ASSUMED} Compared with a start at rest without the first stage.",
         finding=(
-            "With the step the pair settles at {stepped_degrees:.1f}°, from rest without it at "
-            "{rest_degrees:.1f}° (contact). It succeeds for {share_rounding:.0%} of the ratios "
-            "that round to 3.136 and for {share_phases:.0%} of the drive phases at 3.136; else "
-            "the balls fall back to rest or to hops of {small_degrees:.1f}°."
+            "With the step in frequency the pair of Fig. 12 settles at {stepped_degrees:.1f}°, "
+            "and without it, from rest, at {rest_degrees:.1f}° (contact); the step succeeds for "
+            "{share_rounding:.0%} of the ratios that round to 3.136 and for {share_phases:.0%} of "
+            "the drive phases at 3.136, and otherwise the balls fall back to rest or to hops of "
+            "{small_degrees:.1f}°."
         ),
         why=(
             "Stage 1 lifts off (A0 ω²/g = {acceleration_1:.2f} > 1), stage 2 alone does not "
@@ -76,8 +77,9 @@ STATEMENTS = (
             Limit("gain_over_push", "lasting angle with the step over that after a push", low=1.05),
         ),
         finding=(
-            "After a push of 0.2 rad stage 2 alone settles at the same {pushed_degrees:.1f}° for "
-            "{share_pushed:.0%} of the drive phases (stepped: {stepped_degrees:.1f}°)."
+            "After a push of 0.2 rad, stage 2 of Fig. 12 alone settles at the same "
+            "{pushed_degrees:.1f}° for {share_pushed:.0%} of the drive phases (with both stages: "
+            "{stepped_degrees:.1f}°)."
         ),
         why=(
             "The lasting motion is an attractor of stage 2: the first stage decides whether it is "
@@ -95,8 +97,8 @@ STATEMENTS = (
         ),
         assumption=_ASSUMED,
         finding=(
-            "A ramp of 0.5 s leads to {ramped_degrees:.2f}° instead of {stepped_degrees:.2f}°; "
-            "stage 1 needs A0 > {threshold_mm:.1f} mm."
+            "In Fig. 12 a ramp of 0.5 s leads to {ramped_degrees:.2f}° and a sudden step to "
+            "{stepped_degrees:.2f}°; stage 1 needs A0 > {threshold_mm:.1f} mm."
         ),
         why=(
             "The attractor does not know how it was reached; below g/ω1² nothing lifts off in "

@@ -14,13 +14,12 @@ if TYPE_CHECKING:
 
 NEEDS_VIDEO = True
 START = 0.05  # rad above the low contact angle
-TITLE = "Stepping the frequency, tracked and computed"
+TITLE = "Stepping the frequency, a synthetic experiment and its calculation"
 CAPTION = (
-    "The stepped drive of Fig. 12, "
+    "A synthetic experiment with the stepped drive of Fig. 12, "
     f"{paper.COUPLED_WORDS}, and a start {START:g} rad above contact (from rest in contact the "
-    "first hops are chaotic): rendered as a video, both balls tracked (in a quick run simulated "
-    "with the tracker's noise), and computed on the measured drive. The angle is half that between "
-    "the balls."
+    "first hops are chaotic), and the motion computed on the drive that is fitted to it. The angle "
+    "is half that between the balls."
 )
 STATEMENTS = (
     chain_motion.statement(

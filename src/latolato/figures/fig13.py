@@ -46,8 +46,8 @@ STATEMENTS = (
             Limit("growth_a", "growth rate with damping", low=0.0, unit="1/s"),
         ),
         finding=(
-            "The growth rate is {growth_a:.5f} 1/s with damping and {growth_b:.5f} 1/s without, "
-            "over a factor of {factor_a:.0e}."
+            "The solutions of Fig. 13a, b grow at {growth_a:.5f} 1/s with damping and at "
+            "{growth_b:.5f} 1/s without, over a factor of {factor_a:.0e}."
         ),
         why=(
             "Runs of eq14 grow from period to period at the rate of Hill's determinant "
@@ -65,9 +65,9 @@ STATEMENTS = (
             Limit("depth_d", "depth of the first beat without damping, relative", low=0.1),
         ),
         finding=(
-            "With damping the beats reach {beat_c1:.3f}, {beat_c2:.3f}, {beat_c3:.3f} rad, "
-            "{spacing_c:.1f} s apart; without it {beat_d1:.3f}, {beat_d2:.3f}, {beat_d3:.3f} rad, "
-            "{spacing_d:.1f} s apart."
+            "In Fig. 13c, with damping, the beats reach {beat_c1:.3f}, {beat_c2:.3f} and "
+            "{beat_c3:.3f} rad, {spacing_c:.1f} s apart; in Fig. 13d, without damping, they reach "
+            "{beat_d1:.3f}, {beat_d2:.3f} and {beat_d3:.3f} rad, {spacing_d:.1f} s apart."
         ),
         why="The restoring torque follows the sine: a large swing slows down and leaves resonance.",
     ),
@@ -88,8 +88,8 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "Both cases are resonant; damping takes {rate_loss:.1%} off the growth rate, but "
-            "{depth_loss:.1%} off the late beats."
+            "In Fig. 13 the pendulum is resonant with damping and without it; damping takes "
+            "{rate_loss:.1%} off the growth rate, but {depth_loss:.1%} off the late beats."
         ),
         why=(
             "C/(2ml) is subtracted from the growth rate, which here is {growth_ratio:.0f} times "
@@ -112,8 +112,8 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "Without damping the angle stays below {largest_d:.4f} rad; its beats return to "
-            "{beat_d1:.4f}, {beat_d2:.4f} and {beat_d3:.4f} rad."
+            "In Fig. 13d, without damping, the angle stays below {largest_d:.4f} rad, and its "
+            "beats return to {beat_d1:.4f}, {beat_d2:.4f} and {beat_d3:.4f} rad."
         ),
         why="Detuning by the amplitude bounds the motion; damping only removes the beats.",
     ),
@@ -134,8 +134,8 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "From one drive period to the next the angle changes its sign; after two periods it "
-            "has returned within {two_period_change:.2%}."
+            "In Fig. 13 the angle changes its sign from one drive period to the next, and after "
+            "two periods it has returned within {two_period_change:.2%}."
         ),
         why=(
             "In the primary tongue the Floquet multiplier is negative, so the response has twice "

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import style
 from latolato.quantities import QUANTITIES
 
@@ -27,7 +28,7 @@ def draw_fit(dataset: xr.Dataset) -> Figure:
 
     Raises
     ------
-    ValueError
+    InputError
         If the dataset holds no fit.
     """
     draw = {
@@ -37,7 +38,7 @@ def draw_fit(dataset: xr.Dataset) -> Figure:
         "model": _model,
     }.get(str(dataset.attrs.get("fit")))
     if draw is None:
-        raise ValueError("the dataset holds no fit that can be drawn")
+        raise InputError("the dataset holds no fit that can be drawn")
     figure = draw(dataset)
     words = textwrap.fill(str(dataset.attrs["verdict"]), _LINE)
     figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
@@ -158,7 +159,14 @@ def draw_curve(
 ) -> None:
     """Draw samples and the fitted curve, broken where frames are missing."""
     time = dataset.time.values
-    axes.plot(time, scale * dataset[measured], ".", ms=1.8, color=style.GREY, label="measured")
+    axes.plot(
+        time,
+        scale * dataset[measured],
+        ".",
+        ms=1.8,
+        color=style.GREY,
+        label="synthetic" if "chain" in dataset.attrs else "measured",
+    )
     curve = scale * dataset[fitted].values
     gaps = np.flatnonzero(np.diff(time) > 3.0 * np.median(np.diff(time))) + 1
     axes.plot(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import contours, style
 from latolato.figures import overlays as marks
 from latolato.figures.map_title import in_words, plain_text, title_of
@@ -50,7 +51,7 @@ _MOST_CURVES = 12
 
 
 def check_drawable(plan: Plan, variable: str | None) -> None:
-    """Raise ValueError unless the sweep of a plan can be drawn without selecting anything."""
+    """Raise InputError unless the sweep of a plan can be drawn without selecting anything."""
     from latolato.sweep.results import dims_of, lengths_of, template
 
     name = _variable(list(template(plan)), variable)
@@ -63,20 +64,20 @@ def _variable(known: list[str], name: str | None) -> str:
     if name is None:
         return known[0]
     if name not in known:
-        raise ValueError(f"unknown variable '{name}': {suggest(name, known)}")
+        raise InputError(f"unknown variable '{name}': {suggest(name, known)}")
     return name
 
 
 def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
-    """Raise ValueError unless one or two dimensions are left."""
+    """Raise InputError unless one or two dimensions are left."""
     if len(lengths) > 2:
         shown = ", ".join(f"{dim} ({length})" for dim, length in lengths.items())
-        raise ValueError(
+        raise InputError(
             f"{variable} varies over {shown}; a picture shows two of them: select a value of the "
             f"others, as in `latolato plot FILE --select {next(iter(lengths))}=VALUE`"
         )
     if not lengths:
-        raise ValueError(f"{variable} is a single value: select fewer dimensions")
+        raise InputError(f"{variable} is a single value: select fewer dimensions")
 
 
 def _ordered(dims: list[str], right: str | None) -> list[str]:
@@ -92,16 +93,16 @@ def _selected(
     for name, wanted in select.items():
         known = list(map(str, grid[variable].dims))
         if name not in known:
-            raise ValueError(f"{variable} has no dimension '{name}': {suggest(name, known)}")
+            raise InputError(f"{variable} has no dimension '{name}': {suggest(name, known)}")
         coordinate = grid[name].values
         if coordinate.dtype.kind == "U":
             if wanted not in coordinate:
-                raise ValueError(f"{name} must be one of {', '.join(coordinate)}, got {wanted!r}")
+                raise InputError(f"{name} must be one of {', '.join(coordinate)}, got {wanted!r}")
             index = int(np.flatnonzero(coordinate == wanted)[0])
         elif name not in grid.coords:
             index = int(wanted)
             if not 0 <= index < grid.sizes[name]:
-                raise ValueError(f"{name} is an index below {grid.sizes[name]}, got {wanted!r}")
+                raise InputError(f"{name} is an index below {grid.sizes[name]}, got {wanted!r}")
         else:
             index = _nearest(name, coordinate, float(wanted))
         grid = grid.isel({name: index})
@@ -117,7 +118,7 @@ def _nearest(name: str, values: Floats, wanted: float) -> int:
     ordered = np.sort(values)
     slack = 0.5 * float(np.max(np.diff(ordered), initial=0.0)) + 1e-9 * float(np.abs(ordered).max())
     if not ordered[0] - slack <= wanted <= ordered[-1] + slack:
-        raise ValueError(
+        raise InputError(
             f"{name} runs from {ordered[0]:g} to {ordered[-1]:g} here, got {wanted:g}; select a "
             "value in between"
         )
@@ -190,9 +191,9 @@ class Drawing:
         if self.classes:
             self.values = np.round(self.values)
         if log and self.classes:
-            raise ValueError(f"{self.name} has classes, not a scale: leave out log")
+            raise InputError(f"{self.name} has classes, not a scale: leave out log")
         if log and np.nanmin(self.values, initial=0.0) < 0.0:
-            raise ValueError(
+            raise InputError(
                 f"{self.name} goes down to {np.nanmin(self.values):g}: a log scale cannot show "
                 "negative values; leave out log"
             )
@@ -317,7 +318,7 @@ class Drawing:
         elif len(sides[0].values) > len(sides[1].values):
             values, sides = values.T, sides[::-1]
         if len(values) > _MOST_CURVES:
-            raise ValueError(
+            raise InputError(
                 f"{len(values)} curves cannot be told apart, at most {_MOST_CURVES}: leave out "
                 "curves for a map, or select a value"
             )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.figures import style
 from latolato.registry import suggest
 from latolato.units import to_si
@@ -55,9 +56,9 @@ class Context:
 
     @classmethod
     def of(cls, grid: xr.Dataset, x: str, y: str) -> Context:
-        """Return the context of a map; raise ValueError if it is not of amplitude and frequency."""
+        """Return the context of a map; raise InputError if it is not of amplitude and frequency."""
         if not ((x in FREQUENCIES and y in AMPLITUDES) or (y in FREQUENCIES and x in AMPLITUDES)):
-            raise ValueError(
+            raise InputError(
                 f"overlays and points need a map of amplitude ({', '.join(AMPLITUDES)}) and "
                 f"frequency ({', '.join(FREQUENCIES)}), got {y} and {x}"
             )
@@ -95,10 +96,10 @@ def _number(grid: xr.Dataset, name: str) -> float:
     """Return a parameter that does not vary over the picture."""
     if name in grid.coords:
         if grid[name].ndim:
-            raise ValueError(f"overlays need one {name}, but it varies: select a value")
+            raise InputError(f"overlays need one {name}, but it varies: select a value")
         return float(grid[name])
     if name not in grid.attrs:
-        raise ValueError(f"this map does not say its {name}, which overlays need")
+        raise InputError(f"this map does not say its {name}, which overlays need")
     return float(grid.attrs[name])
 
 
@@ -122,7 +123,7 @@ def curve(
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown name, and for lift-off without contact.
     """
     if name == "tongue":
@@ -132,7 +133,7 @@ def curve(
         x, y = context.place(both, np.concatenate([low[::-1], high]))
     elif name == "lift_off":
         if not context.has_walls:
-            raise ValueError(
+            raise InputError(
                 "overlay lift_off needs a system with contact: nothing rests on a wall"
             )
         _, _, slow, fast = _limits(context, x_limits, y_limits)
@@ -142,7 +143,7 @@ def curve(
         frequency = np.sort(np.concatenate(even))
         x, y = context.place(context.gravity / frequency**2, frequency)
     else:
-        raise ValueError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")
+        raise InputError(f"unknown overlay '{name}': {suggest(name, list(OVERLAYS))}")
     shape = np.broadcast_shapes(np.shape(x), np.shape(y))
     return np.broadcast_to(x, shape), np.broadcast_to(y, shape)
 
@@ -258,7 +259,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
 
     Raises
     ------
-    ValueError
+    InputError
         For missing columns, unknown classes and what is no number, naming the row.
     """
     import csv
@@ -266,13 +267,13 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise ValueError(f"{path} is no text file; save the trials as UTF-8 CSV") from None
+        raise InputError(f"{path} is no text file; save the trials as UTF-8 CSV") from None
     table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
     columns = [name.strip() for name in table.fieldnames or ()]
     table.fieldnames = columns
     frequency = next((name for name in FREQUENCIES if name in columns), None)
     if not {"drive_amplitude", "class"} <= set(columns) or frequency is None:
-        raise ValueError(
+        raise InputError(
             f"{path} must have the columns drive_amplitude, class and one of "
             f"{', '.join(FREQUENCIES)}, got {', '.join(columns) or 'none'}"
         )
@@ -281,7 +282,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
     for number, row in enumerate(table, start=1):
         kind = (row["class"] or "").strip().lower()
         if kind not in TRIALS:
-            raise ValueError(
+            raise InputError(
                 f"trial {number} of {path} has the class {kind!r}: it must be one of "
                 f"{', '.join(TRIALS)}"
             )
@@ -291,6 +292,6 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
                 for name in ("drive_amplitude", frequency)
             )
         except ValueError as error:
-            raise ValueError(f"trial {number} of {path}: {error}") from None
+            raise InputError(f"trial {number} of {path}: {error}") from None
         found.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
     return found

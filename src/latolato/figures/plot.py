@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
@@ -49,10 +51,8 @@ def plot(
 
     Raises
     ------
-    TypeError
-        If `run` is no dataset.
-    ValueError
-        If the dataset holds no run, sweep or analysis that can be drawn; for unknown names, too
+    InputError
+        If `run` holds no run, sweep or analysis that can be drawn; for unknown names, too
         many dimensions left and overlays that the axes cannot carry.
 
     Notes
@@ -70,25 +70,25 @@ def plot(
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise TypeError(
+        raise InputError(
             f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
         )
     is_plain = not (variable or log or curves or select or overlays or points)
     if is_fit(run):
         if not is_plain:
-            raise ValueError("a fit is drawn whole: variable, log and the like belong to sweeps")
+            raise InputError("a fit is drawn whole: variable, log and the like belong to sweeps")
         from latolato.figures.fits import draw_fit
 
         return draw_fit(run)
     if is_comparison(run):
         if not is_plain:
-            raise ValueError("a comparison is drawn whole: variable, log and the like fit a sweep")
+            raise InputError("a comparison is drawn whole: variable, log and the like fit a sweep")
         from latolato.figures.comparisons import draw_comparison
 
         return draw_comparison(run)
     if is_analysis(run):
         if not is_plain:
-            raise ValueError("an analysis is drawn whole: variable, log and the like fit a sweep")
+            raise InputError("an analysis is drawn whole: variable, log and the like fit a sweep")
         found: Figure = picture_of(str(run.attrs["analysis"]))(run)
         return found
     if is_map(run):
@@ -98,12 +98,12 @@ def plot(
         if len(drawing.sides) == 2 and not curves:
             return drawing.map(overlays, points)
         if overlays or points:
-            raise ValueError("overlays and points belong to a map of amplitude and frequency")
+            raise InputError("overlays and points belong to a map of amplitude and frequency")
         return drawing.curves()
     if "angle" not in run or "time" not in run.dims:
-        raise ValueError("plot needs a run: a dataset with angle over time, a sweep or an analysis")
+        raise InputError("plot needs a run: a dataset with angle over time, a sweep or an analysis")
     if not is_plain:
-        raise ValueError("a run is drawn whole: variable, log and the like belong to sweeps")
+        raise InputError("a run is drawn whole: variable, log and the like belong to sweeps")
     from latolato.figures.run import draw_run
 
     return draw_run(run)
@@ -134,7 +134,7 @@ def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
 
     Raises
     ------
-    ValueError
+    InputError
         If it has no picture.
     """
     import importlib
@@ -147,6 +147,6 @@ def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
     except ModuleNotFoundError as error:
         if error.name != home:
             raise
-        raise ValueError(f"analysis '{name}' has no picture; its numbers can be stored") from None
+        raise InputError(f"analysis '{name}' has no picture; its numbers can be stored") from None
     draw: Callable[[xr.Dataset], Figure] = module.draw
     return draw

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.files import atomic_path
 
 if TYPE_CHECKING:
@@ -193,7 +194,7 @@ def save_figure(figure: Figure, path: Path | str, *, dpi: float = DPI) -> Path:
         "pdf": {"CreationDate": None, "ModDate": None, "Creator": None, "Producer": None},
     }
     if kind not in nameless:
-        raise ValueError(f"a picture's name must end in .png, .svg or .pdf, got '{path.name}'")
+        raise InputError(f"a picture's name must end in .png, .svg or .pdf, got '{path.name}'")
     with use_style(), atomic_path(path) as unfinished:
         figure.savefig(unfinished, format=kind, dpi=dpi, metadata=nameless[kind])
     return path

@@ -41,10 +41,10 @@ STATEMENTS = (
             Limit("rise_above", "smallest rise from rest above lift-off", low=0.1, unit="rad"),
         ),
         finding=(
-            "At A0 = 0.2 m nothing moves from rest below ω/ω0 = √(l/A0) = {lift_off:.3f}, where a "
-            "push of 0.2 rad leads to {pushed_below:.2f} rad. A thousandth above it a start from "
-            "rest reaches {reached_above:.2f} rad, and at every ratio of the scan above it more "
-            "than 0.2 rad."
+            "At A0 = 0.2 m a pair at rest stays at rest below ω/ω0 = √(l/A0) = {lift_off:.3f}, "
+            "where a push of 0.2 rad leads to {pushed_below:.2f} rad; a thousandth above this "
+            "ratio a start from rest reaches {reached_above:.2f} rad, and at every higher ratio "
+            "of the scan it reaches more than 0.2 rad."
         ),
         why=(
             "A resting pair lifts off only while the pivot falls faster than gravity, A0 ω² > g: "
@@ -67,8 +67,8 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "Up to {most_tops:.0f} top contacts in 300 s at A0 = 0.2 m from rest (ω/ω0 = "
-            "{best_ratio:.2f}), {most_tops_lower:.0f} at 0.15 m."
+            "From rest the balls meet at the top up to {most_tops:.0f} times in 300 s at A0 = 0.2 "
+            "m (ω/ω0 = {best_ratio:.2f}), and up to {most_tops_lower:.0f} times at 0.15 m."
         ),
         why=(
             "From rest the pair needs lift-off, √(l/A0), to lie in the resonance range. The "

@@ -43,9 +43,9 @@ STATEMENTS = (
         ),
         assumption="The exponential of eq13 is meant, whose decay factor the caption uses.",
         finding=(
-            "The printed C, m and l give k = C/(2ml) = {rate_single:.7f} 1/s (single) and "
-            "{rate_coupled:.7f} 1/s (coupled); exponentials fitted to runs of eq7 give "
-            "{fit_single:.7f} and {fit_coupled:.7f} 1/s."
+            "The C, m and l printed for Figs. 7 and 10 give k = C/(2ml) = {rate_single:.7f} 1/s "
+            "(single) and {rate_coupled:.7f} 1/s (coupled); exponentials fitted to runs of eq7 "
+            "give {fit_single:.7f} and {fit_coupled:.7f} 1/s."
         ),
         why=(
             "A power law misses the envelope of the runs by up to {power_single:.0%} and "

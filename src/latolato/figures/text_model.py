@@ -33,7 +33,7 @@ STATEMENTS = (
             Limit("rod_shift", "relative shift of ω0 by rods of 1/10 of the mass", -0.01, 0.01),
         ),
         finding=(
-            "Uniform rods of a tenth of the total mass raise ω0 by {rod_shift:.2%}, a solid ball "
+            "Uniform rods of a tenth of the total mass raise ω0 by {rod_shift:.2%}; a solid ball "
             "of r/l = 0.08 lowers it by {ball_loss:.2%}."
         ),
         why=(
@@ -56,9 +56,10 @@ STATEMENTS = (
             "The connecting rod is ten times as long as the crank; neither length is printed."
         ),
         finding=(
-            "The second harmonic is {height_overtone:.1%} of the height but "
-            "{acceleration_overtone:.1%} of the acceleration, which is what drives; the lasting "
-            "amplitude of Fig. 8 changes by {amplitude_change:+.3%}."
+            "With a connecting rod ten times as long as the crank, the second harmonic is "
+            "{height_overtone:.1%} of the pivot's height but {acceleration_overtone:.1%} of its "
+            "acceleration, which is what drives; the lasting amplitude of Fig. 8 changes by "
+            "{amplitude_change:+.3%}."
         ),
         why="Differentiating twice multiplies the second harmonic, λ/4 of the height, by four.",
     ),
@@ -82,8 +83,8 @@ STATEMENTS = (
         ),
         assumption="Angular momentum about the pivot is meant.",
         finding=(
-            "In Fig. 4's toy a contact changes the linear momentum by {linear_change:.1%} of the "
-            "sum of both balls' momenta, the angular momentum about the pivot by "
+            "In the toy of Fig. 4 a contact changes the linear momentum by {linear_change:.1%} of "
+            "the sum of both balls' momenta, and the angular momentum about the pivot by "
             "{angular_percent:.1g}%."
         ),
         why=(
@@ -102,10 +103,10 @@ STATEMENTS = (
             ),
         ),
         finding=(
-            "It would give ω0 = {frequency_line:.3f} rad/s for the experiment's pendulum, eq7 "
-            "gives {frequency_eq7:.3f} rad/s."
+            "The line before eq7 would give ω0 = {frequency_line:.3f} rad/s for the experiment's "
+            "pendulum; eq7 gives {frequency_eq7:.3f} rad/s."
         ),
-        why="A slip of units: m l² θ'' + m g l sin θ = -C l θ' leads to eq7, which is right.",
+        why="Its units do not fit: m l² θ'' + m g l sin θ = -C l θ' leads to eq7, which is right.",
     ),
 )
 

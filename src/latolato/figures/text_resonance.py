@@ -45,8 +45,8 @@ STATEMENTS = (
         assumed=(Limit("edge_smallest", "lower edge at A0 = 0.005 l", 1.98, 2.0),),
         assumption="The limit of small driving amplitudes is meant.",
         finding=(
-            "The lower edge is at ω/ω0 = {edge_smallest:.3f}, {edge_fig2:.3f}, {edge_fig4:.3f} "
-            "and {edge_sweep:.3f} for A0/l = 0.005, 0.05, 0.2 and 0.5."
+            "The lower edge of the resonance is at ω/ω0 = {edge_smallest:.3f}, {edge_fig2:.3f}, "
+            "{edge_fig4:.3f} and {edge_sweep:.3f} for A0/l = 0.005, 0.05, 0.2 and 0.5."
         ),
         why=(
             "The tongue opens from 2 to both sides as A0 grows. For the colliding pair the range "
@@ -71,7 +71,8 @@ STATEMENTS = (
         ),
         finding=(
             "At ω = ω0, 2ω0, 3ω0 and 4ω0 the growth rate of eq14 is {growth_1:.5g}, "
-            "{growth_2:.5g}, {growth_3:.5g} and {growth_4:.5g} 1/s; 0 means that it does not grow."
+            "{growth_2:.5g}, {growth_3:.5g} and {growth_4:.5g} 1/s, where 0 means that nothing "
+            "grows."
         ),
         why=(
             "The condition is ω = 2ω0/n, as the paper says later: multiples hold for n = 1 and 2 "
@@ -112,9 +113,9 @@ STATEMENTS = (
             "its sweep has C = 0."
         ),
         finding=(
-            "With Fig. 2's damping growth needs A0 ≥ {threshold_mm:.3f} mm (first order "
-            "lC/(2mlω0) = {first_order_mm:.3f} mm), without damping any A0 > 0 at ω = 2ω0; A0 = "
-            "0.01 l then leads to {largest_small:.2f} rad at most."
+            "With the damping of Fig. 2, growth needs A0 ≥ {threshold_mm:.3f} mm (first order "
+            "lC/(2mlω0) = {first_order_mm:.3f} mm); without damping any A0 > 0 is enough at ω = "
+            "2ω0, and A0 = 0.01 l then leads to {largest_small:.2f} rad at most."
         ),
         why=(
             "Without damping the tongue of eq14 reaches down to A0 = 0 at ratio 2, but detuning "
@@ -137,8 +138,9 @@ STATEMENTS = (
             for n in ORDERS
         ),
         finding=(
-            "At A0 = 0.5 l they grow at most by {factor_3:.2f} (n = 3) and {factor_4:.4f} (n = 4) "
-            "in 300 s; a factor of ten takes A0 ≥ {shows_3:.2f} l and {shows_4:.2f} l."
+            "At A0 = 0.5 l the motion grows at most by a factor of {factor_3:.2f} in band n = 3 "
+            "and {factor_4:.4f} in band n = 4 in 300 s; a factor of ten takes A0 ≥ {shows_3:.2f} "
+            "l and {shows_4:.2f} l."
         ),
         why=(
             "Band n narrows like (A0/l)ⁿ: at A0 = 0.5 l it is {width_3:.1e} and {width_4:.1e} "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.observables.base import Observable, Outcome, observables
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.scalar import formula
@@ -116,7 +117,7 @@ class Stroboscope(Observable):
         super().__post_init__()
         count: object = self.periods
         if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= 100_000:
-            raise ValueError(f"periods must be an integer in [1, 100000], got {count!r}")
+            raise InputError(f"periods must be an integer in [1, 100000], got {count!r}")
 
     @property
     def marks(self) -> int:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.final import Stroboscope
 from latolato.observables.hermite import turning_angle
@@ -186,7 +187,7 @@ class ResponsePeriod(Observable):
         super().__post_init__()
         count: object = self.longest
         if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= _LONGEST:
-            raise ValueError(f"longest must be an integer in [1, {_LONGEST}], got {count!r}")
+            raise InputError(f"longest must be an integer in [1, {_LONGEST}], got {count!r}")
 
     @property
     def marks(self) -> int:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.quantities import POSITIVE, quantity_field
 from latolato.registry import Registry, check_fields
 from latolato.scalar import formula
@@ -46,9 +47,9 @@ class NoContact:
 
 
 def check_radius(radius: float, length: float) -> None:
-    """Raise ValueError unless 0 <= radius < length."""
+    """Raise InputError unless 0 <= radius < length."""
     if not 0.0 <= radius < length:
-        raise ValueError(f"radius must lie in [0, length), got {radius:g} for length {length:g}")
+        raise InputError(f"radius must lie in [0, length), got {radius:g} for length {length:g}")
 
 
 def contact_separation(right: Any, left: Any) -> float:
@@ -59,20 +60,20 @@ def contact_separation(right: Any, left: Any) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         If the balls can never meet, or a rod would hit the other ball first: a rod at least
         ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
     """
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
     reach = r1 + r2
     if abs(l1 - l2) >= reach and not (reach == 0.0 and l1 == l2):
-        raise ValueError(
+        raise InputError(
             "the balls never meet: the lengths must differ by less than the sum of the radii, "
             f"got lengths {l1:g} and {l2:g} with radii {r1:g} and {r2:g}"
         )
     sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
     if sine >= 1.0:
-        raise ValueError(
+        raise InputError(
             f"the balls are too large to hang side by side: radii {r1:g} and {r2:g} "
             f"for lengths {l1:g} and {l2:g}"
         )
@@ -89,7 +90,7 @@ def contact_separation(right: Any, left: Any) -> float:
                 one, hit = "longer", "shorter"
             if other.length < ball.length:
                 one, hit = hit, one
-            raise ValueError(
+            raise InputError(
                 f"the {one} rod would hit the {hit} ball before the balls meet: "
                 f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
                 f"separation {separation:g} rad; make the other ball larger"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from latolato.errors import InputError
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, Range, quantity_field
 from latolato.registry import checked_number, number_fields
@@ -52,9 +53,9 @@ class VelocityKicks:
         for name, power in KEY.items():
             number: object = getattr(self, name)  # callers may hand over anything
             if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise ValueError(f"{name} must be a non-negative integer, got {number!r}")
+                raise InputError(f"{name} must be a non-negative integer, got {number!r}")
             if number >= 2**power:
-                raise ValueError(
+                raise InputError(
                     f"{name} must lie in [0, 2^{power}), got {number}; files hold no larger one"
                 )
         for field in number_fields(self):
@@ -74,7 +75,7 @@ class VelocityKicks:
         Fluctuation-dissipation: ``sigma^2 = 2 gamma k_B T/(m l^2)``, ``gamma = C/(m l)``.
         """
         if not isinstance(system, System):
-            raise TypeError(f"system must be a system such as LatoLato, got {system!r}")
+            raise InputError(f"system must be a system such as LatoLato, got {system!r}")
         temperature = checked_number("temperature", temperature, NON_NEGATIVE, "K")
         ball = system.balls[0]
         rate = ball.damping / (ball.mass * ball.length)

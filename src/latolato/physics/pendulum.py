@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.physics import contacts
 from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
 from latolato.registry import Registry, check_fields, checked_number
@@ -187,7 +188,7 @@ class BallPair(System):
         super().__post_init__()
         for name in ("right", "left"):
             if not isinstance(getattr(self, name), Ball):
-                raise TypeError(f"{name} must be a Ball, got {getattr(self, name)!r}")
+                raise InputError(f"{name} must be a Ball, got {getattr(self, name)!r}")
         contacts.contact_separation(self.right, self.left)  # refuses what cannot be described
 
     @property

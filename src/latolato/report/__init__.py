@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from latolato.errors import InputError
 from latolato.figures.claim import Claim, Verdict
 from latolato.report.powers import rewritten_powers
 
@@ -18,11 +19,17 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 # Shapes beside the words, so that no verdict is told by colour alone.
-SHAPES = {Verdict.REPRODUCED: "●", Verdict.ASSUMED: "△", Verdict.NOT_AS_PRINTED: "✕"}
+SHAPES = {
+    Verdict.REPRODUCED: "●",
+    Verdict.ASSUMED: "△",
+    Verdict.NOT_AS_PRINTED: "✕",
+    Verdict.METHOD_CHECK: "◇",
+}
 _COLOURS = {
     Verdict.REPRODUCED: "green",
     Verdict.ASSUMED: "yellow",
     Verdict.NOT_AS_PRINTED: "red",
+    Verdict.METHOD_CHECK: "cyan",
 }
 INDEX = "index.html"
 DPI, QUICK_DPI = 200, 150
@@ -82,7 +89,7 @@ def reproduce(
 
     Raises
     ------
-    ValueError
+    InputError
         For both `quick` and `full`, and for `full` without the extra `video`.
     NotADirectoryError
         If `folder` is a file.
@@ -100,9 +107,9 @@ def reproduce(
     from latolato.figures import chain
 
     if quick and full:
-        raise ValueError("a report is quick or full, not both")
+        raise InputError("a report is quick or full, not both")
     if full and chain.is_missing():
-        raise ValueError(f"a full report films every trial: {chain.MISSING}")
+        raise InputError(f"a full report films every trial: {chain.MISSING}")
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"'{folder}' is a file; name a folder for the report")
@@ -188,18 +195,26 @@ def claims_table(claims: Sequence[Claim]) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    counts = ", ".join(
+    counts = "; ".join(
         f"{sum(claim.verdict is verdict for claim in claims)} {verdict.value}"
         for verdict in Verdict
     )
-    table = Table(title="The paper's claims", caption=counts, box=SIMPLE, expand=True)
-    table.add_column("where", ratio=3)
-    table.add_column("verdict", ratio=3)
+    table = Table(title="The paper's claims", caption=counts, box=SIMPLE, expand=True, leading=1)
+    table.add_column("verdict", ratio=4)
+    table.add_column("what the paper says", ratio=6)
     table.add_column("what an accurate calculation gives", ratio=10)
     for claim in claims:
-        verdict = Text(f"{SHAPES[claim.verdict]} {claim.verdict.value}")
-        verdict.stylize(_COLOURS[claim.verdict])
-        table.add_row(escape(claim.where), verdict, escape(plain(claim.finding)))
+        verdict = f"{SHAPES[claim.verdict]} {claim.verdict.value}"
+        if claim.verdict is Verdict.METHOD_CHECK and not all(held for _, held in claim.criteria):
+            verdict += "; the check failed"
+        finding = plain(claim.finding)
+        if claim.assumption:
+            finding += f"\nAssumed: {plain(claim.assumption)}"
+        table.add_row(
+            Text.assemble(f"{claim.where}\n", (verdict, _COLOURS[claim.verdict])),
+            escape(f"“{claim.words}”"),
+            escape(finding),
+        )
     return table
 
 

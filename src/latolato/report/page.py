@@ -30,7 +30,12 @@ LIBRARIES = ("latolato", "numpy", "scipy", "numba", "xarray", "matplotlib")
 # Left out of tables of parameters: what changes no number, and zeros of what is rarely used.
 _UNTOLD = ("frame",)
 _OFTEN_ZERO = ("quadratic_damping", "coulomb_damping", "drive_phase", "initial_angular_velocity")
-_CLASSES = {Verdict.REPRODUCED: "yes", Verdict.ASSUMED: "part", Verdict.NOT_AS_PRINTED: "no"}
+_CLASSES = {
+    Verdict.REPRODUCED: "yes",
+    Verdict.ASSUMED: "part",
+    Verdict.NOT_AS_PRINTED: "no",
+    Verdict.METHOD_CHECK: "check",
+}
 
 # Claims that need more than single runs: where, the paper's words, and what decides them. A row
 # leaves the list when a statement of its name exists.
@@ -62,7 +67,7 @@ DEFERRED = (
     ),
 )
 
-# Slips that change no number but make a reader stumble.
+# Errors that change no number but make a reader stumble.
 ERRATA = (
     "“(eq11)” in the text on Fig. 2 and in the supplement's Nonlinear phenomena means eq14, the "
     "small-angle equation; eq11 is the impact law.",
@@ -102,7 +107,7 @@ def render(
     claims = [claim for part in parts for claim in part.claims]
     template = Template(files("latolato.report").joinpath("report.html").read_text("utf-8"))
     sections = ("claims", "later", "figures", "errata", "method", "rerun", "cite")
-    names = ("Claims", "Still open", "Figures", "Slips", "Method", "Compute again", "Cite")
+    names = ("Claims", "Still open", "Figures", "Errata", "Method", "Compute again", "Cite")
     contents = "".join(
         f'<li><a href="#{section}">{name}</a></li>'
         for section, name in zip(sections, names, strict=True)
@@ -127,7 +132,9 @@ def render(
         claims_note=_text(
             "A claim is reproduced if all its limits hold for what the paper prints, reproduced "
             "with an assumption if they hold once something unprinted is assumed, and else not as "
-            "printed. ✓ and ✗ mark limits that held and did not."
+            "printed. Where the paper prints too little to test its claim, only the method is "
+            "checked, on synthetic data or by calculation; such a check says nothing about the "
+            "paper's measurements. ✓ and ✗ mark limits that held and did not."
         ),
         claims=_claims(claims),
         deferred=_left_out(left_out) + _deferred({claim.name for claim in claims}),

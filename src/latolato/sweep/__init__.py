@@ -8,12 +8,13 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.physics.contacts import Clamp, Exact, NoContact
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.start import DEFAULT_REST_SPEED
-from latolato.sweep.executors import executor_named
+from latolato.sweep.executors import ROUNDING, executor_named
 from latolato.sweep.plan import DEFAULT_OBSERVABLES, Plan, make_plan
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ def sweep(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, naming value, rule and way out.
 
     Notes
@@ -174,7 +175,7 @@ def run_plan(
     for option in options:
         if option not in known:
             takes = f"only {' and '.join(known)}" if known else "no options"
-            raise ValueError(
+            raise InputError(
                 f"executor '{executor}' does not know {option}, it takes {takes}: leave {option} "
                 "out or name another executor"
             )
@@ -188,9 +189,9 @@ def run_plan(
     if store is not None:
         from latolato.sweep.store import Store
 
-        results = Store(plan, store)
+        results = Store(plan, store, ROUNDING[executor])
     else:
-        results = Memory(plan)
+        results = Memory(plan, ROUNDING[executor])
     with results:
         done = results.points_done
         if progress is not None:

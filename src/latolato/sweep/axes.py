@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
@@ -101,33 +102,33 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For unknown names, with the closest known one, and for values that are empty, repeated,
         not finite or out of range.
     """
     if not isinstance(axes, Mapping):
-        raise TypeError(f"axes must map names of parameters to values, got {axes!r}")
+        raise InputError(f"axes must map names of parameters to values, got {axes!r}")
     if not axes:
-        raise ValueError("axes must name at least one parameter to vary")
+        raise InputError("axes must name at least one parameter to vary")
     found = []
     for name, values in axes.items():
         together = values if isinstance(values, Mapping) else {name: values}
         if not together:
-            raise ValueError(f"axis {name} must name at least one parameter to vary")
+            raise InputError(f"axis {name} must name at least one parameter to vary")
         if isinstance(values, Mapping) and name in known and name not in together:
-            raise ValueError(
+            raise InputError(
                 f"axis {name} of several parameters must not bear the name of another parameter"
             )
         columns = {p: _checked_values(p, v, known) for p, v in together.items()}
         lengths = {p: len(v) for p, v in columns.items()}
         if len(set(lengths.values())) > 1:
             counts = ", ".join(f"{p} {n}" for p, n in lengths.items())
-            raise ValueError(f"parameters along axis {name} must be equally many, got {counts}")
+            raise InputError(f"parameters along axis {name} must be equally many, got {counts}")
         points = list(zip(*columns.values(), strict=True))
         if len(set(points)) < len(points):
             repeated = next(p for i, p in enumerate(points) if p in points[:i])
             shown = ", ".join(f"{value:g}" for value in repeated)
-            raise ValueError(f"axis {name} must not repeat a value, got {shown} twice; remove one")
+            raise InputError(f"axis {name} must not repeat a value, got {shown} twice; remove one")
         found.append(Axis(str(name), tuple(columns), tuple(columns.values())))
     _check_conflicts(found)
     return tuple(found)
@@ -136,39 +137,39 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
 def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> tuple[float, ...]:
     """Return the values of one parameter along an axis."""
     if name not in known:
-        raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+        raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     parameter = known[name]
     unit = parameter.quantity.unit
     single = isinstance(values, np.ndarray) and values.ndim == 0
     if isinstance(values, (str, bytes)) or single or not isinstance(values, Iterable):
-        raise TypeError(f"axis {name} must hold numbers in {unit}, got {values!r}")
+        raise InputError(f"axis {name} must hold numbers in {unit}, got {values!r}")
     values = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not values:
-        raise ValueError(f"axis {name} has no values: a sweep needs at least one point")
+        raise InputError(f"axis {name} has no values: a sweep needs at least one point")
     if isinstance(values[0], list):
-        raise ValueError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
+        raise InputError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
     numbers = tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
     for number in numbers:
         if parameter.whole and not number.is_integer():
-            raise ValueError(f"{name} must be a whole number, got {number:g}")
+            raise InputError(f"{name} must be a whole number, got {number:g}")
     return numbers
 
 
 def _check_conflicts(axes: list[Axis]) -> None:
-    """Raise ValueError if two axes set the same thing or bear the same name."""
+    """Raise InputError if two axes set the same thing or bear the same name."""
     setters: dict[str, str] = {}
     alternatives = {**DERIVED, "initial_offset": "initial_angle"}
     for axis in axes:
         for name in axis.parameters:
             target = alternatives.get(name, name)
             if target in setters:
-                raise ValueError(f"axes {setters[target]} and {name} both set {target}: drop one")
+                raise InputError(f"axes {setters[target]} and {name} both set {target}: drop one")
             setters[target] = name
     names = [axis.name for axis in axes]
     for name in names:
         if not name.isidentifier():
-            raise ValueError(
+            raise InputError(
                 f"axis name '{name}' must be of letters, digits and underscores: choose another"
             )
         if names.count(name) > 1 or name in ("direction", "ball", "sample", "status"):
-            raise ValueError(f"axis name '{name}' is taken: choose another")
+            raise InputError(f"axis name '{name}' is taken: choose another")

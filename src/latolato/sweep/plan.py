@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
@@ -178,11 +179,11 @@ class Plan:
 
         Raises
         ------
-        ValueError
+        InputError
             If another format or something else was described.
         """
         if described.get("format") != STORE_FORMAT:
-            raise ValueError(
+            raise InputError(
                 f"a plan of format {described.get('format')} cannot be read, only format "
                 f"{STORE_FORMAT}; use the latolato that wrote it"
             )
@@ -213,7 +214,7 @@ class Plan:
                 }
             )
         except (KeyError, TypeError, AttributeError) as error:
-            raise ValueError(f"this describes no plan of a sweep: {error}") from None
+            raise InputError(f"this describes no plan of a sweep: {error}") from None
 
     @cached_property
     def hash(self) -> str:
@@ -245,9 +246,9 @@ def make_plan(
 ) -> Plan:
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     if noise is not None and not isinstance(noise, VelocityKicks):
-        raise TypeError(f"noise must be VelocityKicks or None, got {noise!r}")
+        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
     asked = _names_in(axes)
     noise = _noise_for(noise, asked)
     drive = _drive_for(system, drive, asked, noise)
@@ -258,43 +259,43 @@ def make_plan(
     transient = checked_number("transient", transient, NON_NEGATIVE, "s")
     periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
     if transient >= length:
-        raise ValueError(
+        raise InputError(
             f"transient must be shorter than the duration {length:g} s, got {transient:g}"
         )
     watched = tuple(checked_observable(o) for o in _listed(observables))
     names = [name for o in watched for name in o.variables]
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"two observables both give '{name}': drop one")
+            raise InputError(f"two observables both give '{name}': drop one")
         if name in {axis.name for axis in found}:
-            raise ValueError(f"axis name '{name}' is that of an observable: choose another")
+            raise InputError(f"axis name '{name}' is that of an observable: choose another")
     if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
-        raise ValueError(
+        raise InputError(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
         )
     counts = sorted({o.marks for o in watched} - {0})
     if len(counts) > 1:  # marks are numbered for all observables together
-        raise ValueError(
+        raise InputError(
             f"observables that look once per drive period must mark equally many periods, got "
             f"{' and '.join(map(str, counts))}: set their periods alike"
         )
     law = checked_contact(contact, system)
     for observable in watched:
         if observable.angles not in (0, system.angles):
-            raise ValueError(
+            raise InputError(
                 f"{next(iter(observable.variables))} belongs to systems of {observable.angles} "
                 f"angles, got a system of {system.angles}"
             )
     blind = [name for o in watched if o.tangent is not None for name in o.variables]
     if blind and isinstance(law, Clamp):
-        raise ValueError(
+        raise InputError(
             f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
             "deviations have no meaning there"
         )
     if direction not in DIRECTIONS:
-        raise ValueError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+        raise InputError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
     if continuation is None and direction != "up":
-        raise ValueError(f"direction {direction!r} needs a continuation: name the axis to follow")
+        raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
         _check_continuation(continuation, found, drive, noise)
     plan = Plan(
@@ -318,7 +319,7 @@ def make_plan(
         chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
     )
     if noise is not None and plan.own_streams and noise.stream + plan.size > LARGEST_STREAM:
-        raise ValueError(
+        raise InputError(
             f"{plan.size} points need as many streams from {noise.stream} on, but streams lie in "
             "[0, 2^53): begin with a smaller one"
         )
@@ -349,7 +350,7 @@ def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks |
         return noise
     if "noise_strength" in asked:
         return kicks
-    raise ValueError(
+    raise InputError(
         f"axis {asked[0]} needs noise: give VelocityKicks(strength=...) or an axis noise_strength"
     )
 
@@ -366,12 +367,12 @@ def _drive_for(
     known = parameters_of(system, harmonic, noise)
     for name in varied:
         if name not in known:
-            raise ValueError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+            raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     if varied & amplitudes and varied & frequencies:
         return harmonic
     if varied & (amplitudes | frequencies | {"drive_phase"}):
         name = sorted(varied & (amplitudes | frequencies | {"drive_phase"}))[0]
-        raise ValueError(f"axis {name} needs a drive: give one, for example Harmonic")
+        raise InputError(f"axis {name} needs a drive: give one, for example Harmonic")
     return checked_drive(None)
 
 
@@ -380,10 +381,10 @@ def _listed(given: Any) -> list[Any]:
     if isinstance(given, (str, Observable)):
         return [given]
     if not isinstance(given, Iterable):
-        raise TypeError(f"observables must be names or instances, got {given!r}")
+        raise InputError(f"observables must be names or instances, got {given!r}")
     found = list(given)
     if not found:
-        raise ValueError(f"observables must name at least one of {', '.join(observables)}")
+        raise InputError(f"observables must name at least one of {', '.join(observables)}")
     return found
 
 
@@ -392,7 +393,7 @@ def checked_observable(given: Any) -> Observable:
     if isinstance(given, Observable):
         return given
     if not isinstance(given, str):
-        raise TypeError(f"an observable must be a name or an instance, got {given!r}")
+        raise InputError(f"an observable must be a name or an instance, got {given!r}")
     kinds: Mapping[str, Any] = observables
     owners = [kind for kind in kinds.values() if given in kind.variables]
     kind = owners[0] if owners and given not in kinds else kinds[given]
@@ -414,12 +415,12 @@ def _start(
     pairs = {"initial_angle": angle, "initial_angular_velocity": velocity}
     if offset is not None:
         if "initial_offset" not in known:
-            raise ValueError(
+            raise InputError(
                 "initial_offset counts from the low contact angle of a LatoLato; "
                 "use initial_angle for other systems"
             )
         if angle is not None:
-            raise ValueError("give only one of initial_angle and initial_offset")
+            raise InputError("give only one of initial_angle and initial_offset")
         given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
     for name, value in pairs.items():
         if value is None:
@@ -429,7 +430,7 @@ def _start(
             if np.ndim(value) == 0 and value == 0.0:
                 value = (0.0, 0.0)
             if np.shape(value) != (2,):
-                raise TypeError(
+                raise InputError(
                     f"{name} of a BallPair must be two numbers (right, left), got {value!r}"
                 )
             values = tuple(value)
@@ -437,12 +438,12 @@ def _start(
             unit = QUANTITIES[name].unit
             given[name + side] = checked_number(name + side, number, ANY, unit)
     if "initial_offset" in varied and angle is not None:
-        raise ValueError("give only one of initial_angle and an axis initial_offset")
+        raise InputError("give only one of initial_angle and an axis initial_offset")
     if varied & {"initial_angle", "initial_offset"}:
         given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
     if missing and "initial_offset" not in {*given, *varied}:
-        raise ValueError(
+        raise InputError(
             f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
             "may stand instead)"
         )
@@ -452,10 +453,10 @@ def _start(
 def _check_continuation(
     name: Any, axes: Sequence[Axis], drive: Drive, noise: VelocityKicks | None
 ) -> None:
-    """Raise ValueError unless a sweep can follow the motion along this axis."""
+    """Raise InputError unless a sweep can follow the motion along this axis."""
     names = [axis.name for axis in axes]
     if name not in names:
-        raise ValueError(
+        raise InputError(
             f"continuation must name an axis, got '{name}': {suggest(str(name), names)}"
         )
     axis = axes[names.index(name)]
@@ -463,20 +464,20 @@ def _check_continuation(
         steps = np.diff(values)
         rises, falls = np.all(steps >= 0.0), np.all(steps <= 0.0)
         if not (rises or falls) or (number == 0 and np.any(steps == 0.0)):
-            raise ValueError(
+            raise InputError(
                 f"axis {name} must increase or decrease steadily to be followed; sort the values "
                 f"of {axis.parameters[number]}"
             )
     starts = [p for p in axis.parameters if p.startswith("initial_")]
     if starts:
-        raise ValueError(
+        raise InputError(
             f"continuation along {starts[0]} makes no sense: each point starts where the one "
             "before ended"
         )
     if not isinstance(drive, (Harmonic, CrankSlider, Static)):
-        raise ValueError(
+        raise InputError(
             f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
             f"got {drives.name_of(drive)}"
         )
     if noise is not None:
-        raise ValueError("continuation and noise exclude each other")
+        raise InputError("continuation and noise exclude each other")

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.integrate import (
     Start,
@@ -337,7 +338,7 @@ def _objects(
     start = checked_start(system, walls, given, velocity[0] if one else velocity, offset)
     transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
     if not transient < plan.duration:
-        raise ValueError(
+        raise InputError(
             f"the transient must be shorter than the duration {plan.duration:g} s, "
             f"got {transient:g} s"
         )
@@ -348,7 +349,7 @@ def _objects(
     else:
         step = choose_step(system, drive, start, plan.tolerance, stepper)
     if not plan.duration <= MOST_STEPS * step:
-        raise ValueError(
+        raise InputError(
             f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
             "duration, loosen the tolerance or slow the motion"
         )
@@ -360,11 +361,11 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
 
     Raises
     ------
-    ValueError
+    InputError
         If the point's parameters contradict each other, or if it goes on from another point.
     """
     if plan.continuation:
-        raise ValueError(
+        raise InputError(
             f"a point of this map goes on from its neighbour along {plan.continuation}: it cannot "
             "run alone"
         )
@@ -387,11 +388,11 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
 
 
 def _check_mirrored(system: System, start: Start) -> None:
-    """Raise ValueError unless two equal balls begin as mirror images of each other."""
+    """Raise InputError unless two equal balls begin as mirror images of each other."""
     right, left = system.balls
     images = all(a == -b for a, b in (start.angles, start.velocities))
     if right != left or not images:
-        raise ValueError(
+        raise InputError(
             "transverse_exponent belongs to two equal balls that begin as mirror images: give both "
             "the same properties, and the left one the opposite angle and angular velocity"
         )

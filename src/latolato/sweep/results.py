@@ -99,8 +99,11 @@ def coordinates_of(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any]]:
     return found
 
 
-def attributes_of(plan: Plan) -> dict[str, Any]:
-    """Return the attributes of the dataset: parameters, provenance and the plan itself."""
+def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:
+    """Return the attributes of the dataset: parameters, provenance and the plan itself.
+
+    `rounding` is a value of `executors.ROUNDING`.
+    """
     from latolato.numerics.compiled import sources_hash
 
     described = plan.describe()
@@ -110,6 +113,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
         "numpy_version": np.__version__,
         "numba_version": version_of("numba"),
         "kernel_sources": sources_hash(),
+        "rounding": rounding,
         "system": systems.name_of(plan.system),
         "drive": drives.name_of(plan.drive),
     }
@@ -146,8 +150,9 @@ def in_order(counts: Mapping[str, int]) -> dict[str, int]:
 class Memory:
     """A sweep's results in memory."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, rounding: str) -> None:
         self.plan = plan
+        self.rounding = rounding
         self.missing = range(plan.chunks)
         self.points_done = 0
         self._counts: Counter[str] = Counter()
@@ -196,7 +201,7 @@ class Memory:
         dataset = xr.Dataset(
             {n: (dims_of(self.plan, n), array, about[n]) for n, array in self.arrays.items()},
             coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
-            attrs=attributes_of(self.plan),
+            attrs=attributes_of(self.plan, self.rounding),
         )
         if self._reasons:  # the same whatever the order in which chunks came
             dataset.attrs["first_invalid"] = self._reasons[min(self._reasons)]

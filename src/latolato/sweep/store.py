@@ -1,15 +1,15 @@
 """A sweep's results in a Zarr store: written chunk by chunk, resumed to the same bytes.
 
-A store is a Zarr group of format 3 that plain `xarray.open_zarr` opens. Below its folder
-``.latolato`` stands a note for every finished chunk with the digests of its files, written after
-them: a chunk without a note, or whose files differ from it, is computed again. Files are put in
-place whole, the group's own ``zarr.json`` last of those that a new store begins with.
+A store is a Zarr group of format 3 that plain `xarray.open_zarr` opens. A checksum (CRC32C) ends
+every file of values, so that plain Zarr refuses a damaged one. The folder ``.latolato`` holds a
+note for every finished chunk with the digests of its files, written after them, and a copy of the
+group's metadata: a chunk without a note, or whose files differ from it, is computed again. Files
+are put in place whole, the group's own ``zarr.json`` last of those that a new store begins with.
 """
 
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import warnings
@@ -20,26 +20,33 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.files import atomic_path
 from latolato.numerics.compiled import sources_hash
+from latolato.observables import observables
 from latolato.sweep import lock
 from latolato.sweep.chunk import STATUS, Values, status_counts
 from latolato.sweep.differences import differences
+from latolato.sweep.executors import ROUNDING
 from latolato.sweep.layout import (
+    COPY,
     GROUP,
     NOTES,
     OWN,
     ROOT,
+    Survey,
     as_text,
+    copy_of,
+    damaged_error,
     digest_of,
     documents,
     encoders,
-    existing_root,
     first_files,
-    is_damaged,
-    read_note,
-    root_of,
+    has_store,
+    place_of,
     signed,
+    survey,
+    with_reason,
 )
 from latolato.sweep.plan import Plan
 from latolato.sweep.results import in_order
@@ -51,7 +58,7 @@ _LOCK = f"{OWN}/lock"
 # A file that `atomic_path` has not put in place because its process was killed.
 _UNFINISHED = re.compile(r"\..+\.\d+\.[0-9a-f]{6}(\.\w+)?")
 # What a store begins with, the root apart.
-_FIRST = re.compile(r"[^/]+/(zarr\.json|c/0)")
+_FIRST = re.compile(r"[^/]+/(zarr\.json|root\.json|c/0)")
 _MOST_TOLD = 4
 
 
@@ -64,6 +71,8 @@ class Store:
         The sweep.
     path : str or Path
         The store: a new or empty folder, or one that holds a part or all of this sweep.
+    rounding : str
+        How the values that will be written are rounded, a value of `executors.ROUNDING`.
 
     Attributes
     ----------
@@ -78,15 +87,17 @@ class Store:
         On entering, if `path` is something else; nothing is touched then.
     BlockingIOError
         If another process writes the store.
-    ValueError
-        If the store holds another sweep, or a part of this one by other kernels.
+    InputError
+        If the store holds another sweep, or a part of this one by other kernels or with another
+        rounding.
     OSError
         If the disk is full, while writing too; finished chunks are kept.
     """
 
-    def __init__(self, plan: Plan, path: str | Path) -> None:
+    def __init__(self, plan: Plan, path: str | Path, rounding: str) -> None:
         self.plan = plan
         self.path = Path(path)
+        self.rounding = rounding
         self.missing: list[int] = []
         self.points_done = 0
         self._counts: Counter[str] = Counter()
@@ -153,94 +164,89 @@ class Store:
         return in_order(self._counts)
 
     def dataset(self) -> xr.Dataset:
-        """Return the labelled dataset, whose values are read on use."""
-        return _opened(self.path)
+        """Return the labelled dataset, whose values are checked and read on use."""
+        return _opened(self.path, survey(self.path, read_all=False))
 
-    def _check_place(self) -> None:
-        """Raise unless the path can become, or is, a store of this plan."""
-        root = root_of(self.path)
-        if root is None:
-            return
-        attributes = root["attributes"]
-        if attributes["plan_hash"] != self.plan.hash:
+    def _check_place(self) -> Survey | None:
+        """Return what a store of this plan holds, None where it can begin; raise for another."""
+        if not has_store(self.path):
+            return None
+        found = survey(self.path, read_all=self._descriptor != -1)
+        if found.plan.hash != self.plan.hash:
             asked = json.loads(json.dumps(self.plan.describe()))
-            found = differences(json.loads(attributes["plan"]), asked)
-            more = f" and {len(found) - _MOST_TOLD} more" if len(found) > _MOST_TOLD else ""
-            raise ValueError(
-                f"the store '{self.path}' holds another sweep: {', '.join(found[:_MOST_TOLD])}"
-                f"{more}; name another path, or delete the store to begin anew"
+            stored = json.loads(found.root["attributes"]["plan"])
+            raise InputError(
+                f"the store '{self.path}' holds another sweep: "
+                f"{_shortened(differences(stored, asked))}",
+                way_out="name another path, or delete the store to begin anew",
             )
+        return found
 
     def _open(self) -> None:
         """Create the store or find out what is missing, with the lock held."""
-        self._check_place()  # again: somebody may have written it before we had the lock
-        root = root_of(self.path)
-        new, labels = first_files(self.plan)
-        self._root = root or new
-        files = labels | documents(self._root) | {f"{OWN}/{ROOT}": GROUP}
-        if root is None:
+        found = self._check_place()  # again: somebody may have written it before we had the lock
+        new, coordinates = first_files(self.plan, self.rounding)
+        self._root = new if found is None else found.root
+        files = {
+            **coordinates,
+            **documents(self._root),
+            f"{OWN}/{ROOT}": GROUP,
+            COPY: copy_of(self._root),
+            ROOT: as_text(self._root),
+        }
+        if found is None:
             self._remove(lambda name, key: _FIRST.fullmatch(key) or _UNFINISHED.fullmatch(name))
             self.missing = list(range(self.plan.chunks))
             for key, content in files.items():
                 self._put(key, content)
-            self._put(ROOT, as_text(self._root))
         else:
-            damaged = self._survey()
-            self._check_kernels()
+            self.missing = [n for n in range(self.plan.chunks) if n not in found.notes]
+            self._check_origin()
+            for number, note in found.notes.items():
+                self._add(number, note["status"], note["first_invalid"])
+            self.points_done = self._counts.total()
             self._remove(lambda name, _: _UNFINISHED.fullmatch(name))
-            self._repair(damaged, files)
+            self._repair(found.damaged, files)
         self._arrays, self._encoded = encoders(self.plan, self._root)
         if not self.missing:
             self._finish()
 
-    def _survey(self) -> dict[int, str]:
-        """Find the chunks that are missing; return what is wrong with those noted as done."""
-        damaged: dict[int, str] = {}
-        for number in range(self.plan.chunks):
-            path = self.path / NOTES / f"{number}.json"
-            note = read_note(path, self.plan.hash)
-            if note is None:
-                self.missing.append(number)
-                if path.exists():
-                    damaged[number] = f"{NOTES}/{number}.json is damaged"
-                continue
-            wrong = [k for k, d in note["files"].items() if is_damaged(self.path / k, d)]
-            if wrong:
-                self.missing.append(number)
-                damaged[number] = f"{wrong[0]} is damaged or missing"
-            else:
-                self._add(number, note["status"], note["first_invalid"])
-        self.points_done = self._counts.total()
-        return damaged
-
-    def _check_kernels(self) -> None:
+    def _check_origin(self) -> None:
         """Raise unless what is missing would be computed like the rest."""
+        if not self.missing:
+            return
         attributes = self._root["attributes"]
-        if self.missing and attributes["kernel_sources"] != sources_hash():
-            raise ValueError(
-                f"{len(self.missing)} of {self.plan.chunks} chunks of '{self.path}' are missing, "
-                f"and latolato {attributes['latolato_version']} wrote the others with other "
-                f"kernels ({attributes['kernel_sources'][:8]}, here {sources_hash()[:8]}): finish "
-                "it with that version, name another path, or delete the store to begin anew"
+        missing = f"{len(self.missing)} of {self.plan.chunks} chunks of '{self.path}' are missing"
+        other_way = "name another path, or delete the store to begin anew"
+        if attributes["kernel_sources"] != sources_hash():
+            raise InputError(
+                f"{missing}, and latolato {attributes['latolato_version']} wrote the others with "
+                f"other kernels ({attributes['kernel_sources'][:8]}, here {sources_hash()[:8]})",
+                way_out=f"finish it with that version, {other_way}",
+            )
+        if attributes["rounding"] != self.rounding:
+            raise InputError(
+                f"{missing}, and the store was begun with executor "
+                f"{_executors(attributes['rounding'])}, which rounds differently from "
+                f"{_executors(self.rounding)}",
+                way_out=f"finish it with that executor, {other_way}",
             )
 
-    def _repair(self, damaged: Mapping[int, str], files: Mapping[str, bytes]) -> None:
+    def _repair(self, damaged: Mapping[str, int | None], files: Mapping[str, bytes]) -> None:
         """Forget damaged chunks and write other damaged files again, and say so."""
-        told = list(damaged.values())
-        for number in damaged:
-            (self.path / NOTES / f"{number}.json").unlink()
-        for key, content in files.items():
-            if is_damaged(self.path / key, digest_of(content)):
-                told.append(f"{key} is damaged or missing")
-                self._put(key, content)
-        if told:
-            more = f" and {len(told) - _MOST_TOLD} more" if len(told) > _MOST_TOLD else ""
-            warnings.warn(
-                f"the store '{self.path}' is made good: {', '.join(told[:_MOST_TOLD])}{more}; "
-                f"{len(damaged)} of {self.plan.chunks} chunks are computed again",
-                RuntimeWarning,
-                stacklevel=6,
-            )
+        if not damaged:
+            return
+        chunks = {number for number in damaged.values() if number is not None}
+        for number in chunks:
+            (self.path / NOTES / f"{number}.json").unlink(missing_ok=True)
+        for key in files.keys() & damaged.keys():
+            self._put(key, files[key])
+        warnings.warn(
+            f"repaired the store '{self.path}': {_shortened(sorted(damaged))} damaged or missing; "
+            f"{len(chunks)} of {self.plan.chunks} chunks are computed again",
+            RuntimeWarning,
+            stacklevel=6,
+        )
 
     def _remove(self, is_left: Callable[[str, str], object]) -> None:
         """Remove files of a killed writer, known by name and place, and folders left empty."""
@@ -258,11 +264,11 @@ class Store:
         self._reasons[number] = reason
 
     def _finish(self) -> None:
-        """Tell in the attributes of a complete store why points have no answer."""
+        """Say in the attributes of a complete store why points have no answer."""
         reason = next((r for _, r in sorted(self._reasons.items()) if r), "")
-        if reason and self._root["attributes"].get("first_invalid") != reason:
-            self._root["attributes"]["first_invalid"] = reason
-            self._put(ROOT, as_text(self._root))
+        content = as_text(with_reason(self._root, reason))
+        if (self.path / ROOT).read_bytes() != content:
+            self._put(ROOT, content)
 
     def _put(self, key: str, content: bytes) -> None:
         """Write a file of the store, whole or not at all."""
@@ -279,7 +285,7 @@ class Store:
 
 
 def open_store(path: str | Path) -> xr.Dataset:
-    """Return the dataset of a store, whose values are read on use.
+    """Return the dataset of a store, whose values are checked and read on use.
 
     Warns
     -----
@@ -288,19 +294,55 @@ def open_store(path: str | Path) -> xr.Dataset:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError
         If there is no store of a sweep.
+    InputError
+        If there is something else, or the metadata are damaged; on use also if values are.
     """
     path = Path(path)
-    state = store_status(path)
-    if not state["complete"]:
+    found = survey(path, read_all=False)
+    if ROOT in found.damaged:
+        raise damaged_error(path, f"its {ROOT} is damaged or missing")
+    if not found.is_complete:
+        done = sum(sum(note["status"].values()) for note in found.notes.values())
+        notes = sorted(key for key in found.damaged if key.startswith(NOTES))
+        why = f" ({_shortened(notes)} damaged)" if notes else ""
         warnings.warn(
-            f"the sweep in '{path}' is unfinished: {state['points_done']} of {state['points']} "
-            "points are done, status is -1 at the others; run the sweep again to go on",
+            f"the sweep in '{path}' is unfinished: {done} of {found.plan.size} points are done"
+            f"{why}, status is -1 at the others; run the sweep again to go on",
             RuntimeWarning,
             stacklevel=3,
         )
-    return _opened(path)
+    return _opened(path, found)
+
+
+def verify_store(path: str | Path) -> dict[str, Any]:
+    """Read every file of a store and return what is damaged.
+
+    Returns
+    -------
+    dict
+        What `store_status` returns, and ``files``, the number of files that were read, and
+        ``damaged``, a list of mappings: the ``file``, the ``variable`` and the ``chunk`` (in Zarr's
+        name, ``c/1/0``) that it holds, None if it holds none, and the ``number`` of the chunk that
+        a resumed sweep computes again, None if nothing is.
+
+    Raises
+    ------
+    FileNotFoundError, InputError
+        If there is no store of a sweep.
+
+    Notes
+    -----
+    Files are compared with the SHA-256 digests that were taken when they were written. Chunks that
+    are not noted as finished hold nothing to verify.
+    """
+    found = survey(Path(path), read_all=True)
+    damaged = []
+    for key, number in sorted(found.damaged.items()):
+        variable, chunk = place_of(key)
+        damaged.append({"file": key, "variable": variable, "chunk": chunk, "number": number})
+    return _status(Path(path), found) | {"files": len(found.digests) + 2, "damaged": damaged}
 
 
 def store_status(path: str | Path) -> dict[str, Any]:
@@ -308,46 +350,40 @@ def store_status(path: str | Path) -> dict[str, Any]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no store of a sweep.
 
     Notes
     -----
-    Chunks count as done by their notes; whether their files are sound is seen on resuming.
+    Chunks count as done by their notes; `verify_store` reads their files.
     """
-    path = Path(path)
-    root = existing_root(path)
-    attributes = root["attributes"]
-    plan = json.loads(attributes["plan"])
-    metadata = root["consolidated_metadata"]["metadata"][STATUS]
-    shape = metadata["shape"]
-    extents = metadata["chunk_grid"]["configuration"]["chunk_shape"]
-    chunks = math.prod(-(-n // c) for n, c in zip(shape, extents, strict=True))
+    return _status(Path(path), survey(Path(path), read_all=False))
+
+
+def _status(path: Path, found: Survey) -> dict[str, Any]:
+    """Return the state of a store as plain values."""
+    attributes, plan = found.root["attributes"], found.plan
     counts: Counter[str] = Counter()
-    done, reasons = 0, {}
-    for number in range(chunks):
-        note = read_note(path / NOTES / f"{number}.json", attributes["plan_hash"])
-        if note is not None:
-            done += 1
-            counts.update(note["status"])
-            reasons[number] = note["first_invalid"]
+    for note in found.notes.values():
+        counts.update(note["status"])
     return {
         "store": str(path),
-        "plan_hash": attributes["plan_hash"],
+        "plan_hash": plan.hash,
         "latolato_version": attributes["latolato_version"],
+        "rounding": attributes["rounding"],
         "system": attributes["system"],
         "drive": attributes["drive"],
-        "axes": {axis["name"]: len(axis["values"][0]) for axis in plan["axes"]},
-        "observables": [observable["kind"] for observable in plan["observables"]],
-        "duration": plan["duration"],
-        "tolerance": plan["tolerance"],
-        "chunks": chunks,
-        "chunks_done": done,
-        "points": math.prod(shape),
+        "axes": {axis.name: len(axis) for axis in plan.axes},
+        "observables": [observables.name_of(observable) for observable in plan.observables],
+        "duration": plan.duration,
+        "tolerance": plan.tolerance,
+        "chunks": plan.chunks,
+        "chunks_done": len(found.notes),
+        "points": plan.size,
         "points_done": counts.total(),
         "status_counts": in_order(counts),
-        "first_invalid": next((r for r in reasons.values() if r), ""),
-        "complete": done == chunks,
+        "first_invalid": found.reason,
+        "complete": found.is_complete,
         "writer_active": lock.is_held(path / _LOCK),
     }
 
@@ -357,34 +393,46 @@ def plan_from_store(path: str | Path) -> Plan:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, InputError
         If there is no sweep, or its plan was changed by hand.
     """
     path = Path(path)
-    if path.is_file():
-        from latolato.files import load
+    if not path.is_file():
+        return survey(path, read_all=False).plan
+    from latolato.files import load
 
-        attributes: Mapping[str, Any] = load(path).attrs
-        if "plan" not in attributes:
-            raise ValueError(f"'{path}' holds no sweep: it has no plan")
-    else:
-        attributes = existing_root(path)["attributes"]
+    attributes: Mapping[str, Any] = load(path).attrs
+    if "plan" not in attributes:
+        raise InputError(f"'{path}' holds no sweep: it has no plan")
     plan = Plan.from_description(json.loads(attributes["plan"]))
     if plan.hash != attributes["plan_hash"]:
-        raise ValueError(
-            f"the plan in '{path}' does not fit its hash: one of them was changed; use the "
-            "scenario instead"
+        raise InputError(
+            f"the plan in '{path}' does not fit its hash: one of them was changed",
+            way_out="use the scenario instead",
         )
     return plan
 
 
-def _opened(path: Path) -> xr.Dataset:
-    """Return the dataset of a folder that is known to be a store."""
+def _opened(path: Path, found: Survey) -> xr.Dataset:
+    """Return the dataset of a store, whose files are compared with their digests on use."""
     import xarray as xr
 
-    dataset: xr.Dataset = xr.open_zarr(str(path), chunks=None)
+    from latolato.sweep.checked import CheckedFiles
+
+    dataset: xr.Dataset = xr.open_zarr(CheckedFiles.of(path, found.digests), chunks=None)
     # As NumPy's fixed-width text, like the coordinates of a sweep in memory.
     texts = {n: c for n, c in dataset.coords.items() if c.dtype.kind not in "iuf"}
     return dataset.assign_coords(
         {name: (c.dims, np.array(c.values.tolist()), c.attrs) for name, c in texts.items()}
     )
+
+
+def _executors(rounding: str) -> str:
+    """Return the executors that round alike, as text."""
+    return " or ".join(repr(name) for name, family in ROUNDING.items() if family == rounding)
+
+
+def _shortened(texts: list[str]) -> str:
+    """Return the first few of many texts."""
+    more = f" and {len(texts) - _MOST_TOLD} more" if len(texts) > _MOST_TOLD else ""
+    return ", ".join(texts[:_MOST_TOLD]) + more

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.sweep.plan import Plan
 from latolato.sweep.results import (
     attributes_of_variables,
@@ -41,7 +42,7 @@ def as_table(dataset: xr.Dataset) -> xr.Dataset:
 
     Raises
     ------
-    ValueError
+    InputError
         If a variable has several numbers for each point, other than one for each ball.
     """
     import xarray as xr
@@ -66,7 +67,7 @@ def as_table(dataset: xr.Dataset) -> xr.Dataset:
         elif rest == ["ball"]:
             columns[name] = (("ball", POINT), values.reshape(size, -1).T, variable.attrs)
         else:
-            raise ValueError(
+            raise InputError(
                 f"{name} has several numbers for each point, over {', '.join(rest)}: it fits no "
                 "table; use .nc"
             )
@@ -79,7 +80,7 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
 
     Raises
     ------
-    ValueError
+    InputError
         If rows or columns do not fit the plan in the attributes.
     """
     import xarray as xr
@@ -95,7 +96,7 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
             continue
         values = np.stack([columns[each] for each in names], axis=-1)
         if len(values) != plan.size:
-            raise ValueError(f"this table has {len(values)} rows, its sweep {plan.size} points")
+            raise InputError(f"this table has {len(values)} rows, its sweep {plan.size} points")
         shape = [lengths[dim] for dim in dims]
         variables[name] = (dims, values.reshape(shape).astype(dtype), about[name])
     coords = {name: (*given, about.get(name, {})) for name, given in coordinates.items()}

@@ -4,7 +4,6 @@ import test from "node:test";
 
 import { newest } from "../../../src/latolato/app/static/js/api.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/band.js";
-import { ticks } from "../../../src/latolato/app/static/js/plane.js";
 import { format, parse } from "../../../src/latolato/app/static/js/state.js";
 import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/units.js";
 
@@ -48,12 +47,6 @@ test("symbols in TeX become letters above, on and below the line", () => {
   assert.equal(shown("\\dot\\theta_0"), "θ\u0307<sub>0");
   assert.equal(shown("t_{end}"), "t<sub>end");
   assert.equal(shown("\\omega^2"), "ω<sup>2");
-});
-
-test("ticks are round numbers inside the limits", () => {
-  assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
-  assert.deepEqual(ticks(-0.1, 0.1, 4).map((x) => Number(x.toFixed(3))), [-0.1, -0.05, 0, 0.05, 0.1]);
-  assert.deepEqual(ticks(1, 1), [1]);
 });
 
 test("the band of a dense, steady swing has straight edges", () => {

@@ -73,7 +73,7 @@ def first_push(found: xr.Dataset) -> str:
     title="Does it matter how it starts?",
     term="basins of attraction",
     reading="Each point is a start: to the right its angle, upwards its speed. One colour ends in "
-    "one motion; where colours mix finely, a tiny change decides.",
+    "one motion; where they mix finely, a tiny change decides. Dots: even rounding does.",
     first=("angle_points", "velocity_points", "transient_periods"),
     quick={"angle_points": "40", "velocity_points": "40"},
     conditions=(settles, is_shaken),
@@ -96,6 +96,9 @@ def basins(found: xr.Dataset) -> str:
         of = "" if parts else " of the starts"
         parts.append(f"{kind} ({percent(float(one['basin_fraction']))}{of})")
     rest = f"; {percent(left)} of the starts have not settled" if left else ""
+    uncertain = float(found["uncertain_fraction"])
+    if uncertain:
+        rest += f"; of {percent(uncertain)} of the starts the end depends on the numerical error"
     if count == 1:
         only = "all starts end" if not left else "the starts that settle end"
         return f"It does not matter: {only} in {parts[0]}{rest}."
@@ -130,7 +133,8 @@ def self_start(found: xr.Dataset) -> str:
     title="Does “first fast, then slow” help?",
     term="two-stage driving protocol",
     reading="On the left each cell is a first stage: to the right how long it is held, upwards how "
-    "fast it is; bright ones succeed. On the right the push of a hand that does the same.",
+    "fast it is; bright ones succeed. On the right the push of a hand that does the same. If "
+    "nothing was searched, a curve shows how far each push leads.",
     first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
     quick={"phases": "4"},
     conditions=(settles, is_harmonic),
@@ -143,7 +147,8 @@ def shortest_protocol(found: xr.Dataset) -> str:
     push = float(found["smallest_push"])
     hand = f"a push of {number(push)} rad/s does it" if math.isfinite(push) else "no push does it"
     if status == "no upper branch":
-        return "There is nothing to reach: no push leads to a larger motion than from rest."
+        rest, most = degrees(float(found["angle_from_rest"])), number(float(found["push"].max()))
+        return f"It cannot help: no push up to {most} rad/s leads beyond the {rest} from rest."
     if status != "found":
         return f"No first stage that was tried reaches the large swing; {hand}."
     ratio, lead = float(found["best_first_ratio"]), float(found["lead_time"])

@@ -28,6 +28,7 @@ OPTION_WORDS = {
     "least_motion": "Smallest swing that is kept alive",
     "longest": "Longest repetition that is looked for, in shakes",
     "low": "From",
+    "check_tolerance": "Tolerance of the second run, which finds uncertain starts",
     "match_tolerance": "Two motions are the same within",
     "method": "Method of calculation",
     "noise_interval": "Time between random kicks",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.comparison.parameters import (
     Floats,
     checked_sigmas,
@@ -80,7 +81,7 @@ def compare_motion(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input.
     ModuleNotFoundError
         Without lmfit.
@@ -97,7 +98,7 @@ def compare_motion(
     lmfit_module()
     checked_table(table)
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)
@@ -117,7 +118,7 @@ def compare_motion(
     whole = motion(system, data)
     computed = whole(found.values)
     if not np.isfinite(computed).all():
-        raise ValueError("the computed motion does not reach the end of the record")
+        raise InputError("the computed motion does not reach the end of the record")
     spread = _spread(system, widths, found, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)

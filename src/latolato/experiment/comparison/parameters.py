@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.experiment.trial_table import class_of
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.quantities import NON_NEGATIVE, QUANTITIES
@@ -49,14 +50,14 @@ def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str
 
     Raises
     ------
-    ValueError
+    InputError
         For a name that the system has not, and a negative deviation.
     """
     known = [f.name for f in fields(system) if isinstance(getattr(system, f.name, None), float)]
     found = {}
     for name, value in (sigmas or {}).items():
         if name not in known:
-            raise ValueError(f"the system has no number '{name}': {suggest(name, known)}")
+            raise InputError(f"the system has no number '{name}': {suggest(name, known)}")
         found[name] = checked_number(
             f"the deviation of {name}", value, NON_NEGATIVE, QUANTITIES[name].unit
         )
@@ -85,18 +86,18 @@ def plan_of(grid: Any) -> Plan:
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         If it is no sweep of a system of one angle.
     """
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise TypeError(f"a map must be the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError(f"a map must be the dataset of a sweep, got {type(grid).__name__}")
     if "plan" not in grid.attrs:
-        raise ValueError("the dataset is no map: it does not hold the plan of a sweep")
+        raise InputError("the dataset is no map: it does not hold the plan of a sweep")
     plan = Plan.from_description(json.loads(grid.attrs["plan"]))
     if isinstance(plan.system, BallPair):
-        raise ValueError("trials are compared with maps of a Pendulum or a LatoLato")
+        raise InputError("trials are compared with maps of a Pendulum or a LatoLato")
     return plan
 
 
@@ -105,7 +106,7 @@ def classes_in(dataset: xr.Dataset) -> xr.DataArray:
 
     Raises
     ------
-    ValueError
+    InputError
         If the sweep gathered neither classes nor both angles.
     """
     if "motion_class" in dataset:
@@ -114,7 +115,7 @@ def classes_in(dataset: xr.Dataset) -> xr.DataArray:
         largest, late = dataset["largest_angle"], dataset[LATE]
         found = largest.copy(data=class_of(largest.values, late.values).astype(float))
         return found.where(np.isfinite(largest) & np.isfinite(late)).rename("motion_class")
-    raise ValueError(
+    raise InputError(
         f"the map holds no classes: sweep with the observables motion_class, or largest_angle and "
         f"{LATE}"
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.comparison.parameters import (
     Floats,
     checked_sigmas,
@@ -67,7 +68,7 @@ def compare_map(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, other axes, and trials of which none lies on the map.
 
     Notes
@@ -97,7 +98,7 @@ def compare_map(
     measured = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
     known = np.isfinite(found)
     if not known.any():
-        raise ValueError(
+        raise InputError(
             f"none of the {len(measured)} trials lies on the map, whose {up} goes from "
             f"{classes[up].values.min():.4g} to {classes[up].values.max():.4g} and {across} from "
             f"{classes[across].values.min():.4g} to {classes[across].values.max():.4g}"
@@ -246,7 +247,7 @@ def _axes_of(classes: xr.DataArray) -> tuple[str, str]:
     up = [dim for dim in dims if dim in AMPLITUDES]
     across = [dim for dim in dims if dim in FREQUENCIES]
     if len(dims) != 2 or not up or not across:
-        raise ValueError(
+        raise InputError(
             f"trials need a map over {' or '.join(AMPLITUDES)} and {' or '.join(FREQUENCIES)}, got "
             f"one over {', '.join(dims)}"
         )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.comparison.parameters import (
     LATE,
     Floats,
@@ -80,7 +81,7 @@ def compare_response(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input and trials without lasting angles.
 
     Notes
@@ -95,10 +96,10 @@ def compare_response(
 
     checked_trials(trials)
     if not isinstance(system, Pendulum):
-        raise TypeError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
+        raise InputError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
     lasting = trials["stabilised_angle"].values
     if not np.isfinite(lasting).all():
-        raise ValueError("response curves need the stabilised_angle of every trial")
+        raise InputError("response curves need the stabilised_angle of every trial")
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     points = checked_count("points", points)

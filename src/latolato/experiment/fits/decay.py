@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
+    ConvergenceError,
     Data,
     Floats,
     Guess,
@@ -49,6 +51,7 @@ LAWS: dict[str, tuple[str, ...]] = {
     "quadratic+coulomb": ("quadratic", "coulomb"),
     "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
 }
+_FULLEST_FIRST = sorted(LAWS, key=lambda name: -len(LAWS[name]))
 METHODS = ("both", "equation", "envelope")
 # Angle of trials that end early, and beyond which nothing swings (half a turn, off its middle).
 _WILD = 10.0
@@ -61,7 +64,7 @@ _COEFFICIENTS = {
 }
 # Differences of the criterion below the first say nothing, beyond the second they are strong.
 _WEAK, _STRONG = 2.0, 10.0
-# Samples from which laws are compared, and trials that a start of the fullest law may take.
+# Samples from which laws are compared, and trials that a start may take there.
 _ENOUGH, _TRIES = 1500, 600
 
 
@@ -105,7 +108,7 @@ def fit_decay(
     start, end : float, optional
         Piece of the table that is used [s]; by default from the release on.
     compare : bool
-        Whether all drag laws are fitted and compared.
+        Whether all drag laws are fitted and compared, as far as their fits converge.
     profile : bool
         Whether 95 percent intervals are profiled, rather than taken from the covariance.
 
@@ -120,8 +123,10 @@ def fit_decay(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, a pivot that moves, and angles without a free swing.
+    ConvergenceError
+        If neither the law nor a part of it can be fitted.
     ModuleNotFoundError
         Without lmfit.
 
@@ -133,17 +138,19 @@ def fit_decay(
     a pivot that lies aside by what the table knows of it (`latolato.experiment.fits.sight`).
     Correlated residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are
     compared by BIC with the number of effective samples, all with the correlation and the samples
-    of the fullest law. A drag that the three terms do not describe (a string that rubs, a draught)
+    of the fullest law that converges. Where the terms of a law cannot be told apart its fit may not
+    converge: then the numbers are those of the best law with fewer terms, and the verdict says so.
+    A drag that the three terms do not describe (a string that rubs, a draught)
     shows as correlation of the residuals only.
     """
     lmfit_module()
     checked_table(table)
     if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise InputError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
     if law != "best" and law not in LAWS:
-        raise ValueError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
+        raise InputError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
     if method == "envelope" and law != "linear":
-        raise ValueError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
+        raise InputError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
@@ -156,7 +163,7 @@ def fit_decay(
     data = _from(data, begin)
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
-        raise ValueError(
+        raise InputError(
             f"the angle goes {reach:.3g} rad to one side, more than half a turn, which no free "
             "swing does: are these degrees? Or give start, from when on it swings"
         )
@@ -178,21 +185,25 @@ def fit_decay(
     }  # fmt: skip
     told = []
     if method != "envelope":
-        if compare or law == "best":
-            laws = _compared(data, first, aside)
-            chosen = min(laws, key=lambda name: laws[name].bayes) if law == "best" else law
-            begun = laws[chosen].values
+        is_compared = compare or law == "best"
+        laws = _compared(data, first, aside) if is_compared else {}
+        wanted = law
+        if law == "best":
+            wanted = min(laws, key=lambda name: laws[name].bayes, default="linear")
+        chosen, found = _converged(data, first, laws, wanted, aside, profile=profile)
+        if is_compared:
             told.append(_law_verdict(laws, chosen))
+        if laws:
             curves |= {
                 "law": ("law", np.array(list(laws))),
                 "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
                 "law_aicc": ("law", np.array([s.akaike for s in laws.values()])),
             }
-        else:
-            chosen = law
-            begun = _shared(first, LAWS[law])
-        profiles = [*LAWS[chosen], "natural_frequency"] if profile else []
-        found = _fit_equation(data, begun, LAWS[chosen], aside, profiles=profiles)
+        if chosen != wanted:
+            told.append(
+                f"The fit with {wanted} drag did not converge: these are the numbers of {chosen} "
+                "drag."
+            )
         estimates |= body.estimates(found, LAWS[chosen])
         curves |= {
             "time": ("sample", data.times),
@@ -204,24 +215,29 @@ def fit_decay(
         about |= _quality(found) | {"law": chosen}
         told.insert(0, body.verdict(estimates, found, chosen))
     if method != "equation":
-        envelope = fit_envelope(
-            swings, first["angle_offset"], ("decay_rate",) if profile else (), aside
-        )
-        estimates |= body.envelope(envelope, estimates.get("length"), first)
-        curves |= {
-            "swing_time": ("swing", swings.times),
-            "swing_angle": ("swing", swings.angles),
-            "swing_angle_fit": ("swing", envelope.curve),
-        }
-        about["envelope_autocorrelation"] = envelope.correlation
-        told.append(_envelope_verdict(estimates))
+        profiles = ("decay_rate",) if profile else ()
+        try:
+            envelope = fit_envelope(swings, first["angle_offset"], profiles, aside)
+        except ConvergenceError:
+            if method == "envelope":
+                raise
+            told.append("The fit of the envelope did not converge.")
+        else:
+            estimates |= body.envelope(envelope, estimates.get("length"), first)
+            curves |= {
+                "swing_time": ("swing", swings.times),
+                "swing_angle": ("swing", swings.angles),
+                "swing_angle_fit": ("swing", envelope.curve),
+            }
+            about["envelope_autocorrelation"] = envelope.correlation
+            told.append(_envelope_verdict(estimates))
     return make_fit("decay", estimates, " ".join(told), curves, about)
 
 
 def _check_rest(piece: xr.Dataset, length: float) -> None:
-    """Raise ValueError if the pivot moves."""
+    """Raise InputError if the pivot moves."""
     if is_driven(piece, length):
-        raise ValueError(
+        raise InputError(
             f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay needs a "
             "pivot at rest; use fit_model, or start and end for the piece at rest"
         )
@@ -271,42 +287,61 @@ def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
 def _compared(
     data: Data, first: Mapping[str, float], aside: Mapping[str, Guess]
 ) -> dict[str, Solution]:
-    """Return the fit of every law, all with the samples and the correlation of the fullest."""
-    *_, fullest = LAWS
+    """Return the fit of every law that converges, in the order of `LAWS`.
+
+    All have the samples and the correlation of the fullest one among them.
+    """
     # A verdict needs no more samples than that.
     thin = slice(None, None, max(1, len(data) // _ENOUGH))
     data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
-    # Friction that holds the ball at last makes false minima: two starts, the better counts.
-    starts = [_shared(first, LAWS[law]) for law in ("linear", fullest)]
-    whole = _best_fit(data, starts, LAWS[fullest], aside)
+    fullest: Solution | None = None
     found = {}
-    for name, terms in LAWS.items():
-        if name == fullest:
-            found[name] = whole
-            continue
-        starts = [{**whole.values, **_shared(first, terms)}]
-        if len(terms) > 1:
-            least = {term: 1e-3 * first[term] for term in terms}
-            starts.append({**whole.values, **{t: max(whole.values[t], least[t]) for t in terms}})
-        found[name] = _best_fit(data, starts, terms, aside, like=whole)
-    return found
+    for name in _FULLEST_FIRST:
+        terms = LAWS[name]
+        shared = _shared(first, terms)
+        if fullest is None:
+            # Friction that holds the ball at last makes false minima: the better of two starts.
+            starts = [_shared(first, LAWS["linear"]), shared]
+        else:
+            starts = [{**fullest.values, **shared}]
+            if len(terms) > 1:
+                least = {t: max(fullest.values.get(t, 0.0), 1e-3 * first[t]) for t in terms}
+                starts.append({**fullest.values, **least})
+        tries = []
+        for start in starts:
+            with suppress(ConvergenceError):
+                tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, like=fullest))
+        if tries:
+            found[name] = min(tries, key=lambda each: each.chi_square)
+            fullest = fullest or found[name]
+    return {name: found[name] for name in LAWS if name in found}
 
 
-def _best_fit(
+def _converged(
     data: Data,
-    starts: Sequence[Mapping[str, float]],
-    terms: Sequence[str],
+    first: Mapping[str, float],
+    laws: Mapping[str, Solution],
+    law: str,
     aside: Mapping[str, Guess],
-    **options: Any,
-) -> Solution:
-    """Return the best of the fits from several starts, of which one must end."""
-    tries = []
-    for start in starts:
-        with suppress(ValueError):  # another start may be enough
-            tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, **options))
-    if not tries:
-        return _fit_equation(data, starts[0], terms, aside, **options)
-    return min(tries, key=lambda found: found.chi_square)
+    *,
+    profile: bool,
+) -> tuple[str, Solution]:
+    """Return a law and its fit, or those of the best part of it that converges.
+
+    Parts are taken in the order of the comparison `laws`, without one the fullest first.
+    """
+    parts = [name for name in _FULLEST_FIRST if set(LAWS[name]) < set(LAWS[law])]
+    parts.sort(key=lambda name: laws[name].bayes if name in laws else math.inf)
+    error: ConvergenceError | None = None
+    for name in (law, *parts):
+        profiles = [*LAWS[name], "natural_frequency"] if profile else []
+        start = laws[name].values if name in laws else _shared(first, LAWS[name])
+        try:
+            return name, _fit_equation(data, start, LAWS[name], aside, profiles=profiles)
+        except ConvergenceError as caught:
+            error = error or caught
+    assert error is not None
+    raise error
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
@@ -419,7 +454,7 @@ class _Body:
         assert self.radius is not None
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
-            raise ValueError(
+            raise InputError(
                 f"radius must be less than the length {length.value:.4g} m from the dynamics, got "
                 f"{self.radius:g}"
             )
@@ -468,21 +503,32 @@ def _quality(found: Solution) -> dict[str, Any]:
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
     """Return which drag law a comparison is for, and whether the chosen one is in question."""
+    if not laws:
+        return f"The {len(LAWS)} drag laws could not be compared: no fit of theirs converged."
+    lost = [name for name in LAWS if name not in laws]
     order = sorted(laws, key=lambda name: laws[name].bayes)
     best = order[0]
     ahead = {name: laws[name].bayes - laws[best].bayes for name in order[1:]}
     near = [name for name, gap in ahead.items() if gap < _WEAK]
     clear = [name for name, gap in ahead.items() if gap >= _STRONG]
-    rival = order[1]
-    if near:
+    if not ahead:
+        words = f"{best} drag alone was fitted"
+    elif near:
         words = f"{best} drag and {', '.join(near)} cannot be told apart"
     else:
+        rival = order[1]
         words = f"{best} drag describes this decay best (BIC {ahead[rival]:.3g} ahead of {rival})"
     singles = [n for n in ("linear", "quadratic", "coulomb") if n in clear]
     if singles:
         words += f"; {', '.join(singles)} alone {'is' if len(singles) == 1 else 'are'} excluded"
     if chosen in clear:
         words += f". Do not trust the numbers of {chosen} drag then: use law 'best'"
+    if lost:
+        are = "is" if len(lost) == 1 else "are"
+        words += (
+            f". Of the {len(LAWS)} drag laws tried, {', '.join(lost)} {are} not compared: "
+            f"{'its fit' if len(lost) == 1 else 'their fits'} did not converge"
+        )
     return f"{words[0].upper()}{words[1:]}."
 
 

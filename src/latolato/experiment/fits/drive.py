@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
     Data,
@@ -79,7 +80,7 @@ def fit_drive(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input and a pivot that does not move.
     ModuleNotFoundError
         Without lmfit.
@@ -98,7 +99,7 @@ def fit_drive(
     if stages is not None:
         stages = checked_count("stages", stages)
         if not 1 <= stages <= MOST_STAGES:
-            raise ValueError(f"stages must lie in [1, {MOST_STAGES}], got {stages}")
+            raise InputError(f"stages must lie in [1, {MOST_STAGES}], got {stages}")
     data, zeros = _samples(table, start, end)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
     shape, found = _chosen(data, zeros, stages, least)
@@ -166,18 +167,18 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     time, height = table["time"].values, table["pivot_y"].values
     good = np.isfinite(height) & within(time, start, end)
     if good.sum() < 16:
-        raise ValueError(f"the pivot is known in {good.sum()} samples, a fit needs at least 16")
+        raise InputError(f"the pivot is known in {good.sum()} samples, a fit needs at least 16")
     time, height = time[good], height[good]
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
     if 0.5 * (high - low) < _CLEAR * noise or high == low:
-        raise ValueError(
+        raise InputError(
             f"the pivot is at rest: it moves by {0.5e3 * (high - low):.3g} mm either way, its "
             f"track scatters by {1e3 * noise:.3g} mm"
         )
     zeros = crossings(time, height - 0.5 * (low + high))
     if len(zeros) < 6:
-        raise ValueError(
+        raise InputError(
             f"the pivot passes its middle {len(zeros)} times: a drive needs at least 3 periods"
         )
     chosen = (time >= zeros[0]) & (time <= zeros[-1])

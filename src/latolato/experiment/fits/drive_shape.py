@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
 
 
@@ -103,6 +104,6 @@ def _breaks(zeros: Floats, phases: Floats, stages: int) -> list[float]:
             found, *_ = np.linalg.lstsq(design, phases, rcond=None)
             best = min(best, (float(np.sum((phases - design @ found) ** 2)), float(place)))
         if best[0] == math.inf:
-            raise ValueError(f"the drive is too short for {stages} stages")
+            raise InputError(f"the drive is too short for {stages} stages")
         breaks = sorted([*breaks, best[1]])
     return breaks

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
 from latolato.experiment.fits.sight import Sight, drop_of
 from latolato.experiment.fits.swings import Swings
@@ -67,11 +68,11 @@ def fit_envelope(
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than six turning points.
     """
     if len(swings.times) < 6:
-        raise ValueError(
+        raise InputError(
             f"an envelope needs at least 6 turning points, got {len(swings.times)}: "
             "use a longer piece or method 'equation'"
         )

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
+
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
 
@@ -28,6 +30,10 @@ _MOST_CORRELATION = 0.99
 # Relative step of derivatives, squared.
 _STEP = 1e-12
 _ROUNDS = 2
+
+
+class ConvergenceError(InputError):
+    """Samples that do not determine the parameters of a fit: its search does not converge."""
 
 
 @dataclass(frozen=True)
@@ -168,16 +174,20 @@ def solve(
 
     Raises
     ------
-    ValueError
-        If there are fewer samples than twice the parameters without a prior, or if the fit does
-        not end.
+    InputError
+        If there are fewer samples than twice the parameters without a prior.
+    ConvergenceError
+        If the search does not converge.
     """
     lmfit = lmfit_module()
     free = tuple(name for name, guess in guesses.items() if guess.free)
     # What is believed beforehand needs no samples: a prior is one more of them.
     loose = sum(math.isinf(guesses[name].prior) for name in free)
     if len(data) < 2 * loose:
-        raise ValueError(f"{len(data)} samples are too few to fit {', '.join(free)}")
+        raise InputError(
+            f"{len(data)} samples are too few to fit {', '.join(free)}",
+            way_out=f"take a longer piece, of {2 * loose} samples or more",
+        )
     parameters = lmfit.Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, guess.free, guess.low, guess.high)
@@ -280,17 +290,21 @@ def _minimizer(
 
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
+    free = ", ".join(name for name, each in minimizer.params.items() if each.vary)
+    way_out = "fit fewer parameters, or another piece"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = minimizer.minimize(method="leastsq", max_nfev=limit)
+        try:
+            found = minimizer.minimize(method="leastsq", max_nfev=limit)
+        except ValueError as error:  # a trial that the model refuses, or has no value for
+            raise ConvergenceError(
+                f"the fit of {free} left the range of its model", way_out=way_out
+            ) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
-    if found.aborted:
-        raise ValueError(
-            f"the fit does not end within {limit} trials: does the data show such a motion, and "
-            "are its units right?"
+    if found.aborted or not found.success:
+        raise ConvergenceError(
+            f"the fit of {free} did not converge in {found.nfev} trials", way_out=way_out
         )
-    if not found.success:
-        raise ValueError(f"the fit does not end: {' '.join(str(found.message).split())}")
     return found
 
 

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import (
+    ConvergenceError,
     Data,
     Guess,
     Solution,
@@ -87,8 +89,10 @@ def fit_model(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, parameters that the system has not and those that no motion tells (mass).
+    ConvergenceError
+        If the fit does not converge in the shortest windows either.
     ModuleNotFoundError
         Without lmfit.
 
@@ -106,7 +110,7 @@ def fit_model(
     lmfit_module()
     checked_table(table)
     if not isinstance(system, System):
-        raise TypeError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
     moving = pivot_for(drive, table, system.balls[0].length, first, last)
@@ -121,13 +125,13 @@ def fit_model(
 
     period = math.tau / system.natural_frequency
     levels = [x * period for x in _LEVELS] if window is None else [window]
-    found, model = _longest(data, laws, shared, levels, origin)
+    found, model, lost = _longest(data, laws, shared, levels, origin)
     if profile:
         found = solve(
             model, {n: replace(model.guesses()[n], value=v) for n, v in found.values.items()},
             data, jacobian=model.jacobian, profiles=names,
         )  # fmt: skip
-    widening = _by_pivots(data, system, moving, names, found, model)
+    widening, unknown = _by_pivots(data, system, moving, names, found, model)
     estimates = {name: _estimate(found, name, widening[name]) for name in names}
     best, best_drive = laws(found.values)
     curves = {
@@ -149,9 +153,8 @@ def fit_model(
         "source": table.attrs.get("source"),
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive
-    return make_fit(
-        "model", estimates, _verdict(estimates, found, model), curves, about, kept_drive
-    )
+    verdict = _verdict(estimates, found, model, lost, unknown)
+    return make_fit("model", estimates, verdict, curves, about, kept_drive)
 
 
 def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
@@ -173,13 +176,13 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
         vary = [vary]
     for name in vary:
         if name.endswith("mass"):
-            raise ValueError("mass acts through damping/mass only: vary damping and give the mass")
+            raise InputError("mass acts through damping/mass only: vary damping and give the mass")
         if name.endswith("radius"):
-            raise ValueError("the radius is geometry: measure it")
+            raise InputError("the radius is geometry: measure it")
         if name not in known:
-            raise ValueError(f"nothing called '{name}' can vary: {suggest(name, known)}")
+            raise InputError(f"nothing called '{name}' can vary: {suggest(name, known)}")
     if not vary:
-        raise ValueError("vary needs at least one name")
+        raise InputError("vary needs at least one name")
     return list(dict.fromkeys(vary))
 
 
@@ -245,9 +248,13 @@ def _changed(system: System, drive: Drive, values: Mapping[str, float]) -> tuple
 
 def _longest(
     data: Data, laws: Any, shared: Mapping[str, Guess], levels: Sequence[float], origin: float
-) -> tuple[Solution, WindowedModel]:
-    """Return the solution of the longest windows that the model follows."""
+) -> tuple[Solution, WindowedModel, int]:
+    """Return the solution of the longest windows that the model follows.
+
+    The third is in how many longer windows the fit did not converge, 0 if it was not asked to.
+    """
     best: tuple[Solution, WindowedModel] | None = None
+    lost = 0
     duration = float(np.ptp(data.times))
     for level in levels:
         if best is not None and len(best[1].windows) == 1:
@@ -263,19 +270,20 @@ def _longest(
             states = before.states_at(found.values, begins)
         try:
             trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
-        except ValueError:
+        except ConvergenceError:
             if best is None:
                 raise
+            lost = len(begins)
             break
-        lost = float(np.mean(~trial.kept))
+        left_out = float(np.mean(~trial.kept))
         if best is not None and (
             trial.scatter > _GROWTH * best[0].scatter
-            or lost > max(_MOST_OUTLIERS, 1.5 * float(np.mean(~best[0].kept)))
+            or left_out > max(_MOST_OUTLIERS, 1.5 * float(np.mean(~best[0].kept)))
         ):
             break
         best = trial, model
     assert best is not None
-    return best
+    return *best, lost
 
 
 def _by_pivots(
@@ -285,9 +293,13 @@ def _by_pivots(
     names: Sequence[str],
     found: Solution,
     model: WindowedModel,
-) -> dict[str, float]:
-    """Return the standard deviations that the uncertainty of the pivot's motion alone makes."""
+) -> tuple[dict[str, float], int]:
+    """Return the standard deviations that the uncertainty of the pivot's motion alone makes.
+
+    The second is how many fits of them did not converge, and are left out.
+    """
     squares = dict.fromkeys(names, 0.0)
+    lost = 0
     begins = np.array([window.begin for window in model.windows])
     for other, weight in moving.others:
 
@@ -297,10 +309,14 @@ def _by_pivots(
         shared = {n: replace(g, value=found.values[n]) for n, g in model.shared.items()}
         moved = WindowedModel(data, laws, shared, begins, model.origin)
         guesses = {n: replace(g, value=found.values[n]) for n, g in moved.guesses().items()}
-        trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=found)
+        try:
+            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=found)
+        except ConvergenceError:
+            lost += 1
+            continue
         for name in names:
             squares[name] += weight * (trial.values[name] - found.values[name]) ** 2
-    return {name: math.sqrt(square) for name, square in squares.items()}
+    return {name: math.sqrt(square) for name, square in squares.items()}, lost
 
 
 def _estimate(found: Solution, name: str, further: float) -> Estimate:
@@ -313,13 +329,23 @@ def _estimate(found: Solution, name: str, further: float) -> Estimate:
     return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
-def _verdict(told: Mapping[str, Estimate], found: Solution, model: WindowedModel) -> str:
-    """Return what was found in plain words."""
+def _verdict(
+    told: Mapping[str, Estimate], found: Solution, model: WindowedModel, lost: int, unknown: int
+) -> str:
+    """Return what was found in plain words, and which fits did not converge."""
     values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in told.items())
     count = len(model.windows)
     words = f"{values[0].upper()}{values[1:]}; the angle is described to "
     words += f"{1e3 * found.scatter:.3g} mrad"
     words += " in one piece." if count == 1 else f" in {count} pieces that begin afresh."
+    if lost:
+        pieces = "one piece" if lost == 1 else f"{lost} pieces"
+        words += f" The fit in {pieces} did not converge."
+    if unknown:
+        words += (
+            f" {unknown} of the fits that tell how the pivot's uncertainty counts did not "
+            "converge: the standard deviations are too small."
+        )
     share = float(np.mean(~found.kept))
     if share > _MOST_OUTLIERS:
         words += f" The model does not follow {100 * share:.2g} % of the samples: do not trust it."

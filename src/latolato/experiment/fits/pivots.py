@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
@@ -107,7 +108,7 @@ def _spline(table: xr.Dataset, length: float, first: float, last: float) -> Pivo
     known = np.isfinite(height)
     time, height = time[known], height[known]
     if not len(time) or time[0] > first or time[-1] < last:
-        raise ValueError(
+        raise InputError(
             "the pivot is not known over all of the motion: give start and end, or the drive"
         )
     noise = noise_of(height)

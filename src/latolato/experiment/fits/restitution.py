@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.experiment.fits.flights import (
     FEWEST,
     ROUGH,
@@ -86,7 +87,7 @@ def fit_restitution(
 
     Raises
     ------
-    TypeError, ValueError
+    InputError
         For bad input, and if no impact is seen well enough.
 
     Notes
@@ -101,7 +102,7 @@ def fit_restitution(
     checked_table(table)
     length = length_of(table, length)
     if length is None:
-        raise ValueError("restitution needs length [m]: the flights are pendulum motion")
+        raise InputError("restitution needs length [m]: the flights are pendulum motion")
     radius = table.attrs.get("radius") if radius is None else radius
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
@@ -113,7 +114,7 @@ def fit_restitution(
     pull = pull_of(moving.drive, moving.origin, gravity, length)
     turns = _turns(time, gap)
     if not turns:
-        raise ValueError("no impact is seen: the angle between the balls never turns round")
+        raise InputError("no impact is seen: the angle between the balls never turns round")
     sides = [_sides(time, gap, turns, k) for k in range(len(turns))]
     drag = 0.0
     for _ in range(3):
@@ -137,7 +138,7 @@ def fit_restitution(
     impacts = seen(pull, drag)
     unseen = len(turns) - len(impacts)
     if not impacts:
-        raise ValueError(
+        raise InputError(
             f"no impact is seen well enough: {unseen} turns of the angle are smooth, too slow or "
             "have too few samples; use a faster camera"
         )
@@ -196,13 +197,13 @@ def _series(
     """Return instants, angles (NaN where not ok) and sigmas of the balls."""
     chosen = within(table["time"].values, start, end)
     if not two and ball != 1:
-        raise ValueError(f"ball must be 1 in this table, got {ball!r}")
+        raise InputError(f"ball must be 1 in this table, got {ball!r}")
     angles, sigmas = [], []
     for each in (1, 2) if two else (1,):
         angle = table[f"angle_{each}"].values[chosen].copy()
         angle[table[f"flag_{each}"].values[chosen] != "ok"] = np.nan
         if np.isfinite(angle).sum() < 2 * FEWEST:
-            raise ValueError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
+            raise InputError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
         angles.append(angle)
         sigmas.append(filled(table[f"angle_sigma_{each}"].values[chosen]))
     return table["time"].values[chosen], angles, sigmas

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import suggest
 
@@ -145,14 +146,14 @@ def load_fit(path: str | Path) -> Fit:
 
     Raises
     ------
-    ValueError
+    InputError
         If the file holds something else.
     """
     from latolato.files import load
 
     dataset = load(path)
     if "fit" not in dataset.attrs:
-        raise ValueError(f"'{path}' holds no fit")
+        raise InputError(f"'{path}' holds no fit")
     return Fit(dataset)
 
 

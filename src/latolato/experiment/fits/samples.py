@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats
 from latolato.experiment.table import balls_of, checked_table
 from latolato.physics.pendulum import LatoLato, System
@@ -28,17 +29,17 @@ def samples_of(
 
     Raises
     ------
-    ValueError
+    InputError
         If there is no such ball or nothing is left.
     """
     if isinstance(ball, bool) or ball not in range(1, balls_of(checked_table(table)) + 1):
         known = " or ".join(map(str, range(1, balls_of(table) + 1)))
-        raise ValueError(f"ball must be {known} in this table, got {ball!r}")
+        raise InputError(f"ball must be {known} in this table, got {ball!r}")
     checked_table(table, f"angle_{ball}")
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     good = np.isfinite(angle) & (table[f"flag_{ball}"].values == "ok") & within(time, start, end)
     if good.sum() < 8:
-        raise ValueError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
+        raise InputError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]
     return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
 
@@ -52,7 +53,7 @@ def angles_of(
     """
     if system.angles == 2:
         if balls_of(table) < 2:
-            raise ValueError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
+            raise InputError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
         parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
         return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
     if is_mirrored(table, system, ball):
@@ -84,7 +85,7 @@ def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.b
     if end is not None:
         chosen &= time <= end
     if not chosen.any():
-        raise ValueError(
+        raise InputError(
             f"no sample lies between start and end: the table goes from {time[0]:g} to "
             f"{time[-1]:g} s"
         )

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.samples import noise_of
 
@@ -88,7 +89,7 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
         shape = math.sqrt(float(weights @ inverse @ weights))
         rows.append((middle + late / rate, top, shape, half, spread))
     if not rows:
-        raise ValueError("no swing is seen: the angle does not cross zero twice beyond its noise")
+        raise InputError("no swing is seen: the angle does not cross zero twice beyond its noise")
     tops, angles_there, shapes, halves, spreads = np.array(rows).T
     # One scatter for all: that of a single half swing is too uncertain to weigh it by.
     return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
@@ -102,7 +103,7 @@ def free_start(times: Floats, angles: Floats) -> float:
     """
     zeros = crossings(times, angles)
     if len(zeros) < 3:
-        raise ValueError("no free swing is seen: the angle crosses zero less than three times")
+        raise InputError("no free swing is seen: the angle crosses zero less than three times")
     period = 2.0 * float(np.median(np.diff(zeros)))
     largest = float(np.max(np.abs(angles)))
     first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
@@ -112,7 +113,7 @@ def free_start(times: Floats, angles: Floats) -> float:
         return float(times[0])
     later = zeros[zeros > times[left]]
     if len(later) < 3:
-        raise ValueError("no free swing is seen after the release; give start")
+        raise InputError("no free swing is seen after the release; give start")
     return float(later[0])
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
@@ -94,7 +95,7 @@ def learn_scene(
 
     Raises
     ------
-    ValueError
+    InputError
         If no ball is found in most of the sample.
     """
     frames = sample.frames
@@ -128,7 +129,7 @@ def learn_scene(
             found = find_balls(scene, frames, pivots, centres)
         found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
         if not found:
-            raise ValueError(
+            raise InputError(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
                 "found in other frames; point at the ball's centre in the first frame"
             )

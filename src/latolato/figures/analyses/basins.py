@@ -20,6 +20,8 @@ _COLOURS = (
 )  # fmt: skip
 _OTHER = style.PALE_GREY
 _UNRESOLVED = style.INK
+# Size of the dots in uncertain cells and of their rim, as shares of a cell.
+_DOT, _RIM = 0.5, 0.12
 
 
 @style.styled
@@ -29,17 +31,25 @@ def draw(dataset: xr.Dataset) -> Figure:
 
     figure, axes = style.new_figure(width=style.PAGE, height=3.6)
     panel = axes[0, 0]
-    known = min(len(_COLOURS), dataset.sizes["attractor"])
-    table = np.minimum(dataset["basin"].values, known)
-    colours: Any = ListedColormap([_UNRESOLVED, *_COLOURS[:known], _OTHER])
-    norm = BoundaryNorm(np.arange(-1, known + 2) - 0.5, known + 2)
+    numbers = dataset["attractor"].values
+    # Numbers, and so colours, stay those of a former map; those beyond the colours share one.
+    table = np.minimum(dataset["basin"].values, len(_COLOURS))
+    colours: Any = ListedColormap([_UNRESOLVED, *_COLOURS, _OTHER])
+    norm = BoundaryNorm(np.arange(-1, len(_COLOURS) + 2) - 0.5, len(_COLOURS) + 2)
     x, y = dataset["initial_angle"], dataset["initial_angular_velocity"]
-    panel.pcolormesh(
-        edges_of(x.values), edges_of(y.values), table.T, cmap=colours, norm=norm, rasterized=True
-    )
+    edges = edges_of(x.values), edges_of(y.values)
+    panel.pcolormesh(*edges, table.T, cmap=colours, norm=norm, rasterized=True)
     limits = panel.get_xlim(), panel.get_ylim()
-    for number in range(known):
-        _draw_attractor(panel, dataset.isel(attractor=number), _COLOURS[number])
+    place, speed = np.nonzero(dataset["uncertain"].values)
+    figure.draw_without_rendering()  # lays out the cells, which set the size of the dots
+    box = panel.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+    cell = 72.0 * min(box.width / len(x), box.height / len(y))
+    panel.plot(
+        x.values[place], y.values[speed], "o", ms=_DOT * cell, color=style.INK, mec=style.PAPER,
+        mew=_RIM * cell, rasterized=True,
+    )  # fmt: skip
+    for number in numbers[numbers < len(_COLOURS)]:
+        _draw_attractor(panel, dataset.sel(attractor=number), _COLOURS[number])
     panel.set_xlim(limits[0])
     panel.set_ylim(limits[1])
     for spine in panel.spines.values():
@@ -49,7 +59,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     panel.set_xlabel(style.label(x))
     panel.set_ylabel(style.label(y))
     panel.set_title(_told(dataset), fontsize=style.SMALL)
-    figure.legend(handles=_legend(dataset, known), loc="outside right center")
+    figure.legend(handles=_legend(dataset), loc="outside right center")
     return figure
 
 
@@ -70,10 +80,14 @@ def _told(dataset: xr.Dataset) -> str:
     """Return what is said above the map."""
     entropy, border = (dataset[n].item() for n in ("basin_entropy", "boundary_basin_entropy"))
     fractal = " > ln 2: fractal boundary" if border > math.log(2.0) else ""
-    return f"basin entropy {entropy:.3f}, on boundaries {border:.3f}{fractal}"
+    text = f"basin entropy {entropy:.3f}, on boundaries {border:.3f}{fractal}"
+    uncertain = 100.0 * dataset["uncertain_fraction"].item()
+    if not uncertain:
+        return text
+    return f"{text}\n{uncertain:.3g} % of the starts depend on the tolerance (dots): uncertain"
 
 
-def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
+def _legend(dataset: xr.Dataset) -> list[Any]:
     """Return one entry for each attractor: what it is, and its share."""
     from matplotlib.patches import Patch
 
@@ -81,8 +95,9 @@ def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
         return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
 
     found = []
-    for number in range(known):
-        row = dataset.isel(attractor=number)
+    numbers = dataset["attractor"].values
+    for number in numbers[numbers < len(_COLOURS)]:
+        row = dataset.sel(attractor=number)
         share = 100.0 * row["basin_fraction"].item()
         half = 50.0 * (row["basin_fraction_high"] - row["basin_fraction_low"]).item()
         angle = math.degrees(row["largest_angle_watched"].item())
@@ -97,10 +112,10 @@ def _legend(dataset: xr.Dataset, known: int) -> list[Any]:
         if status != "rest" and math.isfinite(turns):
             text += f", {turns:.3g} per period"
         found.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
-    rest = dataset.sizes["attractor"] - known
-    if rest:
-        share = 100.0 * dataset["basin_fraction"].values[known:].sum()
-        found.append(patch(_OTHER, f"{rest} further\n{share:.2f} %"))
+    rest = numbers >= len(_COLOURS)
+    if rest.any():
+        share = 100.0 * dataset["basin_fraction"].values[rest].sum()
+        found.append(patch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
         moving = 100.0 * dataset["not_settled_fraction"].item()

@@ -22,6 +22,7 @@ MARKS = {
     "fold": ("o", style.ORANGE),
     "period_doubling": ("D", style.RED),
     "symmetry_breaking": ("s", style.GREEN),
+    "branch_point": ("p", style.GREEN),
     "torus": ("^", style.INK),
     "grazing": ("v", style.GREY),
     "lift_off": ("P", style.BLUE),

@@ -15,10 +15,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_PUSH = "push $\\dot\\theta_p$ of each ball [rad/s]"
+
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Return the map of successful protocols, and the pushes that do the same."""
+    """Return the map of successful protocols, and the pushes that do the same.
+
+    Where no protocol was searched for, the lasting angles after pushes say why.
+    """
+    if not np.isfinite(dataset.success_share.values).any():
+        figure, panels = style.new_figure(1, 1, height=3.0)
+        _draw_angles(dataset, panels[0][0])
+        return figure
     figure, panels = style.new_figure(1, 2, height=3.0, width_ratios=[1.35, 1.0])
     left, right = panels[0]
     _draw_map(dataset, left)
@@ -31,18 +40,19 @@ def draw(dataset: xr.Dataset) -> Figure:
 def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
     """Draw the share of success over dwell and first stage, and mark the shortest protocol."""
     dwell, ratio = dataset.dwell_time.values, dataset.first_frequency_ratio.values
-    shares = dataset.success_share.values
-    if np.isfinite(shares).any():
-        mesh = axis.pcolormesh(
-            _edges(dwell), _edges(ratio), shares, vmin=0.0, vmax=1.0, rasterized=True
-        )
-        figure = axis.get_figure(root=True)
-        assert figure is not None
-        bar = figure.colorbar(mesh, ax=axis, pad=0.02)
-        bar.set_label("share of drive phases")
-        bar.outline.set_visible(False)
-    else:
-        style.note(axis, "nothing searched", (0.5 * (dwell[0] + dwell[-1]), float(np.mean(ratio))))
+    mesh = axis.pcolormesh(
+        _edges(dwell),
+        _edges(ratio),
+        dataset.success_share.values,
+        vmin=0.0,
+        vmax=1.0,
+        rasterized=True,
+    )
+    figure = axis.get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(mesh, ax=axis, pad=0.02)
+    bar.set_label("share of drive phases")
+    bar.outline.set_visible(False)
     axis.set_xlim(_edges(dwell)[0], _edges(dwell)[-1])
     axis.set_ylim(_edges(ratio)[0], _edges(ratio)[-1])
     best = float(dataset.best_dwell_time), float(dataset.best_first_ratio)
@@ -59,6 +69,15 @@ def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
             style.note(axis, "lift-off", place, (-2.0, -4.0), ha="right", va="top")
     axis.set_xlabel(style.label(dataset.dwell_time))
     axis.set_ylabel(style.label(dataset.first_frequency_ratio))
+
+
+def _draw_angles(dataset: xr.Dataset, axis: Axes) -> None:
+    """Draw the lasting angle against the push, which at zero is that from rest."""
+    angles = np.rad2deg(dataset.angle_after_push.values)
+    axis.plot(dataset.push, angles, "o-", ms=3.0, color=style.BLUE)
+    axis.set_ylim(0.0, 1.1 * float(np.nanmax(angles)))
+    axis.set_xlabel(_PUSH)
+    axis.set_ylabel("lasting angle, median over drive phases [°]")
 
 
 def _edges(values: NDArray[np.float64]) -> list[float]:
@@ -82,5 +101,5 @@ def _draw_pushes(dataset: xr.Dataset, axis: Axes) -> None:
         text = f"{smallest:.3g} rad/s, {energy:.3g} mJ"
         style.note(axis, text, (smallest, share), (7.0, -3.0), va="top", colour=style.RED)
     axis.set_ylim(-0.03, 1.05)
-    axis.set_xlabel("push $\\dot\\theta_p$ of each ball [rad/s]")
+    axis.set_xlabel(_PUSH)
     axis.set_ylabel("share of drive phases")

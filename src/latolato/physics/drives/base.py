@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import Registry, check_fields, checked_number
 
@@ -60,18 +61,18 @@ def checked_array(
     """Return a tuple of checked floats."""
     unit = QUANTITIES[quantity or name].unit
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
-        raise TypeError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+        raise InputError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
     numbers = tuple(checked_number(name, v, allowed, unit) for v in values)
     if len(numbers) < at_least:
-        raise ValueError(f"{name} must hold at least {at_least} values, got {len(numbers)}")
+        raise InputError(f"{name} must hold at least {at_least} values, got {len(numbers)}")
     return numbers
 
 
 def check_increasing(name: str, values: tuple[float, ...]) -> None:
-    """Raise ValueError unless each value is larger than the one before."""
+    """Raise InputError unless each value is larger than the one before."""
     for i, (a, b) in enumerate(pairwise(values)):
         if not b > a:
-            raise ValueError(
+            raise InputError(
                 f"{name} must increase strictly, got {b:g} after {a:g} at position {i + 1}; "
                 "sort them and remove repeats"
             )

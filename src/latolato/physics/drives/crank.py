@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
+from latolato.errors import InputError
 from latolato.physics.drives.base import Drive, Stretch, drives
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
 from latolato.scalar import cosine, formula, sine
@@ -86,9 +87,9 @@ class CrankSlider(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.guide not in ("below", "above"):
-            raise ValueError(f"guide must be 'below' or 'above', got {self.guide!r}")
+            raise InputError(f"guide must be 'below' or 'above', got {self.guide!r}")
         if not self.drive_amplitude < self.connecting_rod_length:
-            raise ValueError(
+            raise InputError(
                 f"drive_amplitude must be less than connecting_rod_length "
                 f"{self.connecting_rod_length:g}, got {self.drive_amplitude:g}: the crank would jam"
             )

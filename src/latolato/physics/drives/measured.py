@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
     Stretch,
@@ -77,7 +78,7 @@ class MeasuredPivot(Drive):
             "pivot_heights", self.pivot_heights, ANY, 6, quantity="pivot_height"
         )
         if len(times) != len(heights):
-            raise ValueError(
+            raise InputError(
                 f"times and pivot_heights must be of one length, got {len(times)} and "
                 f"{len(heights)}"
             )
@@ -107,12 +108,12 @@ class MeasuredPivot(Drive):
 
         Raises
         ------
-        ValueError
+        InputError
             If the samples do not cover the run.
         """
         first, last = self.times[0], self.times[-1]
         if first > 0.0 or last < duration:
-            raise ValueError(
+            raise InputError(
                 f"the pivot samples cover {first:g} to {last:g} s, but the run goes from 0 to "
                 f"{duration:g} s; shorten the duration or shift the samples"
             )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar
 
+from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
     Stretch,
@@ -124,18 +125,18 @@ class FrequencySchedule(_Swept):
         times = checked_array("times", self.times, ANY, 1)
         rates = checked_array("drive_frequencies", self.drive_frequencies, NON_NEGATIVE, 1)
         if len(times) != len(rates):
-            raise ValueError(
+            raise InputError(
                 f"times and drive_frequencies must be of one length, got {len(times)} and "
                 f"{len(rates)}"
             )
         if not isinstance(self.step_impulse, bool):
-            raise TypeError(f"step_impulse must be True or False, got {self.step_impulse!r}")
+            raise InputError(f"step_impulse must be True or False, got {self.step_impulse!r}")
         if times[0] != 0.0:
-            raise ValueError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
+            raise InputError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
         check_increasing("times", times)
         gaps = [b - a for a, b in pairwise(times)]
         if gaps and self.ramp > min(gaps) * (1.0 + _ROUNDING):
-            raise ValueError(
+            raise InputError(
                 f"ramp must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}"
             )
         object.__setattr__(self, "times", times)

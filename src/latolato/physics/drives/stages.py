@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
+from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
     Stretch,
@@ -162,9 +163,9 @@ class Stages(Drive):
         }
         if len({len(column) for column in columns.values()}) > 1:
             found = ", ".join(str(len(column)) for column in columns.values())
-            raise ValueError(f"{', '.join(columns)} must be of one length, got {found}")
+            raise InputError(f"{', '.join(columns)} must be of one length, got {found}")
         if columns["times"][0] != 0.0:
-            raise ValueError(
+            raise InputError(
                 f"times must begin with 0, got {columns['times'][0]:g}; the first stage is there"
             )
         check_increasing("times", columns["times"])

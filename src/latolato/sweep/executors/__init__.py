@@ -10,12 +10,15 @@ import importlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.registry import suggest
 from latolato.sweep.chunk import Values
 
 Execute = Callable[..., Iterator[tuple[int, tuple[Values, str]]]]
 
-EXECUTORS = ("threads", "reference", "dask", "cuda")
+# How each executor rounds. Executors of one family give the same bits, which a store relies on.
+ROUNDING = {"threads": "compiled", "reference": "python", "dask": "compiled", "cuda": "cuda"}
+EXECUTORS = tuple(ROUNDING)
 
 
 def executor_named(name: str) -> Execute:
@@ -23,11 +26,11 @@ def executor_named(name: str) -> Execute:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown name, with the closest known one.
     """
     if name not in EXECUTORS:
-        raise ValueError(f"unknown executor '{name}': {suggest(str(name), list(EXECUTORS))}")
+        raise InputError(f"unknown executor '{name}': {suggest(str(name), list(EXECUTORS))}")
     module: Any = importlib.import_module(f"{__name__}.{name}")
     execute: Execute = module.execute
     return execute

@@ -12,6 +12,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
+from latolato.errors import InputError
 from latolato.numerics.compiled import sources_hash
 from latolato.registry import checked_count
 from latolato.sweep.chunk import Values, run_chunk
@@ -61,7 +62,7 @@ def execute(
     wait are dropped; on a cluster of your own those that have begun run to their end unseen.
     """
     if client is not None and workers is not None:
-        raise ValueError("give only one of workers and client: a given cluster has its workers")
+        raise InputError("give only one of workers and client: a given cluster has its workers")
     count = available_processors() if workers is None else checked_count("workers", workers)
     with ExitStack() as opened:
         cluster = _connect(client, opened) if client is not None else _start(count, opened)
@@ -72,10 +73,10 @@ def _connect(client: Any, opened: ExitStack) -> Any:
     """Return the given client, or one for the given address."""
     if isinstance(client, distributed.Client):
         if client.asynchronous:
-            raise TypeError("client must be synchronous: create it without asynchronous=True")
+            raise InputError("client must be synchronous: create it without asynchronous=True")
         return client
     if not isinstance(client, str):
-        raise TypeError(f"client must be a distributed.Client or an address, got {client!r}")
+        raise InputError(f"client must be a distributed.Client or an address, got {client!r}")
     try:
         # In a thread: the caller may have an event loop, as notebooks do.
         with ThreadPoolExecutor(1) as thread:
@@ -91,7 +92,7 @@ def _connect(client: Any, opened: ExitStack) -> Any:
 
 
 async def _knock(address: str) -> None:
-    """Raise OSError or ValueError unless something answers; a `Client` in vain is hard to close."""
+    """Raise OSError or InputError unless something answers; a `Client` in vain is hard to close."""
     if not address.startswith("tls://"):  # which needs certificates, that a `Client` knows to find
         comm = await distributed.connect(address, timeout=_PATIENCE)
         await comm.close()

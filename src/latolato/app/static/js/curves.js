@@ -1,6 +1,7 @@
 /** Curves over time, one below the other, with one zoom and the clock's instant in all. */
 
 import UPlot from "../vendor/uPlot.esm.js";
+import { axisLimits, SINGLE } from "./axis.js";
 import { envelope, isDense } from "./band.js";
 import { colour, el, freshId } from "./dom.js";
 import { drawShades } from "./shades.js";
@@ -16,6 +17,8 @@ import { short } from "./units.js";
  */
 
 const AXIS_WIDTH = 58;
+// Room above and below the curves, as a share of their range.
+const MARGIN = 0.1;
 const READ_EVERY = 100; // ms
 const LINE = /** @type {any} */ (UPlot.paths).linear();
 // A notch of the wheel, with Ctrl held, shows so much less or more.
@@ -68,7 +71,8 @@ export class Curves {
       this.signature = signature;
     }
     /** @type {[number, number]} */
-    const span = wasWhole ? [0, motion.end] : [this.span[0], Math.min(this.span[1], motion.end)];
+    const span = axisLimits(wasWhole ? 0 : this.span[0],
+      wasWhole ? motion.end : Math.min(this.span[1], motion.end));
     this.span = span;
     const tasks = this.charts.map((chart, i) => () => {
       chart.curves = this.curvesOf(this.panels[i], motion, pinned);
@@ -149,7 +153,8 @@ export class Curves {
       height: panel.height ?? 170,
       legend: { show: false },
       padding: [8, 18, 0, 0],
-      scales: { x: { time: false, auto: false } },
+      scales: { x: { time: false, auto: false }, y: { range: (_, low, high) =>
+        UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true) } },
       cursor: {
         sync: { key: this.sync, setSeries: false },
         drag: { x: true, y: false, setScale: true },
@@ -327,7 +332,18 @@ export class Curves {
  * @returns {any}
  */
 function data(motion, curves) {
-  return [motion?.time ?? [0], ...curves.map((c) => c.values)];
+  return [motion?.time ?? [0], ...curves.map((c) => drawn(c.values))];
+}
+
+/**
+ * Return values as the chart takes them: null where they are not finite.
+ * @param {ArrayLike<number>} values
+ */
+function drawn(values) {
+  for (let i = 0; i < values.length; i += 1)
+    if (!Number.isFinite(values[i]))
+      return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+  return values;
 }
 
 /**

@@ -154,7 +154,7 @@ export class Motion {
       const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
       const r = this.radius(ball);
       for (let i = 0; i < angles.length; i += stride) {
-        if (Number.isNaN(angles[i])) continue;
+        if (!Number.isFinite(angles[i])) continue;
         const x = ball.sign * ball.length * Math.sin(angles[i]);
         const y = pivot[i] - ball.length * Math.cos(angles[i]);
         left = Math.min(left, x - r);

@@ -1,5 +1,6 @@
 /** A picture of one quantity over another: curves, dots and a mark that moves. */
 
+import { axisLimits, SINGLE, ticks } from "./axis.js";
 import { colour, fitCanvas } from "./dom.js";
 import { range } from "./scene.js";
 import { short } from "./units.js";
@@ -8,29 +9,8 @@ const LEFT = 52;
 const BELOW = 34;
 const ABOVE = 10;
 const RIGHT = 12;
-const LEAST_MARKS = 3;
-
-/**
- * Return round numbers between two, about `count` of them.
- * @param {number} low
- * @param {number} high
- * @param {number} [count]
- * @returns {number[]}
- */
-export function ticks(low, high, count = 5) {
-  const rough = (high - low) / count;
-  if (!(rough > 0) || !Number.isFinite(rough)) return [low];
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const steps = [0.2, 0.5, 1, 2, 5, 10].map((k) => k * power);
-  // The step that is asked for, or a finer one if that left less than three marks.
-  for (let i = steps.findIndex((s) => s >= rough * (1 - 1e-9)); ; i -= 1) {
-    const step = steps[i];
-    const found = [];
-    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
-      found.push(Math.abs(k) < 1e-9 ? 0 : k * step);
-    if (found.length >= LEAST_MARKS || i === 0) return found;
-  }
-}
+// Of the range of what is shown.
+const MARGIN = 0.06;
 
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, paint: string, dots?: boolean,
  *   size?: number}} Shape */
@@ -55,16 +35,15 @@ export class Plane {
   }
 
   /**
-   * Show shapes; the limits hold them all unless they are given.
+   * Show shapes, in limits that hold them all.
    * @param {Shape[]} shapes
-   * @param {{x?: [number, number], y?: [number, number]}} [limits]
    */
-  show(shapes, limits = {}) {
+  show(shapes) {
     this.shapes = shapes;
     for (const axis of /** @type {("x" | "y")[]} */ (["x", "y"])) {
       const ends = shapes.flatMap((s) => range(axis === "x" ? s.xs : s.ys));
-      const [low, high] = limits[axis] ?? (ends.length ? range(ends) : [-1, 1]);
-      const margin = limits[axis] ? 0 : 0.06 * (high - low || 1);
+      const [low, high] = axisLimits(...range(ends), SINGLE);
+      const margin = MARGIN * (high - low);
       this.limits[axis] = [low - margin, high + margin];
     }
     this.redraw();

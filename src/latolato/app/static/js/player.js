@@ -4,6 +4,7 @@ import { Clack } from "./clack.js";
 import { Clock } from "./clock.js";
 import { Curves, scaled } from "./curves.js";
 import { el, freshId } from "./dom.js";
+import { followKeys } from "./keys.js";
 import { Later } from "./later.js";
 import { Plane } from "./plane.js";
 import { range, Scene } from "./scene.js";
@@ -112,7 +113,10 @@ export class Player {
     this.phase = new Plane(phase, labels);
     this.section = new Plane(section, labels);
     this.clock.subscribe((time) => this.move(time));
-    root.addEventListener("keydown", (event) => this.key(event));
+    /** @type {Record<string, () => void>} what each key does */
+    this.actions = { " ": () => this.clock.toggle(), ",": () => this.stepBy(-1),
+      ".": () => this.stepBy(1) };
+    followKeys(root, this.actions);
   }
 
   makeTransport() {
@@ -202,7 +206,7 @@ export class Player {
       dots: true,
       size: 3,
     }));
-    this.section.show(dots, instants.length ? {} : { x: [-1, 1], y: [-1, 1] });
+    this.section.show(dots);
   }
 
   showContacts() {
@@ -252,17 +256,6 @@ export class Player {
     if (!motion) return;
     this.clock.pause();
     this.clock.seek(this.clock.time + (steps * motion.end) / (motion.time.length - 1));
-  }
-
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    const target = /** @type {HTMLElement} */ (event.target);
-    if (["INPUT", "SELECT", "TEXTAREA", "BUTTON"].includes(target.tagName)) return;
-    if (event.key === " ") this.clock.toggle();
-    else if (event.key === ",") this.stepBy(-1);
-    else if (event.key === ".") this.stepBy(1);
-    else return;
-    event.preventDefault();
   }
 
   /** @param {number} time */

@@ -314,8 +314,8 @@ export function range(values) {
   let high = -Infinity;
   for (let i = 0; i < values.length; i += 1) {
     const value = values[i];
-    if (value < low) low = value;
-    if (value > high) high = value;
+    if (value < low && value > -Infinity) low = value;
+    if (value > high && value < Infinity) high = value;
   }
   return low <= high ? [low, high] : [0, 0];
 }

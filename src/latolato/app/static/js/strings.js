@@ -259,8 +259,8 @@ export const STRINGS = {
   paperFilm: "Make this figure",
   paperTurn: "Waiting for its turn …",
   paperWaits: "Waiting for {name} …",
-  paperFilmHint: "A synthetic experiment is made and measured, in up to some tens of seconds. " +
-    "What of it is filmed and tracked, and what simulated with the tracker’s noise, is told with it.",
+  paperFilmHint: "This makes and evaluates a synthetic experiment, in up to some tens of seconds. " +
+    "The caption says what is filmed and tracked, and what is simulated with the tracker’s noise.",
   paperQuick: "Quick numbers: scans have fewer points than in the full report.",
   paperReport: "From the stored report.",
   paperAssumed: "Assumed:",
@@ -271,9 +271,11 @@ export const STRINGS = {
   REPRODUCED: "reproduced",
   ASSUMED: "reproduced with an assumption",
   NOT_AS_PRINTED: "not as printed",
+  METHOD_CHECK: "method check, not testable from the paper",
   shape_REPRODUCED: "●",
   shape_ASSUMED: "△",
   shape_NOT_AS_PRINTED: "✕",
+  shape_METHOD_CHECK: "◇",
   // analyse
   questions: "Questions",
   ask: "Compute",

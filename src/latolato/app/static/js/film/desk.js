@@ -32,6 +32,8 @@ export class Desk {
   connect() {
     const socket = new WebSocket(socketAddress("/api/films/desk"));
     this.socket = socket;
+    // The server closes a socket that sends nothing.
+    socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
     socket.addEventListener("message", (event) => this.hear(JSON.parse(event.data)));
     socket.addEventListener("close", () => {
       this.hello = null;

@@ -1,7 +1,7 @@
 /** A curve that scrolls: the last seconds of some quantities. */
 
+import { axisLimits, ticks } from "../axis.js";
 import { colour, fitCanvas } from "../dom.js";
-import { ticks } from "../plane.js";
 import { short } from "../units.js";
 import { SPAN } from "./motion.js";
 
@@ -61,7 +61,7 @@ export class Strip {
     const { history, curves, least, limits } = this;
     if (!history) return;
     const [low, high] = history.range(curves.map((c) => c.name));
-    const wanted = [Math.min(least[0], low), Math.max(least[1], high)];
+    const wanted = axisLimits(Math.min(least[0], low), Math.max(least[1], high));
     const margin = 0.05 * (wanted[1] - wanted[0]);
     if (low < least[0]) wanted[0] -= margin;
     if (high > least[1]) wanted[1] += margin;

@@ -1,6 +1,6 @@
 /** The axes of a map: frame, numbers and names with units. */
 
-import { ticks } from "../plane.js";
+import { ticks } from "../axis.js";
 import { t } from "../strings.js";
 import { plainSymbol, short, shownUnit } from "../units.js";
 
@@ -49,7 +49,7 @@ export function drawAxes(chart, context, ratio) {
     const [low, high] = chart.ends(which);
     const length = which === "x" ? width : height;
     const many = Math.max(2, length / ((which === "x" ? 75 : 50) * ratio));
-    const even = axis.log ? decades(low / size, high / size) : [];
+    const even = axis.log && low > 0 ? decades(low / size, high / size) : [];
     const marks = even.length > 1 ? even : ticks(low / size, high / size, many);
     context.beginPath();
     for (const mark of even.length > 1 ? tenths(low / size, high / size) : []) {

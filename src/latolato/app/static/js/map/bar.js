@@ -1,7 +1,7 @@
 /** The colour bar of a map, with its numbers. */
 
+import { ticks } from "../axis.js";
 import { colour, fitCanvas } from "../dom.js";
-import { ticks } from "../plane.js";
 import { short } from "../units.js";
 import { colourTable } from "./colours.js";
 

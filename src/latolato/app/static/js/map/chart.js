@@ -1,5 +1,6 @@
 /** The picture of a map: cells, axes, curves, trials, the cross, and what the hand does on it. */
 
+import { axisLimits } from "../axis.js";
 import { colour, fitCanvas } from "../dom.js";
 import { drawAxes, MARGIN } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
@@ -72,7 +73,7 @@ export class MapChart {
    */
   ends(which) {
     const edges = this.grid ? this.grid[which === "x" ? "xEdges" : "yEdges"] : [0, 1];
-    return [edges[0], edges[edges.length - 1]];
+    return axisLimits(edges[0], edges[edges.length - 1]);
   }
 
   /**

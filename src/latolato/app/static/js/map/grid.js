@@ -1,5 +1,6 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
+import { axisLimits, SINGLE } from "../axis.js";
 import { row } from "../block.js";
 
 /** @typedef {import("../block.js").Block} Block */
@@ -131,12 +132,11 @@ export class Grid {
     const values = this.values[k] ?? [];
     for (let i = 0; i < values.length; i += 1) {
       const value = values[i];
-      if (positive && !(value > 0)) continue;
+      if (!Number.isFinite(value) || (positive && value <= 0)) continue;
       if (value < low) low = value;
       if (value > high) high = value;
     }
     if (!(low <= high)) return positive ? [0.1, 1] : [0, 1];
-    if (low === high) return positive ? [low / 2, 2 * high] : [low - 0.5, high + 0.5];
-    return [low, high];
+    return axisLimits(low, high, SINGLE);
   }
 }

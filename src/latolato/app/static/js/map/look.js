@@ -1,5 +1,7 @@
 /** How the values of a map become colours, as the address says. */
 
+import { axisLimits } from "../axis.js";
+
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./chart.js").Look} Look */
 
@@ -19,7 +21,7 @@ export function lookOf(grid, extra) {
     const value = Number(extra[key] ?? NaN);
     return Number.isFinite(value) && (!log || value > 0) ? value : usual;
   };
-  const limits = /** @type {[number, number]} */ ([given("map.low", low), given("map.high", high)]);
+  const [from, to] = [given("map.low", low), given("map.high", high)];
   return { variable, scale: extra["map.scale"] ?? "viridis", log,
-    limits: limits[0] < limits[1] ? limits : [low, high] };
+    limits: from < to ? axisLimits(from, to) : [low, high] };
 }

@@ -19,6 +19,8 @@ import { FIRST } from "./play.js";
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
+// A link with this part asks its question however long the answer takes.
+const ASK = `${KEY}ask`;
 // What takes no longer is asked without being told to.
 const QUICK = 10; // s
 // Whoever moves a slider has come to a stop after this time.
@@ -140,7 +142,8 @@ export class AnalyseView {
     if (!this.about) return;
     const form = this.forms[this.what];
     const { extra } = this.page.store.state;
-    const kept = Object.keys(extra).filter((name) => name.startsWith(KEY) && name !== WHAT);
+    const kept = Object.keys(extra).filter((name) => name.startsWith(KEY)
+      && name !== WHAT && name !== ASK);
     const strange = kept.map((name) => name.slice(KEY.length)).filter((n) => !(n in form.options));
     const lines = strange.map((name) => t("unknownSetting", { name }));
     if (WHAT in extra && !(extra[WHAT] in this.forms))
@@ -160,7 +163,7 @@ export class AnalyseView {
     this.go.disabled = false;
     this.root.dataset.form = this.what;
     if (this.root.dataset.answered !== this.what || why) this.clear();
-    if (!why) void this.consider(false);
+    if (!why) void this.consider(extra[ASK] === "1");
   }
 
   /** Take the answer away. */

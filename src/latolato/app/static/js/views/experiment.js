@@ -18,6 +18,8 @@ import { short } from "../units.js";
 
 /** What of an example's truth somebody would have measured before. */
 const KNOWN = ["length", "radius", "mass"];
+/** A link with this part films an example and measures it. */
+const LINKED = "experiment.example";
 
 export class ExperimentView {
   /** @param {Page} page */
@@ -125,6 +127,8 @@ export class ExperimentView {
     this.told.replaceChildren(setup.root);
     this.drop.replaceChildren(dropCard(hello, (file) => void this.session.add(file),
       (kind) => void this.example(kind)));
+    const linked = this.page.store.state.extra[LINKED];
+    if (hello.examples.includes(linked)) void this.example(linked).then(() => this.tracked());
   }
 
   /** @param {string} kind */

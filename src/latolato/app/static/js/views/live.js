@@ -2,10 +2,10 @@
 
 import { Clack } from "../clack.js";
 import { tell } from "../dom.js";
+import { followKeys } from "../keys.js";
 import { withLaws } from "../laws.js";
 import { withControls } from "../live/address.js";
 import { followHand } from "../live/hand.js";
-import { followKeys } from "../live/keys.js";
 import { Keeper } from "../live/keeper.js";
 import { KEYS, Knob } from "../live/knob.js";
 import { Link, stateOf } from "../live/link.js";

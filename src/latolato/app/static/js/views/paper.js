@@ -16,7 +16,7 @@ import { t } from "../strings.js";
 
 // A figure is made once it comes this near to the screen.
 const MARGIN = "300px";
-const VERDICTS = ["REPRODUCED", "ASSUMED", "NOT_AS_PRINTED"];
+const VERDICTS = ["REPRODUCED", "ASSUMED", "NOT_AS_PRINTED", "METHOD_CHECK"];
 
 export class PaperView {
   /** @param {Page} page */

@@ -5,6 +5,7 @@ import { codeBlocks } from "../code.js";
 import { el, tell } from "../dom.js";
 import { Downloads } from "../downloads.js";
 import { Form } from "../form.js";
+import { followKeys } from "../keys.js";
 import { withLaws } from "../laws.js";
 import { Motion } from "../motion.js";
 import { Player } from "../player.js";
@@ -41,8 +42,8 @@ export class PlayView {
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
     this.run = newest(() => this.simulate());
-    /** @type {() => void} */
-    this.unsubscribe = () => {};
+    /** @type {(() => void)[]} what ends listening */
+    this.releases = [];
   }
 
   makeActions() {
@@ -58,18 +59,19 @@ export class PlayView {
   }
 
   show() {
-    this.unsubscribe = this.page.store.subscribe((state, changed) => {
+    this.releases.push(followKeys(document, this.player.actions));
+    this.releases.push(this.page.store.subscribe((state, changed) => {
       if (changed === "extra") return;
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
         this.page.store.keep(RECORDING, null);
       this.run(null);
-    });
+    }));
     this.run(null);
   }
 
   hide() {
-    this.unsubscribe();
+    for (const release of this.releases.splice(0)) release();
     this.downloads.stop();
     this.player.clock.pause();
   }

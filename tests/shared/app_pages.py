@@ -1,0 +1,93 @@
+"""A running server, a browser, and pages that fail on whatever a user would call broken."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+from app_server import Server, start_server, stop_server
+
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_ARGUMENTS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    """One server for all tests of a worker."""
+    found = start_server()
+    yield found
+    stop_server(found)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """The system's Chromium, without a window."""
+    from playwright.sync_api import sync_playwright
+
+    path = next(filter(None, map(shutil.which, _BROWSERS)), None)
+    assert path is not None, "these tests need Chromium: apt-get install chromium"
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=path, args=list(_ARGUMENTS))
+        yield found
+        found.close()
+
+
+@dataclass
+class Watch:
+    """What went wrong on a page."""
+
+    port: int
+    faults: list[str] = field(default_factory=list)
+
+    def attach(self, page: Any) -> None:
+        """Collect errors, failed requests and requests to elsewhere."""
+        page.on("pageerror", lambda error: self.faults.append(f"page error: {error}"))
+        page.on("console", self._console)
+        page.on("response", self._response)
+        page.on("request", self._request)
+
+    def _console(self, message: Any) -> None:
+        if message.type in ("error", "warning"):
+            self.faults.append(f"console {message.type}: {message.text}")
+
+    def _response(self, response: Any) -> None:
+        if response.status >= 400:
+            self.faults.append(f"{response.status} {response.url}")
+
+    def _request(self, request: Any) -> None:
+        parts = urlsplit(request.url)
+        if parts.scheme in ("data", "blob"):
+            return
+        if (parts.hostname, parts.port) != ("127.0.0.1", self.port):
+            self.faults.append(f"request to elsewhere: {request.url}")
+
+
+@pytest.fixture
+def watch(server: Server) -> Iterator[Watch]:
+    """Faults of all pages of a test; those that are expected must be taken out."""
+    found = Watch(server.port)
+    yield found
+    assert not found.faults, "\n".join(found.faults)
+
+
+@pytest.fixture
+def page(browser: Any, server: Server, watch: Watch) -> Iterator[Any]:
+    """A page of the server, 1280 pixels wide."""
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, base_url=server.address)
+    found = context.new_page()
+    watch.attach(found)
+    yield found
+    context.close()

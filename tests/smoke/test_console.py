@@ -1,0 +1,105 @@
+"""Every command that README and documentation show, typed as it stands there."""
+
+import itertools
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from materials import MAKERS, provide
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
+         *sorted((ROOT / "docs").glob("*/*.md"))]  # fmt: skip
+# What takes longer than all the rest together.
+LONG = {
+    "latolato reproduce": "ten minutes; reproduce --quick takes the same way",
+    "latolato reproduce --output report": "ten minutes; reproduce --quick takes the same way",
+    "latolato reproduce --full": "an hour",
+}
+# Options whose file is written; one that is there already may belong to something else.
+WRITTEN = ("--output", "--store", "--plot", "--truth", "--report", "--animate")
+READ_TOO = ("--from", "--status", "--verify")
+
+
+def commands():
+    """Yield each command of the documentation, with the page that shows it."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for block in re.findall(r"```console\n(.*?)```", text, re.S):
+            for line in block.replace("\\\n", " ").splitlines():
+                if line.startswith("$ latolato"):
+                    words = shlex.split(line.removeprefix("$ "), comments=True)
+                    yield pytest.param(words, id=f"{page.stem}: {' '.join(words)[:60]}")
+
+
+COMMANDS = list(commands())
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory):
+    """Where files that commands work on are kept."""
+    return tmp_path_factory.mktemp("materials")
+
+
+def named(words):
+    """Return which materials a command reads."""
+    kept = {re.split(r"[:/]", word)[0] for word in words if not word.startswith("--")}
+    kept |= {word.split("=", 1)[1].split(":")[0] for word in words if "=" in word}
+    flags = dict(itertools.pairwise(words))
+    read = {flags[flag] for flag in READ_TOO if flag in flags}
+    written = {flags[flag] for flag in WRITTEN if flag in flags}
+    if words[1] == "app":  # it opens what others write
+        written = set()
+    return [name for name in MAKERS if name in kept and (name not in written or name in read)]
+
+
+def serve(words, folder):
+    """Start the application, ask for its page, and stop it."""
+    command = [*words, "--no-browser", "--port", "0"]
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            line = server.stdout.readline()
+            page = urllib.request.urlopen(line.split(" at ")[1].strip()).read()
+        finally:
+            server.send_signal(signal.SIGINT)
+    assert b"latolato" in page
+    return line
+
+
+@pytest.mark.parametrize("words", COMMANDS)
+def test_command(words, tmp_path, cache, answer):
+    line = shlex.join(words)
+    if line in LONG:
+        pytest.skip(LONG[line])
+    for name in named(words):
+        provide(name, tmp_path, cache)
+    # Patterns are expanded by a shell.
+    words = [path for word in words[1:]
+             for path in (sorted(str(p.relative_to(tmp_path)) for p in tmp_path.glob(word))
+                          if "*" in word and "=" not in word else [word])]  # fmt: skip
+    command = [sys.executable, "-m", "latolato", *words]
+    if words[0] == "app":
+        answer(serve(command, tmp_path))
+        return
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=False,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
+    )  # fmt: skip
+    assert "Traceback" not in done.stderr, done.stderr
+    assert done.returncode == 0, done.stderr
+    answer(done.stdout)
+    flags = dict(itertools.pairwise(words))
+    for flag in WRITTEN:
+        if flag in flags and "{" not in flags[flag]:
+            assert (tmp_path / flags[flag]).exists(), f"{flag} {flags[flag]} was not written"
+
+
+def test_the_documentation_shows_commands():
+    assert len(COMMANDS) >= 40

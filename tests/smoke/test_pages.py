@@ -1,0 +1,87 @@
+"""Every preset, map, example, question and drive on the pages; opened by links, like a user's."""
+
+import pytest
+
+import latolato as ll
+from latolato.analysis import analyses
+from latolato.app.film_options import EXAMPLES
+from latolato.physics.drives import drives
+from panels import assert_panels_have_room
+
+# How long a page may take to its end [ms].
+PATIENCE = 300_000
+SWEEPS = [name for name, scenario in ll.scenarios().items() if scenario.varied]
+RUNS = [name for name in ll.scenarios() if name not in SWEEPS]
+# A pair, a single pendulum, and two balls that differ.
+ASKED = ("toy", "fig02", "ballpair_asymmetric")
+# What each example is there to show.
+FITS = {"decay": "decay", "driven": "drive", "toy": "restitution"}
+# Measured heights come with a table, not with a form.
+TYPED_DRIVES = [name for name in drives if name != "measured_pivot"]
+
+
+def faults(page):
+    """Return the errors that are on show."""
+    return [e.inner_text() for e in page.locator(".error, .notice").all() if e.is_visible()]
+
+
+@pytest.mark.parametrize("scenario", RUNS)
+def test_play(page, answer, scenario):
+    page.goto(f"/?view=play&scenario={scenario}")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_load_state("networkidle")
+    assert not faults(page)
+    answer(f"{page.locator('main canvas:visible').count()} pictures")
+    assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("drive", TYPED_DRIVES)
+def test_drive(page, answer, drive):
+    page.goto(f"/?view=play&scenario=toy&drive={drive}&duration=10 s")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_load_state("networkidle")
+    assert not faults(page)
+    answer(f"{page.locator('main canvas:visible').count()} pictures")
+    assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("scenario", SWEEPS)
+def test_map(page, answer, scenario):
+    page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20")
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    assert not faults(page)
+    answer(page.locator(".bar-title").inner_text())
+    assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_experiment(page, answer, example):
+    page.goto(f"/?view=experiment&experiment.example={example}")
+    fit = f"[data-fit={FITS[example]}]"
+    page.wait_for_selector(f"{fit}, .error:visible", timeout=PATIENCE)
+    page.wait_for_selector("[data-state=result]", timeout=PATIENCE)
+    assert not faults(page)
+    answer(page.locator(f"{fit} .hint").first.inner_text())
+    assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("scenario", ASKED)
+@pytest.mark.parametrize("question", list(analyses))
+def test_question(page, answer, question, scenario):
+    page.goto(f"/?view=analyse&scenario={scenario}&analyse.what={question}&analyse.ask=1")
+    page.wait_for_selector("[data-answers], .unfit-note:visible, .error:visible", timeout=PATIENCE)
+    if page.locator(".unfit-note:visible").count():
+        answer(page.locator(".unfit-note p").inner_text())
+    else:
+        assert not faults(page)
+        answer(page.locator(".finding").inner_text())
+    assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("view", ["live", "paper"])
+def test_view(page, answer, view):
+    page.goto(f"/?view={view}")
+    page.wait_for_selector("[data-ready], [data-judged]", timeout=PATIENCE)
+    assert not faults(page)
+    answer(page.locator("h1").first.inner_text())
+    assert_panels_have_room(page)
