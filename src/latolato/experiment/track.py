@@ -13,6 +13,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
+from latolato.experiment.gate import Track, examine
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import (
     Setup,
@@ -39,6 +40,8 @@ _RADIUS_TOLERANCE = 0.03
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
 _NEVER, _SELDOM = 0.12, 0.4
+# Flags of samples that were measured.
+_MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Shares of the work: the first reading, learning the scene.
@@ -298,11 +301,11 @@ def _tracked(
     seen = follow(
         video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
     )
-    if not np.isin(seen.flags, ("ok", "collision", "occluded")).any():
+    if not np.isin(seen.flags, _MEASURED).any():
         raise InputError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
-    share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
+    share = float(np.isin(seen.flags, _MEASURED).mean())
     if share < _NEVER:
         raise InputError(
             f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
@@ -313,10 +316,41 @@ def _tracked(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
             "at?"
         )
+    declared = radius / length * scene.arm if radius and length else None
+    doubtful = _gated(
+        task,
+        sample,
+        Track(
+            seen.centres,
+            seen.pivots,
+            np.isin(seen.flags, _MEASURED),
+            scene.look.radius,
+            balls,
+            declared,
+        ),
+    )
+    seen.flags[doubtful] = "lost"
+    for numbers in (seen.centres, seen.angles, seen.sigmas, seen.spreads):
+        numbers[doubtful] = np.nan
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     return _table(task, scene, seen, measured)
+
+
+def _gated(task: Task, sample: Sample, followed: Track) -> np.ndarray:
+    """Return which samples are not to be believed, shape (frame, ball); refuse a track as a whole.
+
+    Warnings join the task's list.
+    """
+    doubtful = np.zeros(followed.is_measured.shape, bool)
+    for finding in examine(sample, followed):
+        if finding.is_refusal:
+            raise InputError(f"{task.video.path}: {finding.reason}", way_out=finding.way_out)
+        task.warnings.append(f"{finding.reason}; {finding.way_out}")
+        if finding.doubtful is not None:
+            doubtful |= finding.doubtful
+    return doubtful
 
 
 def _doubt(scene: Scene) -> float:
@@ -397,6 +431,10 @@ def _wandered(
 ) -> xr.Dataset:
     """Return the table of balls about an unseen pivot: their places in the image, no angles."""
     path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
+    doubtful = _gated(
+        task, sample, Track(path.centres, None, path.flags == "ok", path.radius, balls)
+    )
+    path.flags[doubtful], path.centres[doubtful] = "lost", np.nan
     columns: dict[str, Any] = {"time": path.times}
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
