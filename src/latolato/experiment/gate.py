@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -20,8 +20,9 @@ _RADIUS_RATIO = 1.5
 _BESIDE = 3.0
 # Extent of a ball's path below which the ball rests [pixels].
 _RESTING = 2.0
-# Width to which pictures are reduced to measure the camera's motion [pixels].
-_WIDTH = 480
+# Widths to which pictures are reduced to measure the camera's motion, and what changes far from
+# the ball [pixels].
+_WIDTH, _COARSE = 480, 160
 # Rows and columns of tiles, each of which gives one feature, and half the size of a feature's
 # neighbourhood [pixels].
 _TILES, _HALF = (8, 12), 10
@@ -43,6 +44,9 @@ _PARTNERS, _APART = 3, 2.3
 # Least share of the pixels under the ball that must have changed, and by how much it must exceed
 # the share beside the ball.
 _CHANGED, _MORE = 0.35, 0.2
+# Share under the ball from which it moves as a whole, and share of the rest of the picture that may
+# change meanwhile, for a disc about a part of the ball to be believed.
+_WHOLE, _ELSEWHERE = 0.9, 0.3
 # Share of frames in which a ball must pass for the track to be believed at all, and how many
 # neighbours have a say in whether a stretch is.
 _PASSING, _NEIGHBOURS = 0.5, 5
@@ -195,7 +199,7 @@ def resting_camera(sample: Sample, track: Track) -> Finding | None:
         return None
     reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
     if moved <= max(_TOO_FAR, _TOO_FAR_SHARE * track.radius):
-        return Finding(f"{reason}, and angles may be wrong by as much", "use a tripod", False)
+        return Finding(reason, "film on a tripod for full accuracy", False)
     return Finding(reason, "film with the camera at rest, on a tripod")
 
 
@@ -226,10 +230,10 @@ def camera_motion(sample: Sample, track: Track) -> float:
     return scale * float(np.sort(known)[-2])
 
 
-def _reduced(cv2: Any, frame: Frame) -> np.ndarray:
+def _reduced(cv2: Any, frame: Frame, widest: int = _WIDTH) -> np.ndarray:
     """Return a frame's luma in a small picture."""
     rows, columns = frame.luma.shape
-    width = min(_WIDTH, columns)
+    width = min(widest, columns)
     size = (width, max(1, round(rows * width / columns)))
     small: np.ndarray = cv2.resize(
         np.ascontiguousarray(frame.luma), size, interpolation=cv2.INTER_AREA
@@ -284,59 +288,68 @@ def _shift(cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray) -
 def changing_pixels(sample: Sample, track: Track) -> Finding | None:
     """Check that the pixels under the ball change when it comes, and that those beside it do not.
 
-    It can miss a disc about a part of a larger thing that moves, a place beside the ball's centre
-    by less than half a radius, and what happens between the frames of the sample.
+    Those beside it may change too if nearly all under it do and the rest of the picture rests: the
+    disc is then about a part of the ball, and the user is warned. It can miss any part of a larger
+    thing that moves, a place beside the ball's centre by less than half a radius, and what happens
+    between the frames of the sample.
     """
     numbers, shares = change_shares(sample, track)
     doubtful = np.zeros(track.is_measured.shape, bool)
-    worst: tuple[float, str] | None = None
+    is_part = False
     for ball in range(track.centres.shape[1]):
-        under, beside = shares[:, ball].T
-        known = np.isfinite(under)
+        known = np.isfinite(shares[:, ball, 0])
         if not known.any():
             continue
-        passes = (under[known] >= _CHANGED) & (under[known] - beside[known] >= _MORE)
-        share = float(passes.mean())
-        if share < _PASSING and (worst is None or share < worst[0]):
-            worst = (
-                share,
-                (
-                    f"what was followed is no ball that moves: in the median frame "
-                    f"{100.0 * np.median(under[known]):.0f} % of the pixels under its disc of "
-                    f"{track.radius:.0f} pixels radius differ from when it is elsewhere, and "
-                    f"{100.0 * np.median(beside[known]):.0f} % of those around it"
-                ),
+        under, beside, elsewhere = shares[known, ball].T
+        is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
+        passes = is_ball | ((under >= _WHOLE) & (elsewhere <= _ELSEWHERE))
+        if passes.mean() < _PASSING:
+            return Finding(
+                f"what was followed is no ball that moves: of the pixels under its disc of "
+                f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
+                f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
+                "point at the middle of the ball that swings, or give its radius and length",
             )
+        is_part |= bool(is_ball.mean() < _PASSING)
         doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))
-    if worst is not None:
-        return Finding(
-            worst[1],
-            "point at the middle of the ball that swings, or give its radius and length",
-        )
     doubtful &= track.is_measured
-    if not doubtful.any():
-        return None
-    return Finding(
-        f"{100.0 * doubtful.sum() / track.is_measured.sum():.0f} % of the measured samples are "
-        "taken back as lost: there the pixels under the disc do not change as those under a ball",
-        "look at these frames in the overlay",
-        False,
-        doubtful,
-    )
+    if doubtful.any():
+        return Finding(
+            f"{_percent(doubtful[track.is_measured], np.mean)} of the measured samples are given "
+            "up as lost: there the pixels under the disc do not change as those under a ball",
+            "look at these frames in the overlay",
+            False,
+            doubtful,
+        )
+    if is_part:
+        return Finding(
+            f"the disc of {track.radius:.0f} pixels radius that was followed is a part of "
+            "something larger that moves with it",
+            "look at the overlay, and give the ball's radius and length",
+            False,
+        )
+    return None
+
+
+def _percent(shares: np.ndarray, typical: Callable[[np.ndarray], Any] = np.median) -> str:
+    """Return a typical share in words."""
+    return f"{100.0 * float(typical(shares)):.0f} %"
 
 
 def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]:
-    """Return numbers of the sample's frames, and shares of changed pixels under and beside balls.
+    """Return numbers of the sample's frames, and shares of pixels that changed.
 
     A frame is compared with others in which the ball is elsewhere, the nearest in time: the wall
-    shows there what the ball hides here. The shares, of shape (sample frame, ball, 2), are medians
-    over these; NaN where a ball was not measured or never is elsewhere.
+    shows there what the ball hides here. The shares under the ball, beside it and in the rest of
+    the picture, of shape (sample frame, ball, 3), are medians over these; NaN where a ball was not
+    measured or never is elsewhere.
     """
     frames = sample.frames
     numbers = np.array([frame.number for frame in frames])
     centres, is_measured = track.centres[numbers], track.is_measured[numbers]
     limit = max(_LEAST, _CLEAR * _typical_difference(frames))
-    shares = np.full((*centres.shape[:2], 2), np.nan)
+    shares = np.full((*centres.shape[:2], 3), np.nan)
+    coarse = _Coarse(frames, centres, track.radius, limit)
     for k, ball in np.argwhere(is_measured):
         away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
         away[~is_measured[:, ball]] = np.nan
@@ -357,10 +370,36 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
             change = here - window.picture(frames[j])
             # The light may change for all.
             change = np.abs(change - np.median(change[beside], axis=0)).max(axis=-1) > limit
-            found.append((change[under].mean(), change[beside].mean()))
+            found.append(
+                (change[under].mean(), change[beside].mean(), coarse.changed(int(k), int(j)))
+            )
         if found:
             shares[k, ball] = np.median(found, axis=0)
     return numbers, shares
+
+
+class _Coarse:
+    """Small pictures of the sample: what changes away from the balls."""
+
+    def __init__(
+        self, frames: list[Frame], centres: np.ndarray, radius: float, limit: float
+    ) -> None:
+        cv2 = import_cv2()
+        self.pictures = [_reduced(cv2, frame, _COARSE) for frame in frames]
+        scale = frames[0].luma.shape[1] / self.pictures[0].shape[1]
+        self.centres, self.reach, self.limit = centres / scale, 1.5 * radius / scale + 1.0, limit
+
+    def changed(self, k: int, j: int) -> float:
+        """Return which share of the picture away from the balls differs in two frames."""
+        change = self.pictures[k].astype(np.float32) - self.pictures[j]
+        v, u = np.indices(change.shape)
+        free = np.ones(change.shape, bool)
+        for place in self.centres[[k, j]].reshape(-1, 2):
+            if np.isfinite(place).all():
+                free &= np.hypot(u - place[0], v - place[1]) > self.reach
+        if not free.any():
+            return 1.0
+        return float(np.mean(np.abs(change[free] - np.median(change[free])) > self.limit))
 
 
 def _typical_difference(frames: list[Frame]) -> float:

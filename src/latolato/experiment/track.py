@@ -122,7 +122,8 @@ def track(
         If there is no such file.
     InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a place lies outside the frame, no ball is found, or the sidecar is another video's.
+        a place lies outside the frame, no ball is found, what was followed is not the ball, the
+        camera moves, or the sidecar is another video's.
     ModuleNotFoundError
         Without the extra `video`.
 
@@ -135,8 +136,9 @@ def track(
     Notes
     -----
     Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
-    the prediction; balls cannot pass each other. It can miss: a camera that moves, balls of other
-    sizes or colours than each other, a perspective that is not seen in the circle.
+    the prediction; balls cannot pass each other. The track must pass the checks of
+    `latolato.experiment.gate`. It can miss: balls of other sizes or colours than each other, a
+    perspective that is not seen in the circle, and what each of the checks can miss.
 
     See Also
     --------
