@@ -94,7 +94,7 @@ def test_a_panning_camera_is_refused(film, tmp_path):
 
 
 @quiet
-@pytest.mark.parametrize("aside", [(0.22, -0.25), (-0.2, -0.1)])
+@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1)])
 def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
     path, attrs = film(f"parked{aside}", parked_x=aside[0], parked_y=aside[1])
     click = _place(attrs, "parked")
@@ -217,14 +217,28 @@ def test_what_rests_is_refused():
 def test_the_cameras_motion_is_measured(step):
     centres = _swinging(16)
     shifts = [(step * k, step * (k // 2)) for k in range(16)]
-    moved = gate.camera_motion(_drawn(centres, shifts=shifts), _track(centres))
+    moved, _, _ = gate.camera_motion(_drawn(centres, shifts=shifts), _track(centres))
     # The last but one frame has the second largest shift.
     assert moved == pytest.approx(step * np.hypot(14, 7), abs=0.6)
 
 
+def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refused():
+    shifts = [(k // 4, k // 8) for k in range(24)]
+    moves = np.array(shifts, float)
+    centres = _swinging(24) - moves
+    sample = _drawn(centres, shifts=shifts)
+    finding = gate.resting_camera(sample, _track(centres))
+    assert finding is not None
+    assert not finding.is_refusal
+    carried = gate.resting_camera(sample, _track(np.array([60.0, 180.0]) - moves))
+    assert carried is not None
+    assert carried.is_refusal
+    assert "moves with it" in carried.reason
+
+
 def test_a_camera_before_a_plain_wall_is_unknown():
     centres = _swinging(16)
-    assert np.isnan(gate.camera_motion(_drawn(centres, texture=0.0), _track(centres)))
+    assert np.isnan(gate.camera_motion(_drawn(centres, texture=0.0), _track(centres))[0])
 
 
 @pytest.mark.parametrize("texture", [0.0, 40.0])
@@ -246,12 +260,20 @@ def test_a_disc_much_larger_than_the_ball_is_refused():
 def test_the_part_of_a_track_that_leaves_the_ball_is_taken_back():
     centres = _swinging(40)
     followed = centres.copy()
-    followed[28:] = centres[:12] * [1.0, 0.0] + [0.0, 60.0]
+    followed[32:] = centres[:8] * [1.0, 0.0] + [0.0, 60.0]
     finding = gate.changing_pixels(_drawn(centres), _track(followed))
     assert finding is not None
     assert not finding.is_refusal
-    assert finding.doubtful[30:].all()
-    assert not finding.doubtful[:26].any()
+    assert finding.doubtful[34:].all()
+    assert not finding.doubtful[:30].any()
+
+
+def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
+    centres = _swinging()
+    finding = gate.changing_pixels(_drawn(centres, radius=20.0), _track(centres, radius=6.0))
+    assert finding is not None
+    assert not finding.is_refusal
+    assert "part of something larger" in finding.reason
 
 
 def test_light_that_changes_for_all_changes_nothing():

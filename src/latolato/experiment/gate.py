@@ -31,9 +31,9 @@ _STRONG, _WEAKEST = 3.0, 1e-5
 # Fewest features that show a motion of the camera, the rows and columns of tiles over which they
 # must spread, and the share of all that must agree.
 _FEATURES, _SPREAD, _AGREEING = 8, 3, 0.5
-# Motion of the camera that is reported, and that is too large: in pixels, or as a share of the
-# ball's radius if that is more.
-_MENTIONED, _TOO_FAR, _TOO_FAR_SHARE = 1.0, 4.0, 0.25
+# Motion of the camera that is reported [pixels], and that is too large, as a share of the picture's
+# diagonal. A ball must move by more than a share of it.
+_MENTIONED, _TOO_FAR, _CARRIED = 1.0, 0.02, 0.3
 # How many frames are compared with the first one.
 _COMPARED = 24
 # A pixel has changed if it differs by this many times the typical difference, and by this many
@@ -47,9 +47,9 @@ _CHANGED, _MORE = 0.35, 0.2
 # Share under the ball from which it moves as a whole, and share of the rest of the picture that may
 # change meanwhile, for a disc about a part of the ball to be believed.
 _WHOLE, _ELSEWHERE = 0.9, 0.3
-# Share of frames in which a ball must pass for the track to be believed at all, and how many
-# neighbours have a say in whether a stretch is.
-_PASSING, _NEIGHBOURS = 0.5, 5
+# Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
+# part of something larger, and how many neighbours have a say in whether a stretch is believed.
+_PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
 # Fewest pixels that tell.
 _FEWEST = 4
 
@@ -177,8 +177,7 @@ def moving_ball(track: Track) -> Finding | None:
         places = track.centres[track.is_measured[:, ball], ball]
         if len(places) < _FEWEST:
             continue
-        # The outermost places may be mistakes.
-        extent = float(np.hypot(*np.subtract(*np.quantile(places, [0.98, 0.02], axis=0))))
+        extent = _extent(places)
         if extent < _RESTING:
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
@@ -189,26 +188,44 @@ def moving_ball(track: Track) -> Finding | None:
 
 
 def resting_camera(sample: Sample, track: Track) -> Finding | None:
-    """Check that the camera moves by no more than 4 pixels or a quarter of the ball's radius.
+    """Check that the camera moves by no more than 2 % of the diagonal, and balls do not with it.
 
     It can miss a camera that moves in front of a wall without any features, that turns by a little
     about the middle of the picture, or that moves between the frames of the sample only.
     """
-    moved = camera_motion(sample, track)
+    moved, numbers, motions = camera_motion(sample, track)
     if math.isnan(moved) or moved < _MENTIONED:
         return None
     reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
-    if moved <= max(_TOO_FAR, _TOO_FAR_SHARE * track.radius):
-        return Finding(reason, "film on a tripod for full accuracy", False)
-    return Finding(reason, "film with the camera at rest, on a tripod")
+    if moved > _TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
+        return Finding(reason, "film with the camera at rest, on a tripod")
+    for ball in range(track.centres.shape[1]):
+        seen = track.is_measured[numbers, ball]
+        places = np.column_stack([track.centres[numbers[seen], ball], np.ones(seen.sum())])
+        own = np.einsum("kij,kj->ki", motions[seen], places)
+        extent = _extent(own) if len(own) >= _FEWEST else math.inf
+        if extent < max(_RESTING, _CARRIED * moved):
+            return Finding(
+                f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
+                "before the background",
+                "point at the ball that swings, and film with the camera on a tripod",
+            )
+    return Finding(reason, "film on a tripod for full accuracy", False)
 
 
-def camera_motion(sample: Sample, track: Track) -> float:
+def _extent(places: np.ndarray) -> float:
+    """Return how far places (place, 2) spread; the outermost may be mistakes."""
+    low, high = np.quantile(places, [0.02, 0.98], axis=0)
+    return float(np.hypot(*(high - low)))
+
+
+def camera_motion(sample: Sample, track: Track) -> tuple[float, np.ndarray, np.ndarray]:
     """Return how far the background moves away from its place in the first frame [pixels].
 
-    NaN if too few features show it. Shi and Tomasi, CVPR (1994) 593, for features; Lucas and
-    Kanade's flow takes them to other frames, where most of them must agree on a shift, a turn and
-    a zoom. Things that move are outvoted.
+    NaN if too few features show it. Also return the numbers of the frames that show it, and
+    matrices of shape (frame, 2, 3) that take their places to those of the first frame. Shi and
+    Tomasi, CVPR (1994) 593, for features; Lucas and Kanade's flow takes them to other frames,
+    where most of them must agree on a shift, a turn and a zoom. Things that move are outvoted.
     """
     cv2 = import_cv2()
     frames = sample.frames[:: max(1, len(sample.frames) // _COMPARED)]
@@ -220,14 +237,16 @@ def camera_motion(sample: Sample, track: Track) -> float:
         if np.isfinite(place).all()
     ]
     points = _features(cv2, first, hidden)
-    if len(points) < _FEATURES:
-        return math.nan
-    shifts = [_shift(cv2, first, _reduced(cv2, frame), points) for frame in frames[1:]]
-    known = np.array([shift for shift in shifts if not math.isnan(shift)])
-    if len(known) < 2:
-        return math.nan
+    numbers, shifts, motions = [], [], []
+    for frame in frames[1:] if len(points) >= _FEATURES else []:
+        found = _motion(cv2, first, _reduced(cv2, frame), points)
+        if found is not None:
+            numbers.append(frame.number)
+            shifts.append(scale * found[0])
+            motions.append(found[1] * [1.0, 1.0, scale])
     # One frame alone may be a mistake.
-    return scale * float(np.sort(known)[-2])
+    moved = float(np.sort(shifts)[-2]) if len(shifts) > 1 else math.nan
+    return moved, np.array(numbers, int), np.array(motions).reshape(-1, 2, 3)
 
 
 def _reduced(cv2: Any, frame: Frame, widest: int = _WIDTH) -> np.ndarray:
@@ -263,8 +282,10 @@ def _features(
     return np.array(found, np.float32).reshape(-1, 2)
 
 
-def _shift(cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray) -> float:
-    """Return how far the features moved [pixels]; NaN if they do not agree."""
+def _motion(
+    cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray
+) -> tuple[float, np.ndarray] | None:
+    """Return how far the features moved and how they move back; None if they do not agree."""
     options = {"winSize": (2 * _HALF + 1, 2 * _HALF + 1), "maxLevel": 4}
     start = points[:, None]
     there, seen, _ = cv2.calcOpticalFlowPyrLK(first, later, start, None, **options)
@@ -272,17 +293,17 @@ def _shift(cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray) -
     is_back = np.hypot(*(back - start)[:, 0].T) < 0.5
     kept = (seen[:, 0] > 0) & (seen_back[:, 0] > 0) & is_back
     if kept.sum() < _FEATURES:
-        return math.nan
+        return None
     before, after = points[kept], there[kept, 0]
-    motion, agreeing = cv2.estimateAffinePartial2D(before, after, ransacReprojThreshold=1.0)
+    motion, agreeing = cv2.estimateAffinePartial2D(after, before, ransacReprojThreshold=1.0)
     if motion is None:
-        return math.nan
+        return None
     agrees = agreeing[:, 0] > 0
     tiles = (before[agrees, ::-1] * _TILES // np.array(first.shape)).astype(int)
     rows, columns = (len(set(tiles[:, axis].tolist())) for axis in (0, 1))
     if agrees.sum() < max(_FEATURES, _AGREEING * kept.sum()) or rows < _SPREAD or columns < _SPREAD:
-        return math.nan
-    return float(np.median(np.hypot(*(after - before)[agrees].T)))
+        return None
+    return float(np.median(np.hypot(*(after - before)[agrees].T))), motion
 
 
 def changing_pixels(sample: Sample, track: Track) -> Finding | None:
@@ -302,15 +323,16 @@ def changing_pixels(sample: Sample, track: Track) -> Finding | None:
             continue
         under, beside, elsewhere = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
-        passes = is_ball | ((under >= _WHOLE) & (elsewhere <= _ELSEWHERE))
-        if passes.mean() < _PASSING:
+        moves = (under >= _WHOLE) & (elsewhere <= _ELSEWHERE)
+        passes = is_ball if is_ball.mean() >= _PASSING else is_ball | moves
+        if passes.mean() < (_PASSING if passes is is_ball else _ALWAYS):
             return Finding(
                 f"what was followed is no ball that moves: of the pixels under its disc of "
                 f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
                 f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
                 "point at the middle of the ball that swings, or give its radius and length",
             )
-        is_part |= bool(is_ball.mean() < _PASSING)
+        is_part |= passes is not is_ball
         doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))
     doubtful &= track.is_measured
     if doubtful.any():
