@@ -94,7 +94,7 @@ def test_a_panning_camera_is_refused(film, tmp_path):
 
 
 @quiet
-@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1)])
+@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1), (0.22, -0.25)])
 def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
     path, attrs = film(f"parked{aside}", parked_x=aside[0], parked_y=aside[1])
     click = _place(attrs, "parked")

@@ -39,8 +39,9 @@ _COMPARED = 24
 # A pixel has changed if it differs by this many times the typical difference, and by this many
 # steps of 255. Colour counts more than light, which shadows change too.
 _CLEAR, _LEAST, _CHROMA = 3.0, 4.0, 2.0
-# With how many other frames a frame is compared, and how far the ball must be away there [radii].
-_PARTNERS, _APART = 3, 2.3
+# With how many other frames a frame is compared, and how far the ball must be away there: in radii,
+# and as a share of the farthest.
+_PARTNERS, _APART, _HALFWAY = 3, 2.3, 0.5
 # Least share of the pixels under the ball that must have changed, and by how much it must exceed
 # the share beside the ball.
 _CHANGED, _MORE = 0.35, 0.2
@@ -114,7 +115,7 @@ def examine(sample: Sample, track: Track) -> list[Finding]:
     track : Track
         What was followed in all frames.
     """
-    checks = (
+    checks: tuple[Callable[[], Finding | None], ...] = (
         lambda: clicked_ball(track),
         lambda: declared_radius(track),
         lambda: moving_ball(track),
@@ -375,7 +376,8 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
     for k, ball in np.argwhere(is_measured):
         away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
         away[~is_measured[:, ball]] = np.nan
-        enough = min(_APART * track.radius, float(np.nanmax(away)))
+        farthest = float(np.nanmax(away))
+        enough = min(max(_APART * track.radius, _HALFWAY * farthest), farthest)
         if enough < _RESTING:
             continue
         partners = np.flatnonzero(away >= 0.98 * enough)

@@ -39,7 +39,7 @@ _RADIUS_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.12, 0.4
+_NEVER, _SELDOM = 0.25, 0.4
 # Flags of samples that were measured.
 _MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
