@@ -322,9 +322,9 @@ def changing_pixels(sample: Sample, track: Track) -> Finding | None:
         known = np.isfinite(shares[:, ball, 0])
         if not known.any():
             continue
-        under, beside, elsewhere = shares[known, ball].T
+        under, beside, elsewhere, plain = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
-        moves = (under >= _WHOLE) & (elsewhere <= _ELSEWHERE)
+        moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
         passes = is_ball if is_ball.mean() >= _PASSING else is_ball | moves
         if passes.mean() < (_PASSING if passes is is_ball else _ALWAYS):
             return Finding(
@@ -364,14 +364,14 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
 
     A frame is compared with others in which the ball is elsewhere, the nearest in time: the wall
     shows there what the ball hides here. The shares under the ball, beside it and in the rest of
-    the picture, of shape (sample frame, ball, 3), are medians over these; NaN where a ball was not
-    measured or never is elsewhere.
+    the picture, and under the ball if the light is taken as steady, of shape (sample frame, ball,
+    4), are medians over these; NaN where a ball was not measured or never is elsewhere.
     """
     frames = sample.frames
     numbers = np.array([frame.number for frame in frames])
     centres, is_measured = track.centres[numbers], track.is_measured[numbers]
     limit = max(_LEAST, _CLEAR * _typical_difference(frames))
-    shares = np.full((*centres.shape[:2], 3), np.nan)
+    shares = np.full((*centres.shape[:2], 4), np.nan)
     coarse = _Coarse(frames, centres, track.radius, limit)
     for k, ball in np.argwhere(is_measured):
         away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
@@ -393,9 +393,13 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
                 continue
             change = here - window.picture(frames[j])
             # The light may change for all.
-            change = np.abs(change - np.median(change[beside], axis=0)).max(axis=-1) > limit
+            local = np.median(change[beside], axis=0)
+            changed, plainly = (
+                np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
+            )
+            elsewhere = coarse.changed(int(k), int(j))
             found.append(
-                (change[under].mean(), change[beside].mean(), coarse.changed(int(k), int(j)))
+                (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
             )
         if found:
             shares[k, ball] = np.median(found, axis=0)
