@@ -259,7 +259,7 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
             pivot=swing.pivot,
             balls=swing.balls,
             length=swing.length,
-            radius=1.5 * radius,
+            radius=1.4 * radius,
         )
     assert table.attrs["measured_radius"] == pytest.approx(radius, rel=0.05)
     for axis in "xy":  # how well the place of the pivot is known, in pixels

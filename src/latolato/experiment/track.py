@@ -13,6 +13,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
+from latolato.experiment.gate import Track, examine
 from latolato.experiment.propose import found_in_video, propose
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.table import track_table
@@ -32,7 +33,9 @@ _RADIUS_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.12, 0.4
+_NEVER, _SELDOM = 0.25, 0.4
+# Flags of samples that were measured.
+_MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius: what
@@ -118,7 +121,8 @@ def track(
         If there is no such file.
     InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a place lies outside the frame, no ball is found, or the sidecar is another video's.
+        a place lies outside the frame, no ball is found, what was followed is not the ball, the
+        camera moves, or the sidecar is another video's.
     ModuleNotFoundError
         Without the extra `video`.
 
@@ -131,8 +135,9 @@ def track(
     Notes
     -----
     Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
-    the prediction; balls cannot pass each other. It can miss: a camera that moves, balls of other
-    sizes or colours than each other, a perspective that is not seen in the circle.
+    the prediction; balls cannot pass each other. The track must pass the checks of
+    `latolato.experiment.gate`. It can miss: balls of other sizes or colours than each other, a
+    perspective that is not seen in the circle, and what each of the checks can miss.
 
     See Also
     --------
@@ -298,11 +303,11 @@ def _tracked(
     seen = follow(
         video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
     )
-    if not np.isin(seen.flags, ("ok", "collision", "occluded")).any():
+    if not np.isin(seen.flags, _MEASURED).any():
         raise InputError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
-    share = float(np.isin(seen.flags, ("ok", "collision", "occluded")).mean())
+    share = float(np.isin(seen.flags, _MEASURED).mean())
     if share < _NEVER:
         raise InputError(
             f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
@@ -313,6 +318,22 @@ def _tracked(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
             "at?"
         )
+    declared = radius / length * scene.arm if radius and length else None
+    doubtful = _gated(
+        task,
+        sample,
+        Track(
+            seen.centres,
+            seen.pivots,
+            np.isin(seen.flags, _MEASURED),
+            scene.look.radius,
+            balls,
+            declared,
+        ),
+    )
+    seen.flags[doubtful] = "lost"
+    for numbers in (seen.centres, seen.angles, seen.sigmas, seen.spreads):
+        numbers[doubtful] = np.nan
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
@@ -324,6 +345,21 @@ def _tracked(
             f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
         )
     return _table(task, scene, seen, measured)
+
+
+def _gated(task: Task, sample: Sample, followed: Track) -> np.ndarray:
+    """Return which samples are not to be believed, shape (frame, ball); refuse a track as a whole.
+
+    Warnings join the task's list.
+    """
+    doubtful = np.zeros(followed.is_measured.shape, bool)
+    for finding in examine(sample, followed):
+        if finding.is_refusal:
+            raise InputError(f"{task.video.path}: {finding.reason}", way_out=finding.way_out)
+        task.warnings.append(f"{finding.reason}; {finding.way_out}")
+        if finding.doubtful is not None:
+            doubtful |= finding.doubtful
+    return doubtful
 
 
 def _doubt(scene: Scene) -> float:
@@ -402,6 +438,10 @@ def _wandered(
 ) -> xr.Dataset:
     """Return the table of balls about an unseen pivot: their places in the image, no angles."""
     path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
+    doubtful = _gated(
+        task, sample, Track(path.centres, None, path.flags == "ok", path.radius, balls)
+    )
+    path.flags[doubtful], path.centres[doubtful] = "lost", np.nan
     columns: dict[str, Any] = {"time": path.times}
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T

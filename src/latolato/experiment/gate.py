@@ -1,0 +1,518 @@
+"""Checks that what was followed is the ball, before a track is written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from latolato.experiment.blobs import import_cv2
+from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.video import Frame
+
+# Largest ratio between the measured and the declared radius, either way.
+_RADIUS_RATIO = 1.5
+# How far outside the ball a click may lie [pixels].
+_BESIDE = 3.0
+# Extent of a ball's path below which the ball rests [pixels].
+_RESTING = 2.0
+# Widths to which pictures are reduced to measure the camera's motion, and what changes far from
+# the ball [pixels].
+_WIDTH, _COARSE = 480, 160
+# Rows and columns of tiles, each of which gives one feature, and half the size of a feature's
+# neighbourhood [pixels].
+_TILES, _HALF = (8, 12), 10
+# How many times stronger than the typical place a feature must be, and how strong at least.
+_STRONG, _WEAKEST = 3.0, 1e-5
+# Fewest features that show a motion of the camera, the rows and columns of tiles over which they
+# must spread, and the share of all that must agree.
+_FEATURES, _SPREAD, _AGREEING = 8, 3, 0.5
+# Motion of the camera that is reported [pixels], and that is too large, as a share of the picture's
+# diagonal. A ball must move by more than a share of it.
+_MENTIONED, _TOO_FAR, _CARRIED = 1.0, 0.02, 0.3
+# How many frames are compared with the first one.
+_COMPARED = 24
+# A pixel has changed if it differs by this many times the typical difference, and by this many
+# steps of 255. Colour counts more than light, which shadows change too.
+_CLEAR, _LEAST, _CHROMA = 3.0, 4.0, 2.0
+# With how many other frames a frame is compared, and how far the ball must be away there: in radii,
+# and as a share of the farthest.
+_PARTNERS, _APART, _HALFWAY = 3, 2.3, 0.5
+# Least share of the pixels under the ball that must have changed, and by how much it must exceed
+# the share beside the ball.
+_CHANGED, _MORE = 0.35, 0.2
+# Share under the ball from which it moves as a whole, and share of the rest of the picture that may
+# change meanwhile, for a disc about a part of the ball to be believed.
+_WHOLE, _ELSEWHERE = 0.9, 0.3
+# Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
+# part of something larger, and how many neighbours have a say in whether a stretch is believed.
+_PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
+# Fewest pixels that tell.
+_FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Track:
+    """What was followed, in pixels of the picture.
+
+    Attributes
+    ----------
+    centres : numpy.ndarray, shape (frame, ball, 2)
+        Column and row of the balls; NaN where unknown.
+    pivots : numpy.ndarray, shape (frame, 2), or None
+        Column and row of the pivot; None if it is out of the picture.
+    is_measured : numpy.ndarray of bool, shape (frame, ball)
+        Whether the picture shows the ball there, as far as the tracker knows.
+    radius : float
+        Measured radius of a ball.
+    clicks : sequence of numpy.ndarray, shape (2,)
+        Where the balls are in the first frame according to the user.
+    declared_radius : float or None
+        Radius according to the user, by the length's scale.
+    """
+
+    centres: np.ndarray
+    pivots: np.ndarray | None
+    is_measured: np.ndarray
+    radius: float
+    clicks: Sequence[np.ndarray]
+    declared_radius: float | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check has against a track.
+
+    Attributes
+    ----------
+    reason, way_out : str
+        Why the track cannot be believed, and what to do instead.
+    is_refusal : bool
+        Whether the whole track is refused. Otherwise the user is warned.
+    doubtful : numpy.ndarray of bool, shape (frame, ball), or None
+        Samples that must not count as measured; None if all may.
+    """
+
+    reason: str
+    way_out: str
+    is_refusal: bool = True
+    doubtful: np.ndarray | None = None
+
+
+def examine(sample: Sample, track: Track) -> list[Finding]:
+    """Return what the checks have against a track; an empty list for a good one.
+
+    The first refusal ends the examination.
+
+    Parameters
+    ----------
+    sample : Sample
+        Frames spread over the clip.
+    track : Track
+        What was followed in all frames.
+    """
+    checks: tuple[Callable[[], Finding | None], ...] = (
+        lambda: clicked_ball(track),
+        lambda: declared_radius(track),
+        lambda: moving_ball(track),
+        lambda: resting_camera(sample, track),
+        lambda: changing_pixels(sample, track),
+    )
+    findings: list[Finding] = []
+    for check in checks:
+        finding = check()
+        if finding is not None:
+            findings.append(finding)
+            if finding.is_refusal:
+                break
+    return findings
+
+
+def clicked_ball(track: Track) -> Finding | None:
+    """Check that the balls of the first frame are where they were clicked.
+
+    It can miss a ball that was not measured in the first frame.
+    """
+    for ball, place in enumerate(track.centres[0]):
+        if not track.is_measured[0, ball]:
+            continue
+        away = min(float(np.hypot(*(place - click))) for click in track.clicks)
+        if away > track.radius + _BESIDE:
+            return Finding(
+                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) in the first "
+                f"frame with a radius of {track.radius:.0f} pixels, {away:.0f} pixels from where "
+                "it was pointed at",
+                "point at the middle of the ball in the first frame",
+            )
+    return None
+
+
+def declared_radius(track: Track) -> Finding | None:
+    """Check that the measured radius is the declared one within a factor of 1.5.
+
+    It can miss whatever has the size of the ball, and everything if no radius is declared.
+    """
+    if track.declared_radius is None:
+        return None
+    ratio = track.radius / track.declared_radius
+    if 1.0 / _RADIUS_RATIO <= ratio <= _RADIUS_RATIO:
+        return None
+    return Finding(
+        f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
+        f"{track.declared_radius:.1f} pixels by the length's scale",
+        "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
+        "without a radius it is measured",
+    )
+
+
+def moving_ball(track: Track) -> Finding | None:
+    """Check that each ball moves by more than two pixels.
+
+    It can miss a thing at rest whose place is measured badly; `changing_pixels` sees that.
+    """
+    for ball in range(track.centres.shape[1]):
+        places = track.centres[track.is_measured[:, ball], ball]
+        if len(places) < _FEWEST:
+            continue
+        extent = _extent(places)
+        if extent < _RESTING:
+            return Finding(
+                f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
+                f"{extent:.1f} pixels in the whole clip: it rests",
+                "point at the ball that swings",
+            )
+    return None
+
+
+def resting_camera(sample: Sample, track: Track) -> Finding | None:
+    """Check that the camera moves by no more than 2 % of the diagonal, and balls do not with it.
+
+    It can miss a camera that moves in front of a wall without any features, that turns by a little
+    about the middle of the picture, or that moves between the frames of the sample only.
+    """
+    moved, numbers, motions = camera_motion(sample, track)
+    if math.isnan(moved) or moved < _MENTIONED:
+        return None
+    reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
+    if moved > _TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
+        return Finding(reason, "film with the camera at rest, on a tripod")
+    for ball in range(track.centres.shape[1]):
+        seen = track.is_measured[numbers, ball]
+        places = np.column_stack([track.centres[numbers[seen], ball], np.ones(seen.sum())])
+        own = np.einsum("kij,kj->ki", motions[seen], places)
+        extent = _extent(own) if len(own) >= _FEWEST else math.inf
+        if extent < max(_RESTING, _CARRIED * moved):
+            return Finding(
+                f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
+                "before the background",
+                "point at the ball that swings, and film with the camera on a tripod",
+            )
+    return Finding(reason, "film on a tripod for full accuracy", False)
+
+
+def _extent(places: np.ndarray) -> float:
+    """Return how far places (place, 2) spread; the outermost may be mistakes."""
+    low, high = np.quantile(places, [0.02, 0.98], axis=0)
+    return float(np.hypot(*(high - low)))
+
+
+def camera_motion(sample: Sample, track: Track) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return how far the background moves away from its place in the first frame [pixels].
+
+    NaN if too few features show it. Also return the numbers of the frames that show it, and
+    matrices of shape (frame, 2, 3) that take their places to those of the first frame. Shi and
+    Tomasi, CVPR (1994) 593, for features; Lucas and Kanade's flow takes them to other frames,
+    where most of them must agree on a shift, a turn and a zoom. Things that move are outvoted.
+    """
+    cv2 = import_cv2()
+    frames = sample.frames[:: max(1, len(sample.frames) // _COMPARED)]
+    first = _reduced(cv2, frames[0])
+    scale = frames[0].luma.shape[1] / first.shape[1]
+    hidden = [
+        (place / scale, 1.5 * track.radius / scale + 3.0)
+        for place in track.centres[0]
+        if np.isfinite(place).all()
+    ]
+    points = _features(cv2, first, hidden)
+    numbers, shifts, motions = [], [], []
+    for frame in frames[1:] if len(points) >= _FEATURES else []:
+        found = _motion(cv2, first, _reduced(cv2, frame), points)
+        if found is not None:
+            numbers.append(frame.number)
+            shifts.append(scale * found[0])
+            motions.append(found[1] * [1.0, 1.0, scale])
+    # One frame alone may be a mistake.
+    moved = float(np.sort(shifts)[-2]) if len(shifts) > 1 else math.nan
+    return moved, np.array(numbers, int), np.array(motions).reshape(-1, 2, 3)
+
+
+def _reduced(cv2: Any, frame: Frame, widest: int = _WIDTH) -> np.ndarray:
+    """Return a frame's luma in a small picture."""
+    rows, columns = frame.luma.shape
+    width = min(widest, columns)
+    size = (width, max(1, round(rows * width / columns)))
+    small: np.ndarray = cv2.resize(
+        np.ascontiguousarray(frame.luma), size, interpolation=cv2.INTER_AREA
+    )
+    return small
+
+
+def _features(
+    cv2: Any, picture: np.ndarray, hidden: Sequence[tuple[np.ndarray, float]]
+) -> np.ndarray:
+    """Return the best feature of each tile that has a clear one, shape (feature, 2)."""
+    strength = cv2.cornerMinEigenVal(cv2.GaussianBlur(picture, (0, 0), 1.0), 7)
+    floor = max(_STRONG * float(np.median(strength)), _WEAKEST)
+    for (u, v), reach in hidden:
+        cv2.circle(strength, (round(float(u)), round(float(v))), math.ceil(reach), 0.0, -1)
+    rows, columns = picture.shape
+    inner = np.zeros_like(strength)
+    inner[_HALF:-_HALF, _HALF:-_HALF] = strength[_HALF:-_HALF, _HALF:-_HALF]
+    found = []
+    for i in range(_TILES[0]):
+        for j in range(_TILES[1]):
+            top, left = i * rows // _TILES[0], j * columns // _TILES[1]
+            tile = inner[top : (i + 1) * rows // _TILES[0], left : (j + 1) * columns // _TILES[1]]
+            at = np.unravel_index(int(np.argmax(tile)), tile.shape)
+            if tile[at] > floor:
+                found.append((left + at[1], top + at[0]))
+    return np.array(found, np.float32).reshape(-1, 2)
+
+
+def _motion(
+    cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray
+) -> tuple[float, np.ndarray] | None:
+    """Return how far the features moved and how they move back; None if they do not agree."""
+    options = {"winSize": (2 * _HALF + 1, 2 * _HALF + 1), "maxLevel": 4}
+    start = points[:, None]
+    there, seen, _ = cv2.calcOpticalFlowPyrLK(first, later, start, None, **options)
+    back, seen_back, _ = cv2.calcOpticalFlowPyrLK(later, first, there, None, **options)
+    is_back = np.hypot(*(back - start)[:, 0].T) < 0.5
+    kept = (seen[:, 0] > 0) & (seen_back[:, 0] > 0) & is_back
+    if kept.sum() < _FEATURES:
+        return None
+    before, after = points[kept], there[kept, 0]
+    motion, agreeing = cv2.estimateAffinePartial2D(after, before, ransacReprojThreshold=1.0)
+    if motion is None:
+        return None
+    agrees = agreeing[:, 0] > 0
+    tiles = (before[agrees, ::-1] * _TILES // np.array(first.shape)).astype(int)
+    rows, columns = (len(set(tiles[:, axis].tolist())) for axis in (0, 1))
+    if agrees.sum() < max(_FEATURES, _AGREEING * kept.sum()) or rows < _SPREAD or columns < _SPREAD:
+        return None
+    return float(np.median(np.hypot(*(after - before)[agrees].T))), motion
+
+
+def changing_pixels(sample: Sample, track: Track) -> Finding | None:
+    """Check that the pixels under the ball change when it comes, and that those beside it do not.
+
+    Those beside it may change too if nearly all under it do and the rest of the picture rests: the
+    disc is then about a part of the ball, and the user is warned. It can miss any part of a larger
+    thing that moves, a place beside the ball's centre by less than half a radius, and what happens
+    between the frames of the sample.
+    """
+    numbers, shares = change_shares(sample, track)
+    doubtful = np.zeros(track.is_measured.shape, bool)
+    is_part = False
+    for ball in range(track.centres.shape[1]):
+        known = np.isfinite(shares[:, ball, 0])
+        if not known.any():
+            continue
+        under, beside, elsewhere, plain = shares[known, ball].T
+        is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
+        moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
+        passes = is_ball if is_ball.mean() >= _PASSING else is_ball | moves
+        if passes.mean() < (_PASSING if passes is is_ball else _ALWAYS):
+            return Finding(
+                f"what was followed is no ball that moves: of the pixels under its disc of "
+                f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
+                f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
+                "point at the middle of the ball that swings, or give its radius and length",
+            )
+        is_part |= passes is not is_ball
+        doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))
+    doubtful &= track.is_measured
+    if doubtful.any():
+        return Finding(
+            f"{_percent(doubtful[track.is_measured], np.mean)} of the measured samples are given "
+            "up as lost: there the pixels under the disc do not change as those under a ball",
+            "look at these frames in the overlay",
+            False,
+            doubtful,
+        )
+    if is_part:
+        return Finding(
+            f"the disc of {track.radius:.0f} pixels radius that was followed is a part of "
+            "something larger that moves with it",
+            "look at the overlay, and give the ball's radius and length",
+            False,
+        )
+    return None
+
+
+def _percent(shares: np.ndarray, typical: Callable[[np.ndarray], Any] = np.median) -> str:
+    """Return a typical share in words."""
+    return f"{100.0 * float(typical(shares)):.0f} %"
+
+
+def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]:
+    """Return numbers of the sample's frames, and shares of pixels that changed.
+
+    A frame is compared with others in which the ball is elsewhere, the nearest in time: the wall
+    shows there what the ball hides here. The shares under the ball, beside it and in the rest of
+    the picture, and under the ball if the light is taken as steady, of shape (sample frame, ball,
+    4), are medians over these; NaN where a ball was not measured or never is elsewhere.
+    """
+    frames = sample.frames
+    numbers = np.array([frame.number for frame in frames])
+    centres, is_measured = track.centres[numbers], track.is_measured[numbers]
+    limit = max(_LEAST, _CLEAR * _typical_difference(frames))
+    shares = np.full((*centres.shape[:2], 4), np.nan)
+    coarse = _Coarse(frames, centres, track.radius, limit)
+    for k, ball in np.argwhere(is_measured):
+        away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
+        away[~is_measured[:, ball]] = np.nan
+        farthest = float(np.nanmax(away))
+        enough = min(max(_APART * track.radius, _HALFWAY * farthest), farthest)
+        if enough < _RESTING:
+            continue
+        partners = np.flatnonzero(away >= 0.98 * enough)
+        partners = partners[np.argsort(np.abs(partners - k), kind="stable")][:_PARTNERS]
+        window = _Window.about(frames[k], centres[k, ball], track.radius)
+        if window is None:
+            continue
+        here = window.picture(frames[k])
+        found = []
+        for j in partners:
+            under, beside = _regions(window, track, numbers, int(k), int(j), int(ball))
+            if under.sum() < _FEWEST or beside.sum() < _FEWEST:
+                continue
+            change = here - window.picture(frames[j])
+            # The light may change for all.
+            local = np.median(change[beside], axis=0)
+            changed, plainly = (
+                np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
+            )
+            elsewhere = coarse.changed(int(k), int(j))
+            found.append(
+                (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
+            )
+        if found:
+            shares[k, ball] = np.median(found, axis=0)
+    return numbers, shares
+
+
+class _Coarse:
+    """Small pictures of the sample: what changes away from the balls."""
+
+    def __init__(
+        self, frames: list[Frame], centres: np.ndarray, radius: float, limit: float
+    ) -> None:
+        cv2 = import_cv2()
+        self.pictures = [_reduced(cv2, frame, _COARSE) for frame in frames]
+        scale = frames[0].luma.shape[1] / self.pictures[0].shape[1]
+        self.centres, self.reach, self.limit = centres / scale, 1.5 * radius / scale + 1.0, limit
+
+    def changed(self, k: int, j: int) -> float:
+        """Return which share of the picture away from the balls differs in two frames."""
+        change = self.pictures[k].astype(np.float32) - self.pictures[j]
+        v, u = np.indices(change.shape)
+        free = np.ones(change.shape, bool)
+        for place in self.centres[[k, j]].reshape(-1, 2):
+            if np.isfinite(place).all():
+                free &= np.hypot(u - place[0], v - place[1]) > self.reach
+        if not free.any():
+            return 1.0
+        return float(np.mean(np.abs(change[free] - np.median(change[free])) > self.limit))
+
+
+def _typical_difference(frames: list[Frame]) -> float:
+    """Return the median difference of a pixel between frames of the sample [steps of 255]."""
+    window = _Window.whole(frames[0])
+    pictures = [window.picture(frame)[::2, ::2] for frame in frames[:: max(1, len(frames) // 6)]]
+    return float(np.median([np.abs(b - a).max(axis=-1) for a, b in pairwise(pictures)]))
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Columns and rows of a part of the picture at half the resolution: colour is no finer."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+    @classmethod
+    def whole(cls, frame: Frame) -> _Window:
+        """Return the whole picture."""
+        rows, columns = (side // 2 for side in frame.luma.shape)
+        return cls(0, 0, columns, rows)
+
+    @classmethod
+    def about(cls, frame: Frame, centre: np.ndarray, radius: float) -> _Window | None:
+        """Return the part about a ball and its surroundings; None if it is out of the picture."""
+        all_ = cls.whole(frame)
+        reach = 1.2 * radius + 4.0
+        u, v = (centre - 0.5) / 2.0
+        left, top = max(0, math.floor(u - reach)), max(0, math.floor(v - reach))
+        right = min(all_.right, math.ceil(u + reach) + 1)
+        bottom = min(all_.bottom, math.ceil(v + reach) + 1)
+        return cls(left, top, right, bottom) if right - left > 2 and bottom - top > 2 else None
+
+    def picture(self, frame: Frame) -> np.ndarray:
+        """Return luma and weighted chroma, slightly blurred, shape (row, column, 3)."""
+        part = slice(self.top, self.bottom), slice(self.left, self.right)
+        fine = frame.luma[2 * self.top : 2 * self.bottom, 2 * self.left : 2 * self.right]
+        luma = fine.reshape(fine.shape[0] // 2, 2, fine.shape[1] // 2, 2).mean(axis=(1, 3))
+        chroma = [_CHROMA * plane[part] for plane in (frame.blue, frame.red)]
+        planes = np.dstack([luma, *chroma]).astype(np.float32)
+        blurred: np.ndarray = import_cv2().GaussianBlur(planes, (0, 0), 0.8)
+        return blurred
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return columns and rows of the window's pixels in the full picture."""
+        rows, columns = np.mgrid[self.top : self.bottom, self.left : self.right]
+        return 2.0 * columns + 0.5, 2.0 * rows + 0.5
+
+
+def _regions(
+    window: _Window, track: Track, numbers: np.ndarray, k: int, j: int, ball: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return which pixels are under a ball of frame `k`, and which beside it.
+
+    Both are free of other balls and of the balls of frame `j`, and what is beside is free of rods.
+    """
+    u, v = window.places()
+    radius = track.radius
+    own = track.centres[numbers[k], ball]
+    distance = np.hypot(u - own[0], v - own[1])
+    is_free, is_clear = np.ones(u.shape, bool), np.ones(u.shape, bool)
+    for q in (k, j):
+        for other in range(track.centres.shape[1]):
+            place = track.centres[numbers[q], other]
+            if not np.isfinite(place).all():
+                continue
+            if (q, other) != (k, ball):
+                is_free &= np.hypot(u - place[0], v - place[1]) > 1.15 * radius + 1.0
+            if track.pivots is not None:
+                rod = track.pivots[numbers[q]] - place
+                x, y = rod / max(float(np.hypot(*rod)), 1e-9)
+                along = (u - place[0]) * x + (v - place[1]) * y
+                across = np.abs((u - place[0]) * y - (v - place[1]) * x)
+                is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
+    under = is_free & (distance < max(0.85 * radius, 1.5))
+    beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
+    return under, beside
+
+
+def _stretches(numbers: np.ndarray, passes: np.ndarray, count: int) -> np.ndarray:
+    """Return which frames are nearest to a stretch of the sample that does not pass."""
+    half = _NEIGHBOURS // 2
+    padded = np.pad(passes.astype(float), half, mode="edge")
+    voted = np.convolve(padded, np.ones(_NEIGHBOURS) / _NEIGHBOURS, mode="valid") < 0.5
+    middles = 0.5 * (numbers[1:] + numbers[:-1])
+    return np.asarray(voted[np.searchsorted(middles, np.arange(count))])

@@ -1,0 +1,286 @@
+"""The gate before a track: what is no ball is refused, what is one passes unchanged."""
+
+from __future__ import annotations
+
+import av
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.cli import main
+from latolato.errors import InputError
+from latolato.experiment import gate
+from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.video import Frame
+
+SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
+DRIVE = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.0)
+WALL = "#d9d6ce"
+
+
+def _place(attrs, name):
+    return attrs[f"{name}_pixel_u"], attrs[f"{name}_pixel_v"]
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory):
+    """Return a function that films a swing once: the file and its attributes."""
+    folder = tmp_path_factory.mktemp("gate")
+    made = {}
+
+    def get(name, width=320, height=240, **scene):
+        if name not in made:
+            run = ll.simulate(SWING, DRIVE, initial_angle=0.9, duration=1.5)
+            path = folder / f"{name}.mp4"
+            camera = Camera(width=width, height=height, pixels_per_metre=330.0)
+            truth = synthesise_video(run, path, Scene(ball_radius=0.02, **scene), camera, seed=3)
+            made[name] = path, truth.attrs
+        return made[name]
+
+    return get
+
+
+def _changed(path, output, change):
+    """Write a video whose pictures are changed by a function of their number."""
+    with av.open(str(path)) as file:
+        frames = [
+            (round(f.time * TICKS), f.to_ndarray(format="rgb24")) for f in file.decode(video=0)
+        ]
+    planes = (
+        (
+            stamp,
+            av.VideoFrame.from_ndarray(
+                np.ascontiguousarray(change(frames, k)), format="rgb24"
+            ).to_ndarray(format="yuv420p"),
+        )
+        for k, (stamp, _) in enumerate(frames)
+    )
+    write_video(output, planes, fps=60.0, crf=20, rotation=0)
+    return output
+
+
+def _ok_share(path, pivot, ball, **given):
+    """Return the share of samples that are ok; none are if the track is refused."""
+    try:
+        table = ll.track(path, pivot=pivot, balls=[ball], **given)
+    except InputError:
+        return 0.0
+    return float((table.flag_1 == "ok").mean())
+
+
+def _assert_refused(path, pivot, ball, match, **given):
+    with pytest.raises(InputError, match=match) as caught:
+        ll.track(path, pivot=pivot, balls=[ball], **given)
+    assert caught.value.way_out
+
+
+quiet = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+
+
+@quiet
+def test_a_panning_camera_is_refused(film, tmp_path):
+    path, attrs = film("wide", width=480, height=320, background="texture", contrast=0.8)
+
+    def panned(frames, k):
+        left = k
+        return frames[k][1][40:280, left : left + 320]
+
+    pan = _changed(path, tmp_path / "pan.mp4", panned)
+    (u, v), (x, y) = _place(attrs, "pivot"), _place(attrs, "ball_1")
+    assert _ok_share(pan, (u, v - 40), (x, y - 40), length=SWING.length) < 0.05
+
+
+@quiet
+@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1), (0.22, -0.25)])
+def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
+    path, attrs = film(f"parked{aside}", parked_x=aside[0], parked_y=aside[1])
+    click = _place(attrs, "parked")
+    assert _ok_share(path, _place(attrs, "pivot"), click, length=SWING.length) < 0.05
+
+
+@quiet
+@pytest.mark.parametrize("click", [(60, 60), (250, 40), (160, 120), (30, 200)])
+def test_a_click_on_a_textured_wall_is_not_followed(film, click):
+    path, attrs = film("texture", background="texture")
+    assert _ok_share(path, _place(attrs, "pivot"), click) < 0.05
+
+
+@quiet
+def test_a_wrong_radius_is_refused_with_both_radii(film, capsys, tmp_path):
+    path, attrs = film("plain")
+    pivot, ball = _place(attrs, "pivot"), _place(attrs, "ball_1")
+    _assert_refused(path, pivot, ball, "declared radius is", length=SWING.length, radius=0.04)
+    assert _ok_share(path, pivot, ball, length=SWING.length, radius=0.01) < 0.05
+    output = tmp_path / "none.csv"
+    clicks = ["--pivot", "{:g},{:g}".format(*pivot), "--ball", "{:g},{:g}".format(*ball)]
+    given = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
+    assert main(["track", str(path), *clicks, *given]) == 2
+    assert "check radius and length" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@quiet
+def test_a_ball_of_the_walls_colour_is_not_followed(film):
+    path, attrs = film("invisible", ball_colour=WALL, wall_colour=WALL, ambient=1.0, gloss=0.0)
+    assert _ok_share(path, _place(attrs, "pivot"), _place(attrs, "ball_1")) < 0.05
+
+
+@quiet
+def test_a_still_video_is_not_followed(film, tmp_path):
+    path, attrs = film("plain")
+    still = _changed(path, tmp_path / "still.mp4", lambda frames, k: frames[0][1])
+    assert _ok_share(still, _place(attrs, "pivot"), _place(attrs, "ball_1")) < 0.05
+
+
+def test_a_good_track_has_no_finding(swing):
+    table = ll.track(swing.path, pivot=swing.pivot, balls=swing.balls, length=swing.length)
+    assert (table.flag_1 == "ok").mean() > 0.95
+    assert "warnings" not in table.attrs or "camera" not in table.attrs["warnings"]
+
+
+# Drawn pictures, whose truth needs no tracker.
+
+SIZE = (240, 320)
+
+
+def _drawn(centres, radius=12.0, shifts=None, texture=40.0, ball=-90.0):
+    """Return a sample of pictures of a disc before a textured wall."""
+    rng = np.random.default_rng(4)
+    wall = rng.normal(0.0, 1.0, (SIZE[0] // 4 + 20, SIZE[1] // 4 + 20))
+    wall = np.kron(wall, np.ones((4, 4)))
+    wall = 150.0 + texture * (wall - wall.mean()) / 3.0
+    v, u = np.mgrid[: SIZE[0], : SIZE[1]]
+    grey = np.full((SIZE[0] // 2, SIZE[1] // 2), 128, np.uint8)
+    frames = []
+    for k, centre in enumerate(centres):
+        x, y = (0, 0) if shifts is None else shifts[k]
+        luma = wall[20 + y : 20 + y + SIZE[0], 20 + x : 20 + x + SIZE[1]].copy()
+        cover = np.clip(radius + 0.5 - np.hypot(u - centre[0], v - centre[1]), 0.0, 1.0)
+        luma += cover * (150.0 + ball - luma)
+        luma += rng.normal(0.0, 1.0, SIZE)
+        frames.append(Frame(k, k / 30.0, np.clip(luma, 0, 255).astype(np.uint8), grey, grey))
+    return Sample(np.arange(len(frames)) / 30.0, frames)
+
+
+def _swinging(count=30):
+    angle = 0.8 * np.cos(np.arange(count) / 4.0)
+    return np.stack([160.0 + 150.0 * np.sin(angle), 30.0 + 150.0 * np.cos(angle)], axis=-1)
+
+
+def _track(centres, radius=12.0, clicks=None, declared=None):
+    count = len(centres)
+    return gate.Track(
+        np.asarray(centres, float)[:, None],
+        np.tile([160.0, 30.0], (count, 1)),
+        np.ones((count, 1), bool),
+        radius,
+        [np.asarray(centres[0])] if clicks is None else clicks,
+        declared,
+    )
+
+
+def test_the_ball_that_swings_passes_every_check():
+    centres = _swinging()
+    assert gate.examine(_drawn(centres), _track(centres, declared=11.0)) == []
+
+
+def test_a_ball_beside_the_click_is_refused():
+    centres = _swinging()
+    near = _track(centres, clicks=[centres[0] + [0.0, 14.0]])
+    assert gate.clicked_ball(near) is None
+    far = gate.clicked_ball(_track(centres, clicks=[centres[0] + [0.0, 16.0]]))
+    assert far is not None
+    assert far.is_refusal
+    assert "16 pixels" in far.reason
+
+
+@pytest.mark.parametrize(
+    "declared,passes", [(9.0, True), (7.9, False), (17.9, True), (18.1, False)]
+)
+def test_the_radius_may_differ_by_half(declared, passes):
+    finding = gate.declared_radius(_track(_swinging(), declared=declared))
+    assert (finding is None) is passes
+
+
+def test_what_rests_is_refused():
+    places = np.tile([100.0, 100.0], (30, 1)) + np.random.default_rng(1).normal(0, 0.3, (30, 2))
+    finding = gate.moving_ball(_track(places))
+    assert finding is not None
+    assert finding.is_refusal
+    assert gate.moving_ball(_track(places + np.arange(30)[:, None] * [0.2, 0.0])) is None
+
+
+@pytest.mark.parametrize("step", [1, 0])
+def test_the_cameras_motion_is_measured(step):
+    centres = _swinging(16)
+    shifts = [(step * k, step * (k // 2)) for k in range(16)]
+    moved, _, _ = gate.camera_motion(_drawn(centres, shifts=shifts), _track(centres))
+    # The last but one frame has the second largest shift.
+    assert moved == pytest.approx(step * np.hypot(14, 7), abs=0.6)
+
+
+def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refused():
+    shifts = [(k // 4, k // 8) for k in range(24)]
+    moves = np.array(shifts, float)
+    centres = _swinging(24) - moves
+    sample = _drawn(centres, shifts=shifts)
+    finding = gate.resting_camera(sample, _track(centres))
+    assert finding is not None
+    assert not finding.is_refusal
+    carried = gate.resting_camera(sample, _track(np.array([60.0, 180.0]) - moves))
+    assert carried is not None
+    assert carried.is_refusal
+    assert "moves with it" in carried.reason
+
+
+def test_a_camera_before_a_plain_wall_is_unknown():
+    centres = _swinging(16)
+    assert np.isnan(gate.camera_motion(_drawn(centres, texture=0.0), _track(centres))[0])
+
+
+@pytest.mark.parametrize("texture", [0.0, 40.0])
+def test_a_path_that_no_ball_runs_along_is_refused(texture):
+    sample = _drawn(_swinging(), texture=texture)
+    wrong = _swinging() * [1.0, 0.0] + [0.0, 60.0]
+    finding = gate.changing_pixels(sample, _track(wrong))
+    assert finding is not None
+    assert finding.is_refusal
+
+
+def test_a_disc_much_larger_than_the_ball_is_refused():
+    centres = _swinging()
+    finding = gate.changing_pixels(_drawn(centres, radius=6.0), _track(centres, radius=20.0))
+    assert finding is not None
+    assert finding.is_refusal
+
+
+def test_the_part_of_a_track_that_leaves_the_ball_is_taken_back():
+    centres = _swinging(40)
+    followed = centres.copy()
+    followed[32:] = centres[:8] * [1.0, 0.0] + [0.0, 60.0]
+    finding = gate.changing_pixels(_drawn(centres), _track(followed))
+    assert finding is not None
+    assert not finding.is_refusal
+    assert finding.doubtful[34:].all()
+    assert not finding.doubtful[:30].any()
+
+
+def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
+    centres = _swinging()
+    finding = gate.changing_pixels(_drawn(centres, radius=20.0), _track(centres, radius=6.0))
+    assert finding is not None
+    assert not finding.is_refusal
+    assert "part of something larger" in finding.reason
+
+
+def test_light_that_changes_for_all_changes_nothing():
+    centres = _swinging()
+    sample = _drawn(centres)
+    brighter = [
+        Frame(f.number, f.time, np.minimum(f.luma, 225) + np.uint8(f.number), f.blue, f.red)
+        for f in sample.frames
+    ]
+    assert gate.changing_pixels(Sample(sample.times, brighter), _track(centres)) is None
