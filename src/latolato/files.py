@@ -433,7 +433,7 @@ def _pyarrow() -> Any:
     try:
         import pyarrow.parquet
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
+        raise InputError(
             'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
         ) from None
     return pyarrow

@@ -161,7 +161,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         return _read_column(name, path, column)
     try:
         return [to_si(name, value, unit)]
-    except ValueError as error:
+    except InputError as error:
         raise InputError(f"{error}; there is no file of that name either") from None
 
 

@@ -100,7 +100,7 @@ def _widget_class() -> Any:
         import anywidget
         import traitlets
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
+        raise InputError(
             f'the player in a notebook needs {error.name}: pip install "latolato[notebook]"'
         ) from None
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, drive_period, varied
 from latolato.analysis.orbits import CLOSED, Orbit, confined, find_orbit, gap_of, scale_of
+from latolato.errors import InputError
 
 KINDS = (
     "fold", "period_doubling", "symmetry_breaking", "torus", "grazing", "lift_off", "rest_ends",
@@ -140,7 +141,7 @@ class Branch:
         for share in (1.0, -1.0, 0.0):
             try:
                 flow, duration = self.at(value + share * _DIFFERENCE * self.scale[-1])
-            except ValueError:
+            except InputError:
                 continue
             x = confined(flow, start)
             gaps.append(gap_of(flow, x, flow.follow(x, duration).end, turns))
@@ -160,7 +161,7 @@ class Branch:
             value = float(point[-1] * self.scale[-1])
             try:
                 flow, duration = self.at(value)
-            except ValueError:  # beyond what the parameter may be
+            except InputError:  # beyond what the parameter may be
                 return None
             x = confined(flow, point[:-1] * self.scale[:-1])
             passage = flow.follow(x, duration)
@@ -219,7 +220,7 @@ class Branch:
             beyond = (here + length * place.tangent) * self.scale
             try:
                 flow, duration = self.at(float(beyond[-1]))
-            except ValueError:  # beyond what the parameter may be
+            except InputError:  # beyond what the parameter may be
                 return []
             passage = flow.follow(confined(flow, beyond[:-1]), duration)
             marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks

@@ -22,7 +22,7 @@ from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
-from latolato.errors import InputError
+from latolato.errors import InputError, refusal_of, said_of
 from latolato.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
@@ -118,15 +118,14 @@ def _views() -> list[BaseRoute]:
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
     """Return what `work` answers in a thread; refusals become one line for the page.
 
-    Bad input is 422, what is too large 413; ``field`` names the option that a message is about.
+    Bad input is 422, what is too large 413, a fault of the program 500; ``field`` names the option
+    that a message is about.
     """
     try:
         response: Response = await in_thread(request, work, *given)
         return response
-    except TooLargeError as error:
-        return refusal(413, str(error))
-    except (TypeError, ValueError, ModuleNotFoundError) as error:
-        return refusal(422, str(error))
+    except Exception as error:
+        return refusal(status_of(error), error)
 
 
 async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
@@ -156,24 +155,39 @@ async def json_of(request: Request) -> Any:
         raise HTTPException(400, "a request must be JSON") from None
 
 
-def refusal(status: int, message: str) -> JSONResponse:
-    """Return one line that says why, and the option that it is about."""
-    message = " ".join(message.split())
-    return JSONResponse({"error": message, "field": field_of(message)}, status_code=status)
+def status_of(error: Exception) -> int:
+    """Return the status of an answer that an error prevented."""
+    if isinstance(error, TooLargeError):
+        return 413
+    return 500 if refusal_of(error) is None else 422
 
 
-def field_of(message: str) -> str | None:
-    """Return the option that a message begins with or names first."""
+def refusal(status: int, error: Exception) -> JSONResponse:
+    """Return one line that says why there is no other answer, and the option that it is about."""
+    return JSONResponse(told_of(error), status_code=status)
+
+
+def told_of(error: Exception) -> dict[str, Any]:
+    """Return what a page is told of an error: one line, and the option that it is about."""
+    return {"error": said_of(error), "field": field_of(error)}
+
+
+def field_of(error: Exception) -> str | None:
+    """Return the option that an error is about: its parameter, or what its text names first."""
     from latolato.options import law_options
 
-    words = message.replace("'", " ").replace("[", " ").replace(":", " ").split()
+    if not isinstance(error, InputError):
+        return None
     known = law_options()
+    if error.parameter is not None:
+        return error.parameter if error.parameter in known else None
+    words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
     return next((word for word in words if word in known), None)
 
 
 async def _refused(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    return refusal(error.status_code, str(error.detail))
+    return refusal(error.status_code, InputError(str(error.detail)))
 
 
 async def _index(request: Request) -> Response:

@@ -140,7 +140,7 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         )
     try:
         return _setup(tables)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 

@@ -236,7 +236,7 @@ def read_table(path: str | Path) -> xr.Dataset:
             more = {}
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 
@@ -399,7 +399,7 @@ def _read_parquet(path: Path) -> Parts:
         import pyarrow
         import pyarrow.parquet
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
+        raise InputError(
             'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
         ) from None
     try:

@@ -290,7 +290,7 @@ def _tracked(
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learn_scene(video, sample, pivot, balls, None, None)
-        except ValueError:
+        except InputError:
             free = scene
         if free.explained > scene.explained:
             scene = free

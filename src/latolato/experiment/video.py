@@ -277,9 +277,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         import av
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            'reading videos needs PyAV: pip install "latolato[video]"'
-        ) from None
+        raise InputError('reading videos needs PyAV: pip install "latolato[video]"') from None
     # FFmpeg's own log, silent: a message to Python from a decoding thread stops a file's closing.
     av.logging.restore_default_callback()
     av.logging.set_libav_level(av.logging.PANIC)

@@ -331,7 +331,5 @@ def _av() -> Any:
     try:
         import av
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            'MP4 needs PyAV: pip install "latolato[video]", or write a .gif'
-        ) from None
+        raise InputError('MP4 needs PyAV: pip install "latolato[video]", or write a .gif') from None
     return av

@@ -303,7 +303,7 @@ def _best_fit(
     """Return the best of the fits from several starts, of which one must end."""
     tries = []
     for start in starts:
-        with suppress(ValueError):  # another start may be enough
+        with suppress(InputError):  # another start may be enough
             tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, **options))
     if not tries:
         return _fit_equation(data, starts[0], terms, aside, **options)

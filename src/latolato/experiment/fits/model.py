@@ -264,7 +264,7 @@ def _longest(
             states = before.states_at(found.values, begins)
         try:
             trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
-        except ValueError:
+        except InputError:
             if best is None:
                 raise
             break
