@@ -98,7 +98,7 @@ def report_of(error: BaseException) -> str:
     from latolato.versions import version_of
 
     name = type(error).__name__
-    begin = f"latolato failed ({name}). This is a fault of the program, not of your input"
+    begin = f"internal error ({name}), a fault of the program and not of your input"
     try:
         number, path = tempfile.mkstemp(prefix="latolato-fault-", suffix=".txt")
         with os.fdopen(number, "w", encoding="utf-8", errors="backslashreplace") as file:
@@ -106,8 +106,8 @@ def report_of(error: BaseException) -> str:
             file.write(f"{platform.platform()}\n{sys.argv!r}\n")
             file.writelines(traceback.format_exception(error))
     except Exception as failure:  # of a disk that is full: the report itself never fails
-        return f"{begin}: please report it. Its traceback could not be written ({failure})"
-    return f"{begin}: please report it with the traceback in '{path}'"
+        return f"{begin}; please report it (its traceback could not be written: {failure})"
+    return f"{begin}; please report it with the traceback in '{path}'"
 
 
 def said_of(error: BaseException) -> str:

@@ -131,6 +131,8 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"'{path}' is no TOML file: {error}") from None
+    except RecursionError:
+        raise InputError(f"'{path}' is nested too deep for a set-up") from None
     if not isinstance(tables.get("sha256"), str):
         raise InputError(f"'{path}' does not name its video (sha256); it is no set-up of a track")
     if tables["sha256"] != digest_of(video):

@@ -331,7 +331,7 @@ def _as_value(text: str) -> Any:
     """Return an attribute from what `_as_text` wrote."""
     try:
         value = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
     return value if isinstance(value, (int, float, str)) else text
 

@@ -27,6 +27,9 @@ from latolato.experiment.tracking.learn import Scene, learn_scene
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 from latolato.experiment.wander import follow_path, period_of
+from latolato.files import checked_path
+from latolato.quantities import POSITIVE, QUANTITIES
+from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,7 +142,7 @@ def track(
     --------
     latolato.experiment.table.write_table : Writes the table.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     given = {
         "length": length,
         "radius": radius,
@@ -167,9 +170,8 @@ def prepare(
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
     for name in ("length", "radius", "gravity"):
-        value = given.get(name)
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be positive, got {value:g}")
+        if given.get(name) is not None:
+            checked_number(name, given[name], POSITIVE, QUANTITIES[name].unit)
     slower = given.get("slow_motion")
     video = open_video(
         path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")

@@ -16,6 +16,7 @@ from latolato.errors import InputError, said_of
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.table import balls_of, checked_table
 from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
+from latolato.files import checked_path
 from latolato.physics.pendulum import GRAVITY
 from latolato.quantities import NON_NEGATIVE, POSITIVE
 from latolato.registry import checked_number
@@ -184,7 +185,7 @@ def gather_trials(
         raise InputError(f"workers must be at least 1, got {workers!r}")
     import xarray as xr
 
-    alone = isinstance(sources, (str, Path, xr.Dataset))
+    alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
     files = files_of([sources] if alone else list(sources))  # type: ignore[arg-type]
     of_trial = {"length": length, "gravity": gravity, "transient": transient, "start": start,
                 "end": end}  # fmt: skip
@@ -233,7 +234,7 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
         if isinstance(source, xr.Dataset):
             found.append(source)
             continue
-        path = Path(source)
+        path = checked_path("source", source)
         if path.is_dir():
             every = sorted(p for p in path.rglob("*") if p.suffix.lower() in (*TABLES, *VIDEOS))
             # A track table beside a video of its name takes the video's place.

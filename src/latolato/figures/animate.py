@@ -105,7 +105,9 @@ def _frames(
 
     The array is the same one each time: use it before asking for the next.
     """
-    if "angle" not in run or "time" not in run.dims:
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset) or "angle" not in run or "time" not in run.dims:
         raise InputError("animate needs a run: a dataset with angle over time")
     finite = np.isfinite(next(iter(ball_angles(run).values())))
     run = run.isel(time=slice(0, int(np.count_nonzero(finite))))
