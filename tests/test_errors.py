@@ -1,15 +1,22 @@
 """Refused input and faults of the program: which is which, and how each is told."""
 
 import dataclasses
+import os
 import pickle
 import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import latolato as ll
 from latolato import analysis, cli
-from latolato.errors import InputError
+from latolato.errors import InputError, refusal_of, report_of
 from latolato.options import law_options
 
 TOY = (
@@ -329,3 +336,81 @@ def test_laws_are_copied_pickled_and_replaced_as_dataclasses_are():
     assert dataclasses.replace(DRIVE, drive_amplitude=0.2).drive_amplitude == 0.2
     with pytest.raises(InputError, match="did you mean 'drive_amplitude'"):
         dataclasses.replace(DRIVE, amplitude=0.2)
+
+
+# Says when Ctrl-C is looked after; what Python does before is its own affair.
+STARTED = """
+import signal, sys
+plain = signal.signal
+def tell(number, handler):
+    found = plain(number, handler)
+    signal.signal = plain
+    print("ready", flush=True)
+    return found
+signal.signal = tell
+import latolato_command
+sys.exit(latolato_command.main())
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for a single process")
+def test_ctrl_c_at_any_moment_of_the_start_ends_quietly():
+    codes = []
+    for delay in [0.0, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.0, 1.5, 2.5]:
+        command = [sys.executable, "-c", STARTED, "simulate", "fig02", "--json"]
+        process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=120)
+        assert said == "", said
+        codes.append(process.returncode)
+    assert set(codes) <= {130, 0}  # a fast machine may be done before the last
+    assert codes[0] == 130
+
+
+def test_the_console_script_is_the_one_that_looks_after_ctrl_c():
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    assert project["project"]["scripts"] == {"latolato": "latolato_command:main"}
+
+
+def test_a_fault_of_the_program_asks_for_a_report_and_keeps_the_traceback(capsys, monkeypatch):
+    monkeypatch.setattr(cli, "load_scenario", lambda name: 1 / 0)
+    assert cli.main(["scenarios", "show", "fig02"]) == 70
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "internal error (ZeroDivisionError)" in said
+    assert "please report it" in said
+    path = Path(said.split("'")[1])
+    try:
+        assert "ZeroDivisionError: division by zero" in path.read_text()
+    finally:
+        path.unlink()
+
+
+def test_a_report_that_cannot_be_written_is_told(capsys, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(tempfile, "mkstemp", full)
+    assert "its traceback could not be written: [Errno 28]" in report_of(KeyError("x"))
+
+
+@pytest.mark.parametrize("kind", [ValueError, TypeError, RuntimeError, KeyError, ImportError])
+def test_only_our_own_error_and_those_of_the_system_are_refusals(kind):
+    assert refusal_of(kind("x")) is None
+    assert refusal_of(InputError("x")) == "x"
+    assert refusal_of(OSError("disk full")) == "disk full"
+    assert "not enough memory" in refusal_of(MemoryError())
+
+
+def test_the_parts_of_a_refusal_survive_pickling_and_make_its_text():
+    with pytest.raises(InputError) as caught:
+        ll.Pendulum(length=-1.0, mass=1.0)
+    for error in (caught.value, pickle.loads(pickle.dumps(caught.value))):
+        assert (error.parameter, error.value) == ("length", -1.0)
+        assert error.rule == "must lie in (0, inf) m"
+        assert error.way_out == "give more than 0"
+        assert str(error) == "length must lie in (0, inf) m, got -1; give more than 0"

@@ -218,7 +218,7 @@ def allowed_of(system: System, drive: Drive, name: str) -> Range:
     return _parameter(system, drive, name).allowed
 
 
-def _parameter(system: System, drive: Drive, name: str) -> Parameter:
+def _parameter(system: System, drive: Drive, name: Any) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
     known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
     if not isinstance(name, str) or name not in known:

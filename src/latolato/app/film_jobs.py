@@ -126,7 +126,4 @@ def one_line(error: Exception, job: Mapping[str, Any]) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
     for quoted in (f"'{job['path']}'", str(job["path"])):
         text = text.replace(quoted, job["name"])
-    # How to say it on the command line is no help here.
-    for hint in (": --pivot", ": --ball", " (in Python"):
-        text = text.partition(hint)[0]
     return text

@@ -21,7 +21,8 @@ import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.processes import JobError, Workers
-from latolato.app.server import in_thread, told_of
+from latolato.app.server import field_of, in_thread
+from latolato.errors import said_of
 
 # Jobs at the same time; others wait.
 MOST_JOBS = 2
@@ -88,7 +89,8 @@ async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None
         except WebSocketDisconnect:
             raise
         except Exception as error:
-            await websocket.send_json(told_of(error))
+            # As it is: the questions of Analyse have names of their own, which their page puts.
+            await websocket.send_json({"error": said_of(error), "field": field_of(error)})
         else:
             if block is None:
                 return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -29,6 +30,8 @@ from latolato.progress import compiling
 MOST_BODY = 2_000_000  # bytes
 # Runs that are computed at the same time; others wait.
 _WORKERS = 2
+# Names of options: those of one word are words of other sentences too, but not as "... must be".
+_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )")
 
 
 @dataclass(frozen=True)
@@ -169,7 +172,24 @@ def refusal(status: int, error: Exception) -> JSONResponse:
 
 def told_of(error: Exception) -> dict[str, Any]:
     """Return what a page is told of an error: one line, and the option that it is about."""
-    return {"error": said_of(error), "field": field_of(error)}
+    return {"error": in_words(said_of(error)), "field": field_of(error)}
+
+
+def in_words(text: str) -> str:
+    """Return a line for a page: what the page calls them stands for the names of options.
+
+    Examples
+    --------
+    >>> in_words("drive_amplitude must be given in m, got 'x'")
+    "“driving amplitude” must be given in m, got 'x'"
+    """
+    from latolato.app.forms import label_of
+    from latolato.options import law_options
+
+    def label(found: re.Match[str]) -> str:
+        return f"“{label_of(found[0])}”" if found[0] in law_options() else found[0]
+
+    return _NAMES.sub(label, text)
 
 
 def field_of(error: Exception) -> str | None:
@@ -180,7 +200,8 @@ def field_of(error: Exception) -> str | None:
         return None
     known = law_options()
     if error.parameter is not None:
-        return error.parameter if error.parameter in known else None
+        name = re.match(r"\w*", error.parameter)[0]  # of initial_angle[1]
+        return name if name in known else None
     words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
     return next((word for word in words if word in known), None)
 

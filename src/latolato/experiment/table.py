@@ -142,9 +142,15 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
         raise InputError("the dataset is no track table; make one with track_table or read_table")
     for name in needed:
         if name not in table.variables:
-            raise InputError(f"the track table has no column '{name}'")
+            known = QUANTITIES[name].long_name if name in QUANTITIES else name
+            raise InputError(
+                f"the {known} was not measured", way_out=f"the track table needs a column '{name}'"
+            )
         if not np.any(np.isfinite(table[name].values)):
-            raise InputError(f"the column '{name}' of the track table holds no number")
+            raise InputError(
+                f"the {table[name].attrs.get('long_name', name)} was not measured",
+                way_out=f"the column '{name}' of the track table holds no number",
+            )
     return table
 
 

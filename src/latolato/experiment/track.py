@@ -186,7 +186,7 @@ def prepare(
             setup = with_changes(read_sidecar(found, path), given)
             if count is not None and count != len(setup.balls):
                 raise InputError(
-                    f"'{found}' is made for --balls {len(setup.balls)}, not {count}; remove it, or "
+                    f"'{found}' is made for {len(setup.balls)} balls, not {count}; remove it, or "
                     "point at pivot and balls"
                 )
             video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
@@ -354,8 +354,7 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
     if not length:
         columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give --length (length=) for the "
-            "scale"
+            "the length is unknown: positions are in pixels only; give the length for the scale"
         )
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])

@@ -107,7 +107,9 @@ def _frames(
     """
     import xarray as xr
 
-    if not isinstance(run, xr.Dataset) or "angle" not in run or "time" not in run.dims:
+    if not isinstance(run, xr.Dataset):
+        raise InputError(f"animate needs a run: what simulate or load returned, got {run!r:.80}")
+    if "angle" not in run or "time" not in run.dims:
         raise InputError("animate needs a run: a dataset with angle over time")
     finite = np.isfinite(next(iter(ball_angles(run).values())))
     run = run.isel(time=slice(0, int(np.count_nonzero(finite))))
