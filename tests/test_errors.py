@@ -1,5 +1,7 @@
 """Refused input and faults of the program: which is which, and how each is told."""
 
+import contextlib
+import copy
 import dataclasses
 import os
 import pickle
@@ -13,11 +15,14 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import latolato as ll
 from latolato import analysis, cli
 from latolato.errors import InputError, refusal_of, report_of
 from latolato.options import law_options
+from latolato.scenario import Scenario
 
 TOY = (
     "--system latolato --length 1 --mass 0.8 --radius 0.1 --initial-angle 0.5 --duration 1 "
@@ -233,6 +238,57 @@ def test_a_bad_value_of_any_option_is_refused_in_one_line(name, text, folder, ca
     assert code == 2, said
     assert said.startswith("latolato: ")
     assert said.count("\n") == 1
+
+
+WHOLE = {
+    "system": {"kind": "latolato", "length": 1.0, "mass": 0.8, "radius": 0.1},
+    "drive": {"kind": "harmonic", "drive_amplitude": 0.1, "drive_frequency": 6.0},
+    "noise": {"strength": 0.1, "seed": 1},
+    "run": {"initial_angle": 0.5, "duration": 1.0, "contact": "exact", "times": [0.5, 1.0]},
+    "sweep": {
+        "axes": {"damping": {"low": 0.0, "high": 1.0, "count": 3}, "length": [1.0, 2.0]},
+        "observables": ["crossings", {"kind": "crossings", "crossing_angle": 1.0}],
+        "transient": 0.1,
+    },
+}
+PLACES = [
+    ("system",), ("system", "kind"), ("system", "length"), ("system", "left"), ("drive",),
+    ("drive", "kind"), ("drive", "drive_amplitude"), ("drive", "times"), ("noise",),
+    ("noise", "seed"), ("run",), ("run", "duration"), ("run", "times"), ("run", "contact"),
+    ("run", "initial_angle"), ("run", "samples"), ("sweep",), ("sweep", "axes"),
+    ("sweep", "axes", "damping"), ("sweep", "axes", "damping", "count"),
+    ("sweep", "axes", "damping", "low"), ("sweep", "axes", "damping", "spacing"),
+    ("sweep", "axes", "length"), ("sweep", "observables"), ("sweep", "transient"), ("name",),
+    ("sweep", "continuation"), ("sweep", "chunk_size"), ("unknown",), ("run", "unknown"),
+]  # fmt: skip
+PLAIN = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8),
+    st.sampled_from(["1 m", "latolato", "harmonic", "crossings", "0 : 1 : 3", 10**400, "exact"]),
+)  # fmt: skip
+VALUES = st.recursive(
+    PLAIN,
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.sampled_from(["kind", "low", "length", "x", ""]), inner, max_size=3)
+    ),
+    max_leaves=5,
+)
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.lists(st.tuples(st.sampled_from(PLACES), VALUES), min_size=1, max_size=2), st.booleans())
+def test_a_scenario_of_anything_is_read_or_refused(changes, is_map):
+    tables = copy.deepcopy(WHOLE)
+    if not is_map:
+        del tables["sweep"]
+    for place, value in changes:
+        inner = tables
+        for name in place[:-1]:
+            inner = inner.setdefault(name, {}) if isinstance(inner, dict) else {}
+        if isinstance(inner, dict):
+            inner[place[-1]] = value
+    with contextlib.suppress(InputError, OSError):
+        Scenario.from_dict(tables)
 
 
 SYSTEM = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)

@@ -104,12 +104,13 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         return add
 
     def __getitem__(self, name: str) -> Entry:
-        if name not in self._entries:
-            raise InputError(f"unknown {self.kind} '{name}': {suggest(name, list(self._entries))}")
+        if name not in self:
+            known = suggest(str(name), list(self._entries))
+            raise InputError(f"unknown {self.kind} '{name}': {known}")
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._entries
+        return isinstance(name, str) and name in self._entries
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

@@ -200,7 +200,7 @@ def field_of(error: Exception) -> str | None:
         return None
     known = law_options()
     if error.parameter is not None:
-        name = re.match(r"\w*", error.parameter)[0]  # of initial_angle[1]
+        name = error.parameter.partition("[")[0]  # of initial_angle[1]
         return name if name in known else None
     words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
     return next((word for word in words if word in known), None)
