@@ -230,7 +230,7 @@ class Question:
         if drive is not None and not option.is_sequence:
             try:
                 return value_of(scenario.system, drive, option.name)
-            except ValueError:
+            except InputError:
                 pass
         unit = f" [{option.unit}]" if option.unit not in (None, "1") else ""
         example = ' "0 : 1 : 11"' if option.is_sequence else ""
@@ -312,7 +312,7 @@ def _axes_of(source: str | None) -> list[str]:
 
     try:
         tables = read_tables(find(source)) if source is not None else {}
-    except (OSError, ValueError):
+    except (OSError, InputError):
         return []
     sweep = tables.get("sweep", {})
     return list(sweep.get("axes", {})) if isinstance(sweep, Mapping) else []

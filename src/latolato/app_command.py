@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from latolato.errors import InputError
+
 
 def app(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
@@ -63,7 +65,7 @@ def app(
     try:
         from latolato.app.serve import serve
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
+        raise InputError(
             f'the application needs {error.name}: pip install "latolato[app]"'
         ) from None
     serve(

@@ -32,10 +32,13 @@ from latolato.command_options import (
     UsageError,
     with_law_options,
 )
-from latolato.errors import InputError
+from latolato.errors import InputError, refusal_of, report_of
 from latolato.options import changes
 from latolato.progress import bar
 from latolato.scenario import find, load_scenario, scenarios
+
+# Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
+_FAULT = 70
 
 app = typer.Typer(
     name="latolato",
@@ -401,7 +404,10 @@ def cite() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code: 0, 2 for refused input, 130 for Ctrl-C."""
+    """Run the command line and return its exit code.
+
+    0 when the work is done, 2 for refused input, 70 for a fault of the program and 130 for Ctrl-C.
+    """
     before = signal.signal(signal.SIGTERM, _terminate)
     try:
         with warnings.catch_warnings():
@@ -415,7 +421,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(error.format_message())
     except Exception as error:
         ending = _ending(error)
-        return _refused(error) if ending is None else ending
+        if ending is not None:
+            return ending
+        message = refusal_of(error)
+        return _refuse(message) if message is not None else _refuse(report_of(error), _FAULT)
     finally:
         signal.signal(signal.SIGTERM, before)
 
@@ -436,27 +445,15 @@ def _ending(error: BaseException) -> int | None:
     return None
 
 
-def _refused(error: Exception) -> int:
-    """Print what is wrong with the input; an error that is none of the user's goes on."""
-    if isinstance(error, OSError):
-        has_cause = error.strerror and error.filename
-        return _refuse(f"{error.strerror}: {error.filename}" if has_cause else str(error))
-    if isinstance(error, MemoryError):
-        return _refuse(f"not enough memory: {error}; ask for fewer samples or a shorter duration")
-    if isinstance(error, (ValueError, TypeError, RuntimeError, ImportError)):
-        return _refuse(str(error))
-    raise error
-
-
 def _terminate(number: int, _frame: Any) -> None:
     """Leave by an exception, so that unfinished files are removed."""
     sys.exit(128 + number)
 
 
-def _refuse(message: str) -> int:
-    """Print an error as one line and return the exit code of refused input."""
+def _refuse(message: str, code: int = 2) -> int:
+    """Print an error as one line and return its exit code, by default that of refused input."""
     print(f"latolato: {' '.join(message.split())}", file=sys.stderr)
-    return 2
+    return code
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

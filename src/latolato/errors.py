@@ -1,7 +1,12 @@
-"""The one error of refused input."""
+"""The one error of refused input, and what a program says when anything is raised."""
 
 from __future__ import annotations
 
+import os
+import platform
+import sys
+import tempfile
+import traceback
 from typing import Any
 
 _NOT_GIVEN: Any = object()
@@ -66,3 +71,45 @@ def _rebuilt(
 ) -> InputError:
     given = value if has_value else _NOT_GIVEN
     return InputError(rule, parameter=parameter, value=given, way_out=way_out)
+
+
+def refusal_of(error: BaseException) -> str | None:
+    """Return the one line that refuses an input, None if the error is a fault of the program.
+
+    Refused are an `InputError`, what the system does not allow, such as a file that does not
+    exist, and a request that needs more memory than there is.
+    """
+    if isinstance(error, MemoryError):
+        return "not enough memory; ask for fewer samples, points or frames"
+    if isinstance(error, OSError) and error.strerror and error.filename:
+        text = f"{error.strerror}: {error.filename}"
+    elif isinstance(error, (InputError, OSError)):
+        text = str(error)
+    else:
+        return None
+    return " ".join(text.split()) or type(error).__name__
+
+
+def report_of(error: BaseException) -> str:
+    """Write the traceback of a fault to a file; return the line that asks for a report.
+
+    The file is in the folder for temporary files. If it cannot be written, the line says so.
+    """
+    from latolato.versions import version_of
+
+    name = type(error).__name__
+    begin = f"internal error ({name}), a fault of the program and not of your input"
+    try:
+        number, path = tempfile.mkstemp(prefix="latolato-fault-", suffix=".txt")
+        with os.fdopen(number, "w", encoding="utf-8", errors="backslashreplace") as file:
+            file.write(f"latolato {version_of()}, Python {platform.python_version()}, ")
+            file.write(f"{platform.platform()}\n{sys.argv!r}\n")
+            file.writelines(traceback.format_exception(error))
+    except Exception as failure:  # of a disk that is full: the report itself never fails
+        return f"{begin}; please report it (its traceback could not be written: {failure})"
+    return f"{begin}; please report it with the traceback in '{path}'"
+
+
+def said_of(error: BaseException) -> str:
+    """Return one line for a page: why the input is refused, or where the report of a fault is."""
+    return refusal_of(error) or report_of(error)

@@ -98,6 +98,13 @@ def check_folder(path: Path) -> None:
         raise FileNotFoundError(f"the folder '{path.parent}' does not exist; create it first")
 
 
+def checked_path(name: str, value: Any) -> Path:
+    """Return a path, or raise InputError for what is none."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError("must be a path", parameter=name, value=value)
+    return Path(os.fsdecode(value))
+
+
 def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
     """Return the suffix of a file name in lower case, or raise InputError naming what is known."""
     suffix = Path(path).suffix.lower()
@@ -145,7 +152,7 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
 
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
-    path = Path(path)
+    path = checked_path("path", path)
     check_target(path)
     for each in (path, _contacts_path(path)):
         _remove_leftovers(each)
@@ -199,7 +206,7 @@ def load(path: str | Path) -> xr.Dataset:
     OSError
         If the file cannot be read.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     if path.is_dir():
         if not any((path / name).exists() for name in ("zarr.json", ".latolato")):
             raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
@@ -433,7 +440,7 @@ def _pyarrow() -> Any:
     try:
         import pyarrow.parquet
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
+        raise InputError(
             'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
         ) from None
     return pyarrow
@@ -448,7 +455,7 @@ def _parsed(text: str) -> Any:
     """Return the value of a header line; the scenario stays the text that it is."""
     try:
         value = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
     return text if isinstance(value, dict) else value
 

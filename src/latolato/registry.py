@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from functools import lru_cache
+from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.errors import InputError
 from latolato.quantities import Range
 
 Entry = TypeVar("Entry")
+Law = TypeVar("Law")
 
 
 # Of the longer name's letters, the part that a typo leaves: two slips in five letters are guessed.
@@ -98,17 +99,18 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
             if name in self._entries:
                 raise ValueError(f"{self.kind} '{name}' is registered twice")
             self._entries[name] = entry
-            return entry
+            return named(entry) if is_dataclass(entry) else entry
 
         return add
 
     def __getitem__(self, name: str) -> Entry:
-        if name not in self._entries:
-            raise InputError(f"unknown {self.kind} '{name}': {suggest(name, list(self._entries))}")
+        if name not in self:
+            known = suggest(str(name), list(self._entries))
+            raise InputError(f"unknown {self.kind} '{name}': {known}")
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._entries
+        return isinstance(name, str) and name in self._entries
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
@@ -134,19 +136,24 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     """
     kind = "a number" if unit == "1" else f"a number in {unit}"
     if isinstance(value, (str, bytes, bool)) or value is None:
-        raise InputError(f"{name} must be {kind}, got {value!r}")
+        raise InputError(f"must be {kind}", parameter=name, value=value)
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(f"{name} must be {kind}, got {value!r}") from None
+        raise InputError(f"must be {kind}", parameter=name, value=value) from None
     except OverflowError:
-        raise InputError(f"{name} must be finite, got an integer beyond all floats") from None
+        raise InputError(
+            "must be finite, got an integer beyond all floats", parameter=name
+        ) from None
     if not math.isfinite(number):
-        raise InputError(f"{name} must be finite, got {number}; give {kind}")
+        raise InputError("must be finite", parameter=name, value=number, way_out=f"give {kind}")
     if number not in allowed:
-        shown = "" if unit == "1" else f" {unit}"
-        way_in = _way_in(number, allowed)
-        raise InputError(f"{name} must lie in {allowed}{shown}, got {number:.9g}; give {way_in}")
+        raise InputError(
+            f"must lie in {allowed}{'' if unit == '1' else f' {unit}'}",
+            parameter=name,
+            value=number,
+            way_out=f"give {_way_in(number, allowed)}",
+        )
     return number
 
 
@@ -170,7 +177,7 @@ def checked_count(name: str, value: Any) -> int:
     except (TypeError, ValueError, OverflowError):
         count = 0
     if not 1 <= count < 2**63:
-        raise InputError(f"{name} must be a positive integer below 2^63, got {value!r}")
+        raise InputError("must be a positive integer below 2^63", parameter=name, value=value)
     return count
 
 
@@ -207,14 +214,25 @@ def describe(law: Any) -> dict[str, Any]:
     return found
 
 
-def build(kind: type, parameters: Mapping[str, Any]) -> Any:
-    """Return ``kind(**parameters)`` after naming unknown and missing parameters.
+def named(law: Law) -> Law:
+    """Make a dataclass refuse unknown and missing parameters by name; return it."""
+    kind: Any = law
+    plain = kind.__init__
 
-    Raises
-    ------
-    InputError
-        For an unknown name, with the closest known one, and for a missing one with its unit.
-    """
+    @wraps(plain)
+    def checked(self: Any, *positional: Any, **parameters: Any) -> None:
+        if positional:
+            example = next((f"{f.name}=..." for f in fields(kind) if f.init), "none")
+            raise InputError(f"{kind.__name__} takes its parameters by name ({example})")
+        _check_names(kind, parameters)
+        plain(self, **parameters)
+
+    kind.__init__ = checked
+    return law
+
+
+def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
+    """Raise for an unknown name, with the closest known one, and for a missing one."""
     known = {f.name: f for f in fields(kind) if f.init}
     for name in parameters:
         if name not in known:
@@ -231,7 +249,6 @@ def build(kind: type, parameters: Mapping[str, Any]) -> Any:
         quantity = known[name].metadata.get("quantity")
         unit = f" [{quantity.unit}]" if quantity else ""
         raise InputError(f"{kind.__name__} needs '{name}'{unit}")
-    return kind(**parameters)
 
 
 def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
@@ -251,4 +268,4 @@ def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
         else value
         for name, value in described.items()
     }
-    return build(kind, parameters)
+    return kind(**parameters)

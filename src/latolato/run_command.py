@@ -109,12 +109,12 @@ def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
 def as_text(found: Mapping[str, Any]) -> str:
     """Return a summary as lines for reading."""
     contacts = ", ".join(f"{count} {kind}" for kind, count in found["contacts"].items())
-    energy = found["largest_energy"]  # None beyond all floats
+    energy, angle = found["largest_energy"], found["largest_angle"]  # None beyond all floats
     largest = f"{energy:.3g} J" if energy is not None else "more than floats hold"
     lines = {
         "run": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
         "status": found["status"],
-        "largest angle": f"{found['largest_angle']:.6g} rad",
+        "largest angle": f"{angle:.6g} rad" if angle is not None else "unknown",
         "contacts": contacts or "none",
         "energy residual": f"{found['energy_residual']:.2g} J of {largest}",
         "wall time": f"{found['wall_time']:.2f} s",

@@ -258,7 +258,9 @@ def find(source: str | Path) -> Path:
     known = shipped()
     if str(source) in known:
         return known[str(source)]
-    path = Path(source)
+    from latolato.files import checked_path
+
+    path = checked_path("scenario", source)
     if path.is_file():
         return path
     hint = suggest(str(source), list(known))
@@ -277,6 +279,8 @@ def read_tables(path: Path) -> Tables:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise InputError(f"{path.name} is no TOML file: {error}") from None
+    except RecursionError:
+        raise InputError(f"{path.name} is nested too deep for a scenario") from None
     return {"name": path.stem, **tables}
 
 

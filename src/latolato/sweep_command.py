@@ -272,7 +272,7 @@ def _remove_if_empty(store: Path) -> None:
 
     try:
         state = store_status(store)
-    except (OSError, ValueError):
+    except (OSError, InputError):
         return
     if state["chunks_done"] == 0 and not state["writer_active"]:
         shutil.rmtree(store)

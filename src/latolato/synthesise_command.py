@@ -69,7 +69,7 @@ def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]
     """Return the scenario to film as the command line names it."""
     try:
         return run_command.scenario_of(source, rerun, given)
-    except ValueError as error:
+    except InputError as error:
         if str(error).startswith("radius belongs to system"):
             radius = given["radius"]
             raise InputError(

@@ -14,7 +14,7 @@ from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import build, checked_number, describe, suggest, types_of
+from latolato.registry import checked_number, describe, suggest, types_of
 from latolato.units import to_si, to_si_list
 from latolato.variation import known_quantities, read_axes, with_placeholders
 
@@ -130,7 +130,7 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
                 raise InputError(f"{law.__name__} has no '{name}' of its own: give {each}")
-            plain[name] = value  # `build` names it together with the closest known one
+            plain[name] = value  # the law names it together with the closest known one
         elif "quantity" in known[name].metadata:
             convert = to_si_list if known[name].metadata.get("array") else to_si
             where = {"folder": folder} if known[name].metadata.get("array") else {}
@@ -139,7 +139,7 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
             raise InputError(f"{name} must be true or false, got {value!r}")
         else:
             plain[name] = value
-    return build(law, plain)
+    return law(**plain)
 
 
 def without_ratios(table: Mapping[str, Any], system: System) -> Tables:

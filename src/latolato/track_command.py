@@ -14,12 +14,10 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.errors import InputError, said_of
 from latolato.progress import bar
 from latolato.registry import suggest
 
-# What may go wrong with a video, where the others go on.
-_REFUSALS = (ValueError, TypeError, RuntimeError, OSError, ImportError, MemoryError)
 # Share of the work that is tracking where an overlay or a report follow.
 _TRACKED = 0.7
 
@@ -236,8 +234,8 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
                 job = futures[future]
                 try:
                     found = future.result()
-                except _REFUSALS as error:
-                    failed.append((job.video, " ".join(str(error).split())))
+                except (InputError, OSError) as error:
+                    failed.append((job.video, said_of(error)))
                     continue
                 results.append(found)
                 if not as_json:
@@ -290,7 +288,7 @@ def _apart(job: Job, tell: Callable[[float], None]) -> dict[str, Any]:
                 return done
     except EOFError:
         child.join()
-        raise RuntimeError(
+        raise ChildProcessError(
             f"{job.video}: its process ended with code {child.exitcode}; was there memory enough?"
         ) from None
     finally:
@@ -313,8 +311,8 @@ def _child(job: Job, pipe: Connection) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             pipe.send(("done", work(job, tell)))
-    except _REFUSALS as error:
-        pipe.send(("failed", str(error)))
+    except Exception as error:
+        pipe.send(("failed", said_of(error)))
     except KeyboardInterrupt:
         pass
     finally:

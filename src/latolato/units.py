@@ -117,7 +117,7 @@ def _refusal(name: str, value: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity."""
     rule = "a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
     given = "as " if unit == "1" else ""
-    return InputError(f"{name} must be given {given}{rule}, got {value!r}")
+    return InputError(f"must be given {given}{rule}", parameter=name, value=value)
 
 
 def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> Any:
@@ -161,7 +161,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         return _read_column(name, path, column)
     try:
         return [to_si(name, value, unit)]
-    except ValueError as error:
+    except InputError as error:
         raise InputError(f"{error}; there is no file of that name either") from None
 
 

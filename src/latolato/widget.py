@@ -77,6 +77,10 @@ def play(run: xr.Dataset) -> Any:
 
 def block_of(run: xr.Dataset) -> bytes:
     """Return a run as the player reads it."""
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset):
+        raise InputError(f"play needs a run: what simulate or load returned, got {run!r:.80}")
     if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
         raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
@@ -102,7 +106,7 @@ def _widget_class() -> Any:
         import anywidget
         import traitlets
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(
+        raise InputError(
             f'the player in a notebook needs {error.name}: pip install "latolato[notebook]"'
         ) from None
 

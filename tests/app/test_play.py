@@ -65,7 +65,7 @@ def test_a_bad_value_is_told_beside_its_field(page, watch):
     field = page.get_by_label("radius of one ball", exact=False).first
     field.fill("2000")
     field.press("Enter")
-    page.get_by_text("radius must lie in [0, length)").wait_for()
+    page.get_by_text("must lie in [0, length)").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
     # The browser itself notes the refusal.
     watch.faults[:] = [f for f in watch.faults if "422" not in f]

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, drive_period, varied
 from latolato.analysis.orbits import CLOSED, Orbit, confined, find_orbit, gap_of, scale_of
+from latolato.errors import InputError
 from latolato.observables.period import wrapped
 from latolato.physics.contacts import REST
 from latolato.physics.pendulum import BallPair
@@ -170,7 +171,7 @@ class Branch:
         for share in (1.0, -1.0, 0.0):
             try:
                 flow, duration = self.at(value + share * _DIFFERENCE * self.scale[-1])
-            except ValueError:
+            except InputError:
                 continue
             x = confined(flow, start)
             gaps.append(gap_of(flow, x, flow.follow(x, duration).end, turns))
@@ -191,7 +192,7 @@ class Branch:
             value = float(point[-1] * self.scale[-1])
             try:
                 flow, duration = self.at(value)
-            except ValueError:  # beyond what the parameter may be
+            except InputError:  # beyond what the parameter may be
                 return None
             x = confined(flow, point[:-1] * self.scale[:-1])
             passage = flow.follow(x, duration)
@@ -309,7 +310,7 @@ class Branch:
             beyond = (here + length * place.tangent) * self.scale
             try:
                 flow, duration = self.at(float(beyond[-1]))
-            except ValueError:  # beyond what the parameter may be
+            except InputError:  # beyond what the parameter may be
                 return []
             passage = flow.follow(confined(flow, beyond[:-1]), duration)
             marks = replace(place, orbit=replace(place.orbit, passage=passage)).marks

@@ -218,11 +218,11 @@ def allowed_of(system: System, drive: Drive, name: str) -> Range:
     return _parameter(system, drive, name).allowed
 
 
-def _parameter(system: System, drive: Drive, name: str) -> Parameter:
+def _parameter(system: System, drive: Drive, name: Any) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
     known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
-    if name not in known:
-        raise InputError(f"unknown parameter '{name}': {suggest(name, list(known))}")
+    if not isinstance(name, str) or name not in known:
+        raise InputError(f"unknown parameter {name!r}: {suggest(str(name), list(known))}")
     return known[name]
 
 

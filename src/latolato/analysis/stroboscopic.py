@@ -290,6 +290,11 @@ def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     count, total : array_like of int
         How many of how many; NaN for a total of zero.
 
+    Raises
+    ------
+    InputError
+        For counts that are not within their totals.
+
     Examples
     --------
     >>> share, low, high = wilson(0, 10)
@@ -297,6 +302,8 @@ def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     0.000 in [0.000, 0.278]
     """
     k, n = np.asarray(count, dtype=np.float64), np.asarray(total, dtype=np.float64)
+    if not np.all((k >= 0.0) & (k <= n)):
+        raise InputError("must lie between 0 and total", parameter="count", value=count)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = k / n
         square = _Z95**2 / n

@@ -79,7 +79,7 @@ async def _cost(request: Request) -> Response:
             question = Question.from_json(given)
             arguments = question.arguments()
             check_work(question.function, arguments)
-        except (TypeError, ValueError) as error:  # an answer as well: what is typed is unfinished
+        except InputError as error:  # an answer as well: what is typed is unfinished
             return JSONResponse({"refused": str(error)})
         return JSONResponse({"seconds": round(seconds_of(question.function, arguments), 1)})
 
@@ -147,7 +147,7 @@ class Question:
         question = analyse_command.Question(self.name, self.function, own)
         try:
             return question.arguments(None, typed, scenario.to_dict())
-        except (TypeError, ValueError) as error:
+        except InputError as error:
             if not scenario.varied:
                 raise
             raise InputError(
@@ -337,7 +337,7 @@ def compute(
     panels: list[dict[str, Any]] = []
     try:
         figure = plot(found)
-    except ValueError as error:  # without a picture
+    except InputError as error:  # without a picture
         warnings.warn(str(error), RuntimeWarning, stacklevel=1)
     else:
         save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)

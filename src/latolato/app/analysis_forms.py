@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked, options_of
+from latolato.errors import InputError
 
 if TYPE_CHECKING:
     from latolato.analyse_options import AnalysisOption
@@ -271,7 +272,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
             continue
         try:
             value = float(value_of(scenario.system, scenario.drive, name))
-        except (TypeError, ValueError, AttributeError):
+        except InputError:
             continue
         unit = parameter.quantity.unit
         allowed = parameter.allowed

@@ -167,7 +167,7 @@ def to_toml(scenario: Scenario) -> str:
     try:
         import tomli_w
     except ModuleNotFoundError:
-        raise ModuleNotFoundError('TOML needs tomli-w: pip install "latolato[app]"') from None
+        raise InputError('TOML needs tomli-w: pip install "latolato[app]"') from None
     from latolato.app.lines import command_line
 
     tables = {k: v for k, v in without_none(scenario.to_dict()).items() if k != "name"}

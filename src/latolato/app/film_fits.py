@@ -29,7 +29,6 @@ from latolato.scenario import Scenario
 if TYPE_CHECKING:
     import xarray as xr
 
-_REFUSALS = (ValueError, TypeError, RuntimeError, ModuleNotFoundError)
 # Where nothing is said: mass [kg], first guesses of damping [kg m/s] and restitution, ball over
 # length.
 _MASS, _DAMPING, _RESTITUTION, _SMALL = 0.1, 0.003, 0.9, 1.0 / 12.0
@@ -50,7 +49,7 @@ def fits_of(
     for kind in kinds:
         try:
             found[kind] = fit_of(kind, table, told, folder, size)
-        except _REFUSALS as error:
+        except InputError as error:
             # What to do about it in Python is no help here.
             found[kind] = {"kind": kind, "error": str(error).partition("; ")[0]}
     return found
@@ -63,7 +62,7 @@ def fit_of(
 
     Raises
     ------
-    InputError, RuntimeError
+    InputError
         If the table does not allow it.
     """
     gravity = told.gravity or GRAVITY
@@ -164,7 +163,7 @@ def _laid(table: xr.Dataset, system: Any, fit: Fit) -> tuple[list[Any], str]:
         found = compare_motion(table, system, fit.drive, draws=_DRAWS)
         times, angles = found["time"].values, found["angle_computed"].values
         verdict = str(found.attrs["verdict"])
-    except ValueError:
+    except InputError:
         times, angles = fit.dataset["time"].values, fit.dataset["angle_fit"].values
         verdict = ""
     model = [(times, angles)]
@@ -242,6 +241,6 @@ def trial_row(table: xr.Dataset, told: Told) -> tuple[dict[str, Any] | None, str
     try:
         gravity = told.gravity or GRAVITY
         row = trial_of(table, length=told.length, gravity=gravity)
-    except _REFUSALS as error:
+    except InputError as error:
         return None, str(error).partition("; ")[0]
     return row, None

@@ -107,7 +107,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
     Raises
     ------
     InputError
-        With the reason, whatever a broken file does to a decoder.
+        With the reason.
     """
     job = {**given, "folder": str(folder)}
     try:
@@ -117,7 +117,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
         return {"found": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
         raise InputError("this video needs more memory than it may take: scale it down") from None
-    except Exception as error:
+    except (InputError, OSError) as error:
         raise InputError(one_line(error, job)) from None
 
 
@@ -126,9 +126,4 @@ def one_line(error: Exception, job: Mapping[str, Any]) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
     for quoted in (f"'{job['path']}'", str(job["path"])):
         text = text.replace(quoted, job["name"])
-    # How to say it on the command line is no help here.
-    for hint in (": --pivot", ": --ball", " (in Python"):
-        text = text.partition(hint)[0]
-    if not isinstance(error, (ValueError, TypeError, RuntimeError, OSError, ImportError)):
-        return f"{job['name']} could not be worked on: {type(error).__name__}: {text}"
     return text

@@ -59,7 +59,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     try:
         task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
-    except ValueError as error:
+    except InputError as error:
         found["told"] = str(error)
         return found
     found["proposal"] = {

@@ -27,7 +27,6 @@ from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
 from latolato.errors import InputError
 
-_REFUSALS = (TypeError, ValueError, ModuleNotFoundError)
 _LONGEST_FRAME = 100_000
 # The first frame of a page; its first job may come much later.
 GREETING = {"hello": True}
@@ -51,7 +50,7 @@ def store_of(app: Any) -> Store:
 
 async def _upload(request: Request) -> Response:
     """Receive one video; nothing is left of one that is refused or breaks off."""
-    from latolato.app.server import refusal
+    from latolato.app.server import refusal, status_of
 
     store = store_of(request.app)
     try:
@@ -59,24 +58,21 @@ async def _upload(request: Request) -> Response:
         announced = request.headers.get("content-length", "0")
         size = int(announced) if announced.isdigit() else 0
         film = store.admit(desk, request.headers.get("x-name", ""), size)
-    except TooLargeError as error:
-        return refusal(413, str(error))
-    except ValueError as error:
-        return refusal(422, str(error))
+    except InputError as error:
+        return refusal(status_of(error), error)
     try:
         with anyio.fail_after(store.allowance.upload_time), film.upload.open("xb") as file:
             await _received(request, store, desk, film, file)
         if film.size == 0:
             raise InputError(f"{film.name} is empty")
         film.is_whole = True
-    except TooLargeError as error:
-        return refusal(413, str(error))
-    except ValueError as error:
-        return refusal(422, str(error))
+    except InputError as error:
+        return refusal(status_of(error), error)
     except TimeoutError:
-        return refusal(408, f"the upload of {film.name} stood still")
+        return refusal(408, InputError(f"the upload of {film.name} stood still"))
     except (ClientDisconnect, OSError) as error:
-        return refusal(400, f"the upload of {film.name} broke off: {type(error).__name__}")
+        why = f"the upload of {film.name} broke off: {type(error).__name__}"
+        return refusal(400, InputError(why))
     finally:
         if not film.is_whole:
             desk.remove(film.key)
@@ -118,7 +114,7 @@ async def _trials_file(request: Request) -> Response:
 
     try:
         desk = store_of(request.app).desk(request.query_params.get("desk"))
-    except ValueError as error:
+    except InputError as error:
         raise HTTPException(404, str(error)) from None
     return await answered(request, _trials_csv, list(desk.films.values()))
 
@@ -232,7 +228,7 @@ class _Clerk:
         try:
             if text is None or len(text) > _LONGEST_FRAME:
                 raise InputError("a frame must be a short text")
-            given = json.loads(text)
+            given = parsed(text)
             if not isinstance(given, dict):
                 raise InputError("a frame must be an object")
             if given == GREETING:
@@ -242,16 +238,14 @@ class _Clerk:
                 number = None
                 raise InputError("job must be a whole number")
             self._begin(number, given)
-        except (*_REFUSALS, RecursionError) as error:
-            message = "a frame must be JSON" if isinstance(error, RecursionError) else str(error)
-            await self.refuse(number, message)
+        except Exception as error:
+            await self.refuse(number, error)
 
-    async def refuse(self, number: int | None, message: str) -> None:
+    async def refuse(self, number: int | None, error: Exception) -> None:
         """Tell why there is no answer."""
-        from latolato.app.server import field_of
+        from latolato.app.server import told_of
 
-        line = " ".join(message.split())
-        await self.tell({"job": number, "error": line, "field": field_of(line)})
+        await self.tell({"job": number, **told_of(error)})
 
     def _begin(self, number: int, given: dict[str, Any]) -> None:
         """Begin what a frame asks for."""
@@ -281,8 +275,8 @@ class _Clerk:
                 await self.tell({"job": number, "done": found})
             except asyncio.CancelledError:
                 await self.tell({"job": number, "cancelled": True})
-            except (*_REFUSALS, OSError) as error:
-                await self.refuse(number, str(error))
+            except Exception as error:
+                await self.refuse(number, error)
             finally:
                 self._jobs.pop(number, None)
 
@@ -328,6 +322,14 @@ class _Clerk:
             return found
 
         return answer
+
+
+def parsed(text: str) -> Any:
+    """Return the JSON of a frame."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError("a frame must be JSON") from None
 
 
 def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Film, dict[str, Any]]:

@@ -113,6 +113,15 @@ def _option_names(law: type, table: str) -> Iterator[str]:
             yield paths[table, field.name]
 
 
+@lru_cache(maxsize=256)
+def label_of(name: str) -> str:
+    """Return what pages call an option."""
+    path = law_options()[name].path
+    field = _field_of(path)
+    quantity = (field.metadata if field else {}).get("quantity") or QUANTITIES.get(path[-1])
+    return quantity.long_name if quantity else name.replace("_", " ")
+
+
 def _option(name: str) -> dict[str, Any]:
     """Return how an option is shown and what it may be."""
     option = law_options()[name]
@@ -126,7 +135,7 @@ def _option(name: str) -> dict[str, Any]:
         known = signature(simulate).parameters.get(name)
         default = None if known is None or known.default is Parameter.empty else known.default
     return {
-        "label": quantity.long_name if quantity else name.replace("_", " "),
+        "label": label_of(name),
         "symbol": quantity.symbol if quantity else "",
         "description": option.description,
         "unit": option.unit,

@@ -22,6 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.processes import JobError, Workers
 from latolato.app.server import field_of, in_thread
+from latolato.errors import said_of
 
 # Jobs at the same time; others wait.
 MOST_JOBS = 2
@@ -29,8 +30,6 @@ MOST_SECONDS = 900.0
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
 _BAD_FRAME = 1007
-# What bad input raises; anything else is a fault of ours.
-_REFUSED = (TypeError, ValueError, ModuleNotFoundError)
 # What starlette raises for a page that has gone.
 _GONE = (WebSocketDisconnect, RuntimeError)
 
@@ -87,9 +86,11 @@ async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None
         try:
             job = await in_thread(websocket, prepare, given)
             block = job.ready if job.ready is not None else await _done(websocket, job)
-        except _REFUSED as error:
-            text = str(error)
-            await websocket.send_json({"error": text, "field": field_of(text)})
+        except WebSocketDisconnect:
+            raise
+        except Exception as error:
+            # As it is: the questions of Analyse have names of their own, which their page puts.
+            await websocket.send_json({"error": said_of(error), "field": field_of(error)})
         else:
             if block is None:
                 return
@@ -111,7 +112,7 @@ async def _done(websocket: WebSocket, job: Job) -> bytes | None:
         group.start_soon(until_gone)
         try:
             block = await _work(websocket, job)
-        except (*_REFUSED, WebSocketDisconnect) as caught:  # as it is, not in a group
+        except Exception as caught:  # as it is, not in a group
             error = caught
         group.cancel_scope.cancel()
     if error is not None:

@@ -25,7 +25,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.server import field_of, in_thread
+from latolato.app.server import in_thread, told_of
 from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
 from latolato.errors import InputError
 from latolato.summary import plain
@@ -77,8 +77,8 @@ def parsed(text: str) -> Any:
 
 def told(error: Exception) -> str:
     """Return the frame that tells a page what was wrong."""
-    message = " ".join(str(error).split())[:500]
-    return json.dumps({"error": message, "field": field_of(message)})
+    answer = told_of(error)
+    return json.dumps({**answer, "error": answer["error"][:500]})
 
 
 async def live(socket: WebSocket) -> None:
@@ -148,7 +148,9 @@ async def _greeted(socket: WebSocket, session: Session) -> bool:
             given = parsed(await _text(socket))
             hello = checked_object("hello", checked_object("a message", given).get("hello"))
             answer = await in_thread(socket, session.begin, hello)
-        except (TypeError, ValueError, ArithmeticError, ModuleNotFoundError) as error:
+        except (WebSocketDisconnect, RuntimeError):
+            raise
+        except Exception as error:
             await socket.send_text(told(error))
             continue
         await socket.send_text(json.dumps({"ready": plain(answer)}))
@@ -162,7 +164,7 @@ async def _listen(socket: WebSocket, session: Session) -> None:
     while errors < MOST_ERRORS:
         try:
             session.apply(parsed(await _text(socket)))
-        except (TypeError, ValueError) as error:
+        except InputError as error:
             errors += 1
             await socket.send_text(told(error))
         if session.finished:

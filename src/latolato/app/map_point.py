@@ -97,13 +97,13 @@ def overlays(given: Any, find: Find) -> bytes:
     notes: dict[str, str] = {}
     try:
         context = _context(rest, find)
-    except ValueError as error:
+    except InputError as error:
         return pack({"notes": {"all": str(error)}, "outside": 0}, {})
     for name in OVERLAYS:
         try:
             with np.errstate(all="ignore"):  # what is beyond all numbers is not drawn
                 x, y = curve(context, name, (left, right), (bottom, top))
-        except ValueError as error:
+        except InputError as error:
             notes[name] = str(error)
             continue
         arrays |= {f"{name}_x": np.array(x, dtype=float), f"{name}_y": np.array(y, dtype=float)}

@@ -17,7 +17,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.server import answered, field_of, json_of
+from latolato.app.server import answered, json_of, told_of
 from latolato.errors import InputError
 from latolato.progress import compiling
 
@@ -109,8 +109,8 @@ async def _refuse(socket: WebSocket, error: Exception) -> None:
 
 def _line(error: Exception) -> str:
     """Return an error as a page reads it."""
-    text = str(error).splitlines()[0][:_MOST_TOLD] if str(error) else type(error).__name__
-    return json.dumps({"error": text, "field": field_of(text)})
+    told = told_of(error)
+    return json.dumps({**told, "error": told["error"][:_MOST_TOLD]})
 
 
 def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], None]) -> None:
@@ -138,7 +138,7 @@ def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], No
                 send(frame)
     except Cancelled:
         return
-    except (TypeError, ValueError, ArithmeticError, OSError, ModuleNotFoundError) as error:
+    except Exception as error:
         if not cancel[0]:
             send(_line(error))
 

@@ -154,7 +154,7 @@ def prepare(given: Any, report: Path | None = None) -> Job:
     ready = stored(name, report) if report is not None else None
     ready = ready or _kept(name)
     if ready is None and catalogue.needs_video(modules[name]) and chain.is_missing():
-        raise ModuleNotFoundError(chain.MISSING)
+        raise InputError(chain.MISSING)
     return Job(job.name, job.given, finish, ready)
 
 

@@ -17,6 +17,8 @@ from typing import Any
 
 import anyio
 
+from latolato.errors import InputError
+
 # Longest line of an answer [characters].
 _LONGEST = 4_000_000
 # How long a process that has been killed may take to end [s].
@@ -25,7 +27,7 @@ _GRACE = 2.0
 Hear = Callable[[dict[str, Any]], None]
 
 
-class JobError(ValueError):
+class JobError(InputError):
     """A job that gave no answer, with the line that says why."""
 
 

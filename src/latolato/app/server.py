@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -23,7 +24,7 @@ from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
-from latolato.errors import InputError
+from latolato.errors import InputError, refusal_of, said_of
 from latolato.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
@@ -32,6 +33,8 @@ MOST_BODY = 2_000_000  # bytes
 ANY_ADDRESS = ("0.0.0.0", "::")
 # Runs that are computed at the same time; others wait.
 _WORKERS = 2
+# Names of options: those of one word are words of other sentences too, but not as "... must be".
+_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )")
 
 
 @dataclass(frozen=True)
@@ -154,15 +157,14 @@ def _views() -> list[BaseRoute]:
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
     """Return what `work` answers in a thread; refusals become one line for the page.
 
-    Bad input is 422, what is too large 413; ``field`` names the option that a message is about.
+    Bad input is 422, what is too large 413, a fault of the program 500; ``field`` names the option
+    that a message is about.
     """
     try:
         response: Response = await in_thread(request, work, *given)
         return response
-    except TooLargeError as error:
-        return refusal(413, str(error))
-    except (TypeError, ValueError, ModuleNotFoundError) as error:
-        return refusal(422, str(error))
+    except Exception as error:
+        return refusal(status_of(error), error)
 
 
 async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
@@ -197,24 +199,57 @@ async def json_of(request: Request) -> Any:
         raise HTTPException(400, "a request must be JSON") from None
 
 
-def refusal(status: int, message: str) -> JSONResponse:
-    """Return one line that says why, and the option that it is about."""
-    message = " ".join(message.split())
-    return JSONResponse({"error": message, "field": field_of(message)}, status_code=status)
+def status_of(error: Exception) -> int:
+    """Return the status of an answer that an error prevented."""
+    if isinstance(error, TooLargeError):
+        return 413
+    return 500 if refusal_of(error) is None else 422
 
 
-def field_of(message: str) -> str | None:
-    """Return the option that a message begins with or names first."""
+def refusal(status: int, error: Exception) -> JSONResponse:
+    """Return one line that says why there is no other answer, and the option that it is about."""
+    return JSONResponse(told_of(error), status_code=status)
+
+
+def told_of(error: Exception) -> dict[str, Any]:
+    """Return what a page is told of an error: one line, and the option that it is about."""
+    return {"error": in_words(said_of(error)), "field": field_of(error)}
+
+
+def in_words(text: str) -> str:
+    """Return a line for a page: what the page calls them stands for the names of options.
+
+    Examples
+    --------
+    >>> in_words("drive_amplitude must be given in m, got 'x'")
+    "“driving amplitude” must be given in m, got 'x'"
+    """
+    from latolato.app.forms import label_of
     from latolato.options import law_options
 
-    words = message.replace("'", " ").replace("[", " ").replace(":", " ").split()
+    def label(found: re.Match[str]) -> str:
+        return f"“{label_of(found[0])}”" if found[0] in law_options() else found[0]
+
+    return _NAMES.sub(label, text)
+
+
+def field_of(error: Exception) -> str | None:
+    """Return the option that an error is about: its parameter, or what its text names first."""
+    from latolato.options import law_options
+
+    if not isinstance(error, InputError):
+        return None
     known = law_options()
+    if error.parameter is not None:
+        name = error.parameter.partition("[")[0]  # of initial_angle[1]
+        return name if name in known else None
+    words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
     return next((word for word in words if word in known), None)
 
 
 async def _refused(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    return refusal(error.status_code, str(error.detail))
+    return refusal(error.status_code, InputError(str(error.detail)))
 
 
 async def _index(request: Request) -> Response:

@@ -143,7 +143,7 @@ class Session:
         try:
             for _ in range(ticks):
                 self.toy.advance()
-        except ArithmeticError as error:
+        except InputError as error:
             self.restart()
             return str(error)
         if self.toy.recording is not None and self.toy.recording.is_full:

@@ -259,9 +259,9 @@ class Toy:
             if state[records.T_BASE] + counters[records.STEPS] * self._step >= stop:
                 break
         else:
-            raise ArithmeticError("the motion cannot be followed in real time")
+            raise InputError("the motion cannot be followed in real time")
         if not np.all(np.isfinite(state[records.ANGLE_1 : records.VELOCITY_2 + 1])):
-            raise ArithmeticError("the motion left the range of numbers")
+            raise InputError("the motion left the range of numbers")
         state[records.T_BASE], counters[records.STEPS] = stop, 0
         self._look_at(instants)
         if self.recording is not None:

@@ -20,12 +20,12 @@ import queue
 import signal
 import sys
 import threading
-import traceback
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
+from latolato.errors import said_of
 from latolato.progress import compiling
 from latolato.summary import plain
 
@@ -61,13 +61,8 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
         ):
             warnings.simplefilter("always", RuntimeWarning)
             found = function(job["given"], Path(job["folder"]), progress)
-    except (ArithmeticError, OSError, TypeError, ValueError, ModuleNotFoundError) as error:
-        tell({"error": " ".join(str(error).split())})
-    except MemoryError:
-        tell({"error": "the computation needs more memory than there is: ask for less"})
     except Exception as error:
-        traceback.print_exc()
-        tell({"error": f"the computation failed: {type(error).__name__}"})
+        tell({"error": said_of(error)})
     else:
         told = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
         tell({"done": {**found, "warnings": list(dict.fromkeys(told))}})

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.errors import InputError
 from latolato.experiment.tracking.sample import median_planes
 from latolato.experiment.video import Frame
 
@@ -132,7 +133,7 @@ def import_cv2() -> Any:
     try:
         import cv2
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
+        raise InputError(
             'finding balls and drawing on videos needs OpenCV: pip install "latolato[video]"'
         ) from None
     return cv2

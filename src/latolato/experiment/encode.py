@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.errors import InputError
+
 # Ticks per second of the container: 24, 25, 30, 50, 60, 120, 240 and 29.97 Hz are whole numbers.
 TICKS = 90_000
 # ITU-T H.273: primaries, tone curve and matrix of BT.709; and the range 16 to 235.
@@ -21,7 +23,7 @@ def import_av() -> Any:
     try:
         import av
     except ModuleNotFoundError:
-        raise ModuleNotFoundError('video needs PyAV: pip install "latolato[video]"') from None
+        raise InputError('video needs PyAV: pip install "latolato[video]"') from None
     return av
 
 

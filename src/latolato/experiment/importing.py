@@ -135,7 +135,7 @@ def import_table(
     }
     try:
         return track_table(found, attributes)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 
@@ -250,7 +250,7 @@ def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
         )
     try:
         factor = to_si(target, f"1 {unit}", quantity.unit)
-    except ValueError:
+    except InputError:
         raise InputError(
             f"'{path}': column '{wanted}' is in [{unit}], which is no unit of {target} "
             f"[{quantity.unit}]"

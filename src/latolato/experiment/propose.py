@@ -117,8 +117,7 @@ def propose(
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:
         raise InputError(
-            f"{video.path}: no moving ball was found; point at pivot and ball in the first frame: "
-            "--pivot u,v --ball u,v (in Python pivot=(u, v), balls=[(u, v)])"
+            f"{video.path}: no moving ball was found; point at pivot and ball in the first frame"
         )
     if count is None:
         shown = [len(group) for group in members if group]
@@ -330,5 +329,5 @@ def _starts(
             return list(on_circle[:count])
     raise InputError(
         f"{video.path}: {count} {'balls were' if count == 2 else 'ball was'} found in the clip, "
-        "but not in its first frame; point at pivot and ball there: --pivot u,v --ball u,v"
+        "but not in its first frame; point at pivot and ball there"
     )

@@ -148,7 +148,7 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         )
     try:
         return _setup(tables)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 
@@ -165,6 +165,8 @@ def _parsed(path: Path) -> dict[str, Any]:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"'{path}' is no TOML file: {error}") from None
+    except RecursionError:
+        raise InputError(f"'{path}' is nested too deep for a set-up") from None
     if not isinstance(tables.get("sha256"), str):
         raise InputError(f"'{path}' does not name its video (sha256)", way_out="remove it")
     return tables

@@ -142,9 +142,15 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
         raise InputError("the dataset is no track table; make one with track_table or read_table")
     for name in needed:
         if name not in table.variables:
-            raise InputError(f"the track table has no column '{name}'")
+            known = QUANTITIES[name].long_name if name in QUANTITIES else name
+            raise InputError(
+                f"the {known} was not measured", way_out=f"the track table needs a column '{name}'"
+            )
         if not np.any(np.isfinite(table[name].values)):
-            raise InputError(f"the column '{name}' of the track table holds no number")
+            raise InputError(
+                f"the {table[name].attrs.get('long_name', name)} was not measured",
+                way_out=f"the column '{name}' of the track table holds no number",
+            )
     return table
 
 
@@ -236,7 +242,7 @@ def read_table(path: str | Path) -> xr.Dataset:
             more = {}
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 
@@ -331,7 +337,7 @@ def _as_value(text: str) -> Any:
     """Return an attribute from what `_as_text` wrote."""
     try:
         value = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
     return value if isinstance(value, (int, float, str)) else text
 
@@ -399,7 +405,7 @@ def _read_parquet(path: Path) -> Parts:
         import pyarrow
         import pyarrow.parquet
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
+        raise InputError(
             'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
         ) from None
     try:

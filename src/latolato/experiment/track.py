@@ -22,6 +22,9 @@ from latolato.experiment.tracking.learn import Scene, learn_scene
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 from latolato.experiment.wander import follow_path, period_of
+from latolato.files import checked_path
+from latolato.quantities import POSITIVE, QUANTITIES
+from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -143,7 +146,7 @@ def track(
     --------
     latolato.experiment.table.write_table : Writes the table.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     given = {
         "length": length,
         "radius": radius,
@@ -173,9 +176,8 @@ def prepare(
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
     for name in ("length", "radius", "gravity"):
-        value = given.get(name)
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be positive, got {value:g}")
+        if given.get(name) is not None:
+            checked_number(name, given[name], POSITIVE, QUANTITIES[name].unit)
     slower = given.get("slow_motion")
     video = open_video(
         path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
@@ -188,7 +190,7 @@ def prepare(
         setup = with_changes(read_sidecar(sidecar, path), given)
         if count is not None and count != len(setup.balls):
             raise InputError(
-                f"'{sidecar}' is made for --balls {len(setup.balls)}, not {count}",
+                f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                 way_out="remove it, or point at pivot and balls",
             )
         video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
@@ -295,7 +297,7 @@ def _tracked(
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learn_scene(video, sample, pivot, balls, None, None)
-        except ValueError:
+        except InputError:
             free = scene
         if free.explained > scene.explained:
             scene = free
@@ -395,8 +397,7 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
     if not length:
         columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give --length (length=) for the "
-            "scale"
+            "the length is unknown: positions are in pixels only; give the length for the scale"
         )
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])

@@ -262,7 +262,7 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
         except UnicodeDecodeError:
             raise InputError("it is no text file; save the trials as UTF-8 CSV") from None
         return parse_trials(text, gravity=gravity)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
 
@@ -290,7 +290,7 @@ def is_trial_table(path: str | Path) -> bool:
 
         try:
             return bool(load(path).attrs.get("table") == _KIND)
-        except (OSError, ValueError):
+        except (OSError, InputError):
             return False
     if path.suffix.lower() != ".csv":
         return False
@@ -358,7 +358,7 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
         for number, cell in enumerate(cells, start=1):
             try:
                 found.append(float(to_si(name, cell, unit)) if cell else math.nan)
-            except ValueError as error:
+            except InputError as error:
                 raise InputError(f"trial {number}: {error}") from None
         columns[name] = found
     return columns, attributes

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.errors import InputError, said_of
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.table import balls_of, checked_table
 from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
+from latolato.files import checked_path
 from latolato.physics.pendulum import GRAVITY
 from latolato.quantities import NON_NEGATIVE, POSITIVE
 from latolato.registry import checked_number
@@ -35,7 +36,6 @@ _LAST = 1.0 / 3.0
 _CLEAR, _SHARE = 6.0, 0.05
 # Halves of the last part whose largest angles differ by more than this have not settled.
 _SETTLED = 0.05
-_REFUSALS = (ValueError, TypeError, RuntimeError, OSError, ImportError, MemoryError)
 
 
 def trial_of(
@@ -185,7 +185,7 @@ def gather_trials(
         raise InputError(f"workers must be at least 1, got {workers!r}")
     import xarray as xr
 
-    alone = isinstance(sources, (str, Path, xr.Dataset))
+    alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
     files = files_of([sources] if alone else list(sources))  # type: ignore[arg-type]
     of_trial = {"length": length, "gravity": gravity, "transient": transient, "start": start,
                 "end": end}  # fmt: skip
@@ -234,7 +234,7 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
         if isinstance(source, xr.Dataset):
             found.append(source)
             continue
-        path = Path(source)
+        path = checked_path("source", source)
         if path.is_dir():
             every = sorted(p for p in path.rglob("*") if p.suffix.lower() in (*TABLES, *VIDEOS))
             # A track table beside a video of its name takes the video's place.
@@ -271,7 +271,7 @@ def _is_track(path: Path) -> bool:
         return any(line.split() == ["#", "table:", "track"] for line in head)
     try:
         read_table(path)
-    except _REFUSALS:
+    except (InputError, OSError):
         return False
     return True
 
@@ -304,8 +304,8 @@ def _rows(
         for file, each in zip(files, waiting, strict=True):
             try:
                 yield file, each.result()
-            except _REFUSALS as error:  # a process that ended
-                yield file, str(error) or type(error).__name__
+            except BrokenExecutor as error:  # a process that ended
+                yield file, str(error)
 
 
 def _row(
@@ -320,8 +320,8 @@ def _row(
             is_video = file.suffix.lower() in VIDEOS
             table = _tracked(file, of_video) if is_video else read_table(file)
         row = trial_of(table, **of_trial)
-    except _REFUSALS as error:
-        text = " ".join(str(error).split()) or type(error).__name__
+    except Exception as error:
+        text = said_of(error)
         return text.removeprefix(f"'{file}': ").removeprefix(f"{file}: ")
     row["source"] = row["source"] or (file.name if isinstance(file, Path) else "")
     return row

@@ -131,7 +131,7 @@ class Video:
                 if time - first > self.limits.duration:
                     raise InputError(
                         f"{self.path}: longer than {self.limits.duration:g} s; cut the video or "
-                        'raise the limit: --limit "duration = 2 h"'
+                        "raise the limit of its duration"
                     )
                 if not time > last:
                     raise InputError(
@@ -141,7 +141,7 @@ class Video:
                 if number >= self.limits.frames:
                     raise InputError(
                         f"{self.path}: more than {self.limits.frames} frames; cut the video or "
-                        "raise the limit: --limit frames=1e6"
+                        "raise the limit of its frames"
                     )
                 if time > until:
                     return
@@ -214,26 +214,26 @@ def open_video(
             raise InputError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels, at most {limits.pixels} pixels are read; scale the video down or raise "
-                "the limit: --limit pixels=2e7"
+                "the limit of its pixels"
             )
         if size * _PER_PIXEL > limits.memory:
             raise InputError(
                 f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
                 f"pixels take {size * _PER_PIXEL / 1e9:.1f} GB of memory, at most "
                 f"{limits.memory / 1e9:g} GB may be used; scale the video down or raise "
-                "the limit: --limit memory=1e10"
+                "the limit of its memory"
             )
         duration = _duration(container, stream)
         if duration / slow_motion > limits.duration:
             raise InputError(
                 f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut "
-                'it or raise the limit: --limit "duration = 2 h"'
+                "it or raise the limit of its duration"
             )
         count = _frame_count(container, stream)
         if count > limits.frames:
             raise InputError(
                 f"{path}: {count} frames, at most {limits.frames} are read; cut it "
-                "or raise the limit: --limit frames=1e6"
+                "or raise the limit of its frames"
             )
         picture = next(_pictures(container, stream, path), None)
         if picture is None:
@@ -279,9 +279,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         import av
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            'reading videos needs PyAV: pip install "latolato[video]"'
-        ) from None
+        raise InputError('reading videos needs PyAV: pip install "latolato[video]"') from None
     # FFmpeg's own log, silent: a message to Python from a decoding thread stops a file's closing.
     av.logging.restore_default_callback()
     av.logging.set_libav_level(av.logging.PANIC)

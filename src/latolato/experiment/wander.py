@@ -86,7 +86,7 @@ def follow_path(
     if np.any(seen.mean(axis=0) < 0.1):
         raise InputError(
             f"{video.path}: the ball was found in {100 * float(seen.mean(axis=0).min()):.0f} % of "
-            "the frames; point at its centre in the first frame: --ball u,v"
+            "the frames; point at its centre in the first frame"
         )
     return Path(sample.times, centres, np.where(seen, "ok", "lost"), float(np.median(radii)))
 

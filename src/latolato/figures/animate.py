@@ -105,6 +105,10 @@ def _frames(
 
     The array is the same one each time: use it before asking for the next.
     """
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset):
+        raise InputError(f"animate needs a run: what simulate or load returned, got {run!r:.80}")
     if "angle" not in run or "time" not in run.dims:
         raise InputError("animate needs a run: a dataset with angle over time")
     finite = np.isfinite(next(iter(ball_angles(run).values())))
@@ -331,7 +335,5 @@ def _av() -> Any:
     try:
         import av
     except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            'MP4 needs PyAV: pip install "latolato[video]", or write a .gif'
-        ) from None
+        raise InputError('MP4 needs PyAV: pip install "latolato[video]", or write a .gif') from None
     return av

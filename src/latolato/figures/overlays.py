@@ -291,7 +291,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
                 float(to_si(name, row[name] or "", units[name]))
                 for name in ("drive_amplitude", frequency)
             )
-        except ValueError as error:
+        except InputError as error:
             raise InputError(f"trial {number} of {path}: {error}") from None
         found.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
     return found

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from latolato.errors import InputError
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, POSITIVE, Range, quantity_field
-from latolato.registry import checked_number, number_fields
+from latolato.registry import checked_number, named, number_fields
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
 LARGEST_SEED = 2**63 - 1  # the largest integer attribute of a NetCDF file
@@ -17,6 +17,7 @@ LARGEST_STREAM = 2**53 - 1  # values along the axes of a sweep are floats
 KEY = {"seed": 63, "stream": 53}
 
 
+@named
 @dataclass(frozen=True, kw_only=True)
 class VelocityKicks:
     """Kicks of standard deviation ``strength sqrt(interval)``: white noise in the acceleration.

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from latolato.errors import InputError
 from latolato.physics import contacts
 from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
-from latolato.registry import Registry, check_fields, checked_number
+from latolato.registry import Registry, check_fields, checked_number, named
 from latolato.scalar import cosine, formula, sine
 
 GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
@@ -63,6 +63,7 @@ def slope_linear(angle: float) -> float:
 SLOPES: dict[Any, Any] = {restoring_sine: slope_sine, restoring_linear: slope_linear}
 
 
+@named
 @dataclass(frozen=True, kw_only=True)
 class Ball:
     """One ball on its rod: ``Ball(length=, mass=, damping=, radius=)``."""

@@ -281,7 +281,7 @@ def _reason(plan: Plan, columns: Columns, k: int, stepper: Stepper) -> str:
     """Return what is wrong with a point, as the objects of a single run say it."""
     try:
         _objects(plan, columns, k, stepper, None)
-    except (TypeError, ValueError) as error:
+    except InputError as error:
         return str(error)
     except ArithmeticError:
         pass
@@ -427,7 +427,7 @@ def _from_objects(
         firsts[k + 1], kick_firsts[k + 1] = firsts[k], kick_firsts[k]
         try:
             system, drive, start, walls, step = _objects(plan, columns, k, stepper, previous)
-        except (TypeError, ValueError) as error:
+        except InputError as error:
             reason = reason or str(error)
             continue
         except ArithmeticError:

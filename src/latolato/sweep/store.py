@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.errors import InputError
-from latolato.files import atomic_path
+from latolato.files import atomic_path, checked_path
 from latolato.numerics.compiled import sources_hash
 from latolato.observables import observables
 from latolato.sweep import lock
@@ -96,7 +96,7 @@ class Store:
 
     def __init__(self, plan: Plan, path: str | Path, rounding: str) -> None:
         self.plan = plan
-        self.path = Path(path)
+        self.path = checked_path("store", path)
         self.rounding = rounding
         self.missing: list[int] = []
         self.points_done = 0

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from latolato.errors import InputError
 from latolato.registry import Registry
 
 if TYPE_CHECKING:
@@ -136,7 +137,7 @@ def _is_free(position: str) -> Condition:
             return "The Mathieu equation knows no upright position: choose a pendulum."
         try:
             linearised(system, None if isinstance(drive, Static) else drive, position)
-        except (TypeError, ValueError) as error:
+        except InputError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return None
 

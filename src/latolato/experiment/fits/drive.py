@@ -205,7 +205,7 @@ def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tupl
             trial = _fit(data, richer, guesses_of_passages(data, zeros, richer))
             richer, trial = _with_ramp(data, richer, trial)
             richer, trial = _with_crank(data, richer, trial, least)
-        except ValueError:
+        except InputError:
             break
         better = _is_better(trial, bar, data) and _is_better(trial, best, data)
         if not (better and _is_real(trial, richer, data)):
@@ -242,7 +242,7 @@ def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solutio
             guesses[name] = Guess(plain.values[name] - 0.5 * value)
         try:
             trial = _fit(data, richer, guesses, limit=_TRIES)
-        except ValueError:
+        except InputError:
             continue
         if _is_better(trial, best, data):
             shape, best = richer, trial

@@ -137,7 +137,7 @@ def lmfit_module() -> Any:
     try:
         import lmfit
     except ModuleNotFoundError:
-        raise ModuleNotFoundError('fits need lmfit: pip install "latolato[video]"') from None
+        raise InputError('fits need lmfit: pip install "latolato[video]"') from None
     return lmfit
 
 
@@ -371,7 +371,7 @@ def _slopes(model: Model, values: Mapping[str, float], names: Sequence[str]) -> 
         for sign in (1.0, -1.0):
             try:
                 ends.append((sign, model({**values, name: values[name] + sign * step})))
-            except ValueError:  # beyond the range of the parameter
+            except InputError:  # beyond the range of the parameter
                 ends.append((0.0, model(values)))
         (up, above), (down, below) = ends
         columns.append((above - below) / ((up - down) * step))

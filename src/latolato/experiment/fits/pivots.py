@@ -65,7 +65,7 @@ def measured_pivot(
     if not spline:
         try:
             fit = fit_drive(table, profile=False)
-        except ValueError:
+        except InputError:
             fit = None
         if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
             assert fit.drive is not None

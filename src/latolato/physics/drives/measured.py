@@ -90,13 +90,24 @@ class MeasuredPivot(Drive):
     def _fit(self) -> list[Stretch]:
         """Return the spline's pieces as stretches."""
         from scipy.interpolate import PPoly, UnivariateSpline, make_interp_spline
+        from scipy.linalg import LinAlgError
 
-        if self.height_sigma > 0.0:
-            weights = [1.0 / self.height_sigma] * len(self.times)
-            smooth = UnivariateSpline(self.times, self.pivot_heights, w=weights, k=5)
-            pieces = PPoly.from_spline(smooth._eval_args)
-        else:
-            pieces = PPoly.from_spline(make_interp_spline(self.times, self.pivot_heights, k=5))
+        try:
+            if self.height_sigma > 0.0:
+                weights = [1.0 / self.height_sigma] * len(self.times)
+                smooth = UnivariateSpline(self.times, self.pivot_heights, w=weights, k=5)
+                pieces = PPoly.from_spline(smooth._eval_args)
+            else:
+                pieces = PPoly.from_spline(make_interp_spline(self.times, self.pivot_heights, k=5))
+            is_known = all(math.isfinite(c) for row in pieces.c.tolist() for c in row)
+        except (ValueError, LinAlgError):  # of a singular matrix; which one depends on SciPy
+            is_known = False
+        if not is_known:
+            raise InputError(
+                "leave too large a gap for a spline through the heights",
+                parameter="times",
+                way_out="leave out the samples before or after the gap",
+            )
         return [
             (float(a), (float(a), *(float(c) for c in pieces.c[::-1, i])))
             for i, (a, b) in enumerate(zip(pieces.x[:-1], pieces.x[1:], strict=True))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
+from latolato.errors import InputError
 from latolato.numerics.integrate import maker_of
 from latolato.numerics.many import Points, Progress, Scratch, Weights, make_many, make_scratch
 from latolato.numerics.steppers import Stepper
@@ -29,7 +30,7 @@ from latolato.sweep.points import Batch
 from latolato.sweep.pool import run_in_threads
 
 if importlib.util.find_spec("numba_cuda") is None:
-    raise ImportError("executor 'cuda' needs numba-cuda: pip install \"latolato[cuda]\"")
+    raise InputError("executor 'cuda' needs numba-cuda: pip install \"latolato[cuda]\"")
 from numba import cuda
 
 # A thread needs all registers that it may have (254), so that 256 of them fill a multiprocessor.
@@ -54,13 +55,13 @@ def execute(
 
     Raises
     ------
-    RuntimeError
+    InputError
         Without a device: nothing falls back to the processor.
     """
     count = _CHUNKS_AT_ONCE if workers is None else checked_count("workers", workers)
     if not cuda.is_available():
         why = " ".join(str(cuda.cuda_error() or "the driver sees none").split())
-        raise RuntimeError(f"executor 'cuda' needs an NVIDIA GPU, found none ({why}): {_WAY_OUT}")
+        raise InputError(f"executor 'cuda' needs an NVIDIA GPU, found none ({why}): {_WAY_OUT}")
     # A chunk alone is small for the device on purpose.
     warnings.filterwarnings("ignore", message="Grid size .* will likely result in GPU")
     return _execute(plan, numbers, count)

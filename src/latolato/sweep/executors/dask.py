@@ -25,7 +25,7 @@ try:
     import distributed
     from distributed.comm import CommClosedError
 except ImportError as error:
-    raise ImportError(
+    raise InputError(
         "executor 'dask' needs dask.distributed: pip install \"latolato[dask]\""
     ) from error
 
@@ -53,7 +53,7 @@ def execute(
     ------
     ConnectionError
         If no scheduler answers at the address.
-    RuntimeError
+    InputError
         If the cluster is lost, has no workers, or its workers run another latolato.
 
     Notes
@@ -110,7 +110,7 @@ def _start(workers: int, opened: ExitStack) -> Any:
             silence_logs=logging.ERROR,
         )
     except RuntimeError as error:
-        raise RuntimeError(
+        raise InputError(
             "the workers did not start: a script that calls for them needs "
             "`if __name__ == '__main__':` around its calls, since each of them imports it"
         ) from error
@@ -155,7 +155,7 @@ def _run_all(
 def _run(packed: bytes, number: int, sources: str) -> tuple[Values, str]:
     """Return the values of a chunk, on a worker."""
     if sources_hash() != sources:
-        raise RuntimeError(
+        raise InputError(
             "this worker's latolato, numba or Python differs from the sweep's: its numbers would "
             "differ too; install the same versions"
         )
@@ -177,7 +177,7 @@ def _threads_of(client: Any) -> int:
             client.wait_for_workers(1, timeout=_WORKERLESS)
             threads = sum(client.nthreads().values())
     except TimeoutError:
-        raise RuntimeError(
+        raise InputError(
             f"the Dask cluster at {_address(client)} has no workers: start some with "
             f"`dask worker {_address(client)}`"
         ) from None
@@ -208,7 +208,7 @@ def _result(future: Any, number: int, client: Any) -> tuple[Values, str]:
         except TimeoutError:  # its worker died before it was asked: another one computes it again
             _threads_of(client)
         except distributed.KilledWorker:
-            raise RuntimeError(
+            raise InputError(
                 f"chunk {number} lost every worker that tried it (out of memory?): "
                 "use smaller chunks or workers with more memory"
             ) from None
@@ -218,9 +218,9 @@ def _result(future: Any, number: int, client: Any) -> tuple[Values, str]:
             return result
 
 
-def _lost(client: Any) -> RuntimeError:
+def _lost(client: Any) -> ConnectionError:
     """Return the error for a cluster that went away."""
-    return RuntimeError(
+    return ConnectionError(
         f"the Dask cluster at {_address(client)} was lost or dropped the sweep's tasks; "
         "with a store, run the sweep again to go on"
     )

@@ -1,0 +1,29 @@
+"""The console script: Ctrl-C ends it quietly, also while modules are imported.
+
+It stands beside the package, since importing anything of that imports most of it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from typing import Any
+
+
+def _end(*_: Any) -> None:
+    """End at once: an exception in the middle of an import could turn into another one."""
+    os._exit(130)
+
+
+def main() -> int:
+    """Run the command line and return its exit code."""
+    signal.signal(signal.SIGINT, _end)
+    from latolato.cli import main as run
+
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        return run()
+    except KeyboardInterrupt:
+        return 130
+    finally:
+        signal.signal(signal.SIGINT, _end)

@@ -1,0 +1,68 @@
+"""What pages are told of refused input and of faults of the program."""
+
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+from latolato.app import forms, worker
+from latolato.app.server import Settings, make_app
+from latolato.errors import InputError
+
+
+@pytest.fixture
+def client():
+    app = make_app(Settings(host="127.0.0.1", port=80))
+    with TestClient(app, base_url="http://127.0.0.1") as found:
+        yield found
+
+
+def fail(*_, **__):
+    raise ValueError("of a library")
+
+
+def test_a_fault_is_a_500_with_one_sentence_and_its_traceback_in_a_file(client, monkeypatch):
+    monkeypatch.setattr(forms, "registry", fail)
+    answer = client.get("/api/registry")
+    assert answer.status_code == 500
+    said = answer.json()
+    assert said["field"] is None
+    assert said["error"].startswith("internal error (ValueError)")
+    path = Path(said["error"].split("'")[1])
+    try:
+        assert "ValueError: of a library" in path.read_text()
+    finally:
+        path.unlink()
+
+
+def test_a_refusal_is_told_in_the_words_of_the_page(client):
+    options = {"drive": "harmonic", "drive_amplitude": "x", "drive_frequency": "6"}
+    answer = client.post("/api/run", json={"scenario": "fig02", "options": options})
+    assert answer.status_code == 422
+    told = answer.json()
+    assert told["field"] == "drive_amplitude"
+    assert told["error"].startswith("“driving amplitude” must be given in m")
+    assert "_" not in told["error"]
+
+
+@pytest.mark.parametrize(
+    "error, said",
+    [
+        (InputError("must be less", parameter="length"), "length must be less"),
+        (FileNotFoundError(2, "No such file", "x.nc"), "No such file: x.nc"),
+        (MemoryError(), "not enough memory"),
+        (ValueError("of a library"), "internal error (ValueError)"),
+        (RecursionError("deep"), "internal error (RecursionError)"),
+    ],
+)
+def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path):
+    def compute(*_):
+        raise error
+
+    monkeypatch.setattr("latolato.app.analyses.compute", compute)
+    answers = []
+    worker.run({"job": "analyse", "given": {}, "folder": str(tmp_path)}, answers.append)
+    (answer,) = answers
+    assert answer["error"].startswith(said)
+    if "internal" in said:
+        Path(answer["error"].split("'")[1]).unlink()
