@@ -67,7 +67,7 @@ def main() -> None:
         binaries = folder / "venv/bin"
         install = [
             *(sys.executable, "-m", "pip", "--python", str(binaries / "python"), "install", "-q"),
-            *("--disable-pip-version-check", "-c", str(folder / "lowest.txt")),
+            *("--disable-pip-version-check", "--no-compile", "-c", str(folder / "lowest.txt")),
         ]
         print("installing", *pins, flush=True)
         chosen = ",".join(sorted(extras - {NOT_INSTALLED}))
