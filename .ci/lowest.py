@@ -31,8 +31,8 @@ latolato sweep fig02 --duration 8 --axis length=0.2:0.4:6 --store map.zarr --plo
 latolato sweep fig02 --duration 8 --axis length=0.2:0.4:6 --executor dask --workers 1 --output d.nc
 latolato plot map.zarr --output again.png
 latolato analyse tongue_edges fig03a --plot tongue.png
-latolato synthesise --system pendulum --length 0.363 --mass 0.108 --damping 0.00274 --radius 0.0242
-    --initial-angle 0.4 --duration 8 --camera fps=60 --output clip.mp4
+latolato synthesise --system pendulum --length 0.363 --mass 0.108 --damping 0.00274
+    --initial-angle 0.4 --duration 8 --scene ball_radius=0.0242 --camera fps=60 --output clip.mp4
 latolato track clip.mp4 --balls 1 --length 0.363 --radius 0.0242 --output clip.csv
     --report clip.html
 latolato fit decay clip.csv --length 0.363 --mass 0.108 --plot decay.png
