@@ -80,6 +80,10 @@ format: $(STAMPS)/dev ## apply the style and the format
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+.PHONY: lowest
+lowest: $(STAMPS)/test ## try the lowest versions of the packages that pyproject.toml allows
+	$(BIN)/python .ci/lowest.py
+
 .PHONY: docs
 docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

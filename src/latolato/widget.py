@@ -10,8 +10,8 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from latolato.app import STATIC
 from latolato.app.blocks import pack
-from latolato.app.files import STATIC
 from latolato.app.given import MOST_SAMPLES
 from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
 from latolato.errors import InputError

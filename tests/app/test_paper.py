@@ -25,6 +25,7 @@ QUICK = ("fig01", "fig03", "fig04", "text_decay", "text_model")
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     """An empty place for what is made."""
+    monkeypatch.setenv("LATOLATO_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(paper, "_place", lambda name: tmp_path / "paper" / f"{name}.block")
     monkeypatch.setattr(paper, "_known", {})
     return tmp_path / "paper"
@@ -119,7 +120,9 @@ def test_a_figure_is_made_once_and_then_kept(cache):
         paper._known.clear()
         again, _ = ask(client, {"figure": "text_decay"})
         assert again["bytes"] == block["bytes"]
-        (cache / "text_decay.block").write_bytes(b"broken")
+        kept = bytearray((cache / "text_decay.block").read_bytes())
+        kept[len(kept) // 2] ^= 1
+        (cache / "text_decay.block").write_bytes(kept)
         paper._known.clear()
         *told, block, _ = ask(client, {"figure": "text_decay"})
         assert told

@@ -3,6 +3,8 @@
 import base64
 import math
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +12,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.app import STATIC
 from latolato.app.blocks import unpack
-from latolato.app.files import STATIC
 from latolato.widget import MODULES, bundle, style_sheet
 
 # What anywidget is to a widget: a model that holds its values.
@@ -83,6 +85,25 @@ def test_places_without_widgets_get_a_picture_of_the_run_on_show(run):
     widget.run = ll.load_scenario("toy").simulate(duration=1.0)
     second, _ = widget._repr_mimebundle_()
     assert first["image/png"] != second["image/png"]
+
+
+def test_notebooks_need_no_package_of_the_application(tmp_path):
+    code = """
+import sys
+import tomllib
+from importlib.util import find_spec
+
+extras = tomllib.load(open(sys.argv[1], "rb"))["project"]["optional-dependencies"]
+names = [need.partition(">=")[0].replace("-", "_") for need in extras["app"]]
+assert all(map(find_spec, names)), names
+sys.modules.update(dict.fromkeys(names))  # as if they were not installed
+import latolato as ll
+
+run = ll.simulate(ll.Pendulum(length=0.9, mass=0.5), initial_angle=0.5, duration=1.0)
+assert ll.play(run).block
+"""
+    project = Path(__file__).parents[2] / "pyproject.toml"
+    subprocess.run([sys.executable, "-c", code, str(project)], check=True)
 
 
 def test_a_dataset_that_is_no_run_is_refused(run):

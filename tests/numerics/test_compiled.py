@@ -55,11 +55,11 @@ def in_new_process(cache: Path, *names: str) -> dict[str, list[float]]:
 def test_kernels_cached_by_two_processes_serve_a_third(tmp_path: Path) -> None:
     """Parts of equal name in two cached libraries must not be taken for each other."""
     alone = in_new_process(tmp_path, "pendulum") | in_new_process(tmp_path, "mathieu")
-    files = {f.name: f.stat().st_mtime_ns for f in tmp_path.rglob("*.nbc")}
+    files = {f.name: f.stat().st_mtime_ns for f in tmp_path.rglob("*.kernel")}
     assert files
     assert in_new_process(tmp_path, "pendulum", "mathieu") == alone
     assert in_new_process(tmp_path, "mathieu", "pendulum") == alone
-    after = {f.name: f.stat().st_mtime_ns for f in tmp_path.rglob("*.nbc")}
+    after = {f.name: f.stat().st_mtime_ns for f in tmp_path.rglob("*.kernel")}
     assert after == files, "the third process compiled again instead of reading the cache"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import mimetypes
 from functools import cache, lru_cache
 from hashlib import sha256
-from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +12,8 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
-STATIC = Path(str(files("latolato.app") / "static"))
+from latolato.app import STATIC
+
 # Not asked of the system, whose registry may say otherwise.
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 

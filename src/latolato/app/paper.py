@@ -21,6 +21,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from latolato import cache
 from latolato.app.blocks import pack
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.server import answered
@@ -329,20 +330,15 @@ def made_with() -> str:
 
 def _place(name: str) -> Path:
     """Return where the block of a figure is kept."""
-    from latolato.numerics.compiled import cache_directory
-
-    return cache_directory() / "paper" / made_with() / f"{name}.block"
+    return cache.cache_directory() / "paper" / made_with() / f"{name}.block"
 
 
 def _kept(name: str) -> bytes | None:
     """Return the block of a figure that was made before, None if there is none."""
-    from latolato.app.blocks import unpack
-
     if ("", name) in _known:
         return _known["", name]
     with suppress(OSError, ValueError):
-        block = _place(name).read_bytes()
-        unpack(block)
+        block = cache.read(_place(name))
         _known["", name] = block
         return block
     return None
@@ -350,11 +346,6 @@ def _kept(name: str) -> bytes | None:
 
 def _keep(name: str, block: bytes) -> None:
     """Keep the block of a figure; a disk that cannot be written costs time only."""
-    from latolato.files import atomic_path
-
     _known["", name] = block
-    path = _place(name)
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_path(path) as unfinished:
-            unfinished.write_bytes(block)
+        cache.write(_place(name), block)

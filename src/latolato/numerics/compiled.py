@@ -7,21 +7,25 @@ kernel layers together with the library versions, so an edit anywhere below a ke
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
-import os
+import pickle
 import sys
+import warnings
 from collections.abc import Callable, Iterable
-from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import numba
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
 from numba.core.runtime.nrt import rtsys
+from numba.core.serialize import dumps
 from numba.extending import register_jitable
 
+from latolato import cache
 from latolato.numerics.compiler import tell_it_is_there
 from latolato.scalar import for_each_formula
 
@@ -40,7 +44,7 @@ tell_it_is_there()
 _LAYERS = ("scalar.py", "physics", "observables", "numerics")
 
 
-@lru_cache(maxsize=1)
+@functools.cache
 def sources_hash() -> str:
     """Return a digest of the kernel layers' sources and of the compiler's version."""
     digest = hashlib.sha256()
@@ -53,69 +57,81 @@ def sources_hash() -> str:
     return digest.hexdigest()[:24]
 
 
-def cache_directory() -> Path:
-    """Return the folder of compiled kernels; ``LATOLATO_CACHE_DIR`` overrides the default."""
-    chosen = os.environ.get("LATOLATO_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData/Local"))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library/Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    return base / "latolato"
+class _KernelCache(_Cache):
+    """Keeps a kernel on disk, one file for each signature and processor.
 
+    Trouble with the disk costs time and a warning, never the run.
+    """
 
-class _Locator(_CacheLocator):
-    """Puts every kernel below one folder, stamped by the hash of all sources."""
+    def __init__(self, name: str, key: str) -> None:
+        self._name, self._key = name, key
 
-    # numba's warning of code that cannot be kept (as with NUMBA_OPT=0) names a place.
-    _py_file, _lineno = __file__, 1
-
-    def __init__(self, *_: Any) -> None:
-        self._path = str(cache_directory() / sources_hash())
-
-    def ensure_cache_path(self) -> None:
-        os.makedirs(self._path, exist_ok=True)
-
-    def get_cache_path(self) -> str:
-        return self._path
-
-    def get_source_stamp(self) -> str:
-        return sources_hash()
-
-    def get_disambiguator(self) -> str:
-        return ""
-
-    @classmethod
-    def from_function(cls, py_func: Any, py_file: str) -> _Locator:
-        return cls()
-
-
-class _Implementation(CompileResultCacheImpl):
-    _locator_classes = [_Locator]  # noqa: RUF012 - as numba declares it
-
-
-class _KernelCache(FunctionCache):
-    """A cache whose index key is the kernel's own name instead of pickled closure cells."""
-
-    _impl_class = _Implementation
-
-    def __init__(self, py_func: Any, key: str) -> None:
-        super().__init__(py_func)  # type: ignore[no-untyped-call]
-        self._key = key
-
-    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        return (sig, codegen.magic_tuple(), self._key)
+    @property
+    def cache_path(self) -> str:
+        """The folder of the kernels made from these sources."""
+        return str(self._folder())
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Load a kernel without what only compiling needs: 0.2 s of imports, half of them SciPy."""
         # What compiled code may call lies in these two.
         rtsys.initialize(target_context)
         import_module("numba.cpython.hashing")
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        try:
+            path = self._path(sig, target_context.codegen())
+            reduced = pickle.loads(cache.read(path))
+            return CompileResult._rebuild(target_context, *reduced)  # type: ignore[no-untyped-call]
+        except (FileNotFoundError, NotADirectoryError, cache.UntrustedFolderError):
+            return None  # saving explains what is wrong with a folder
+        except Exception as error:
+            reason = _reason(error)
+        with contextlib.suppress(OSError):
+            path.unlink()
+        _warn(f"a kernel kept in '{path.parent}' is not used ({reason}) and compiled again")
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save a kernel, or warn why the next process will have to compile it again."""
+        try:
+            if data.library.has_dynamic_globals:  # as with NUMBA_OPT=0
+                raise ValueError("their code holds addresses of this process")
+            content = dumps(data._reduce())  # type: ignore[no-untyped-call]
+            cache.write(self._path(sig, data.codegen), content)
+            return
+        except Exception as error:
+            reason = _reason(error)
+        _warn(
+            f"compiled kernels cannot be kept ({reason}), so every process compiles them again; "
+            "set LATOLATO_CACHE_DIR to a folder that only you can write to"
+        )
+
+    def enable(self) -> None:
+        """Do nothing: the cache is always on."""
+
+    def disable(self) -> None:
+        """Do nothing: the cache is always on."""
+
+    def flush(self) -> None:
+        """Do nothing: files of other sources are never read."""
+
+    def _folder(self) -> Path:
+        return cache.cache_directory() / sources_hash()
+
+    def _path(self, sig: Any, codegen: Any) -> Path:
+        key = hashlib.sha256(repr((sig, codegen.magic_tuple(), self._key)).encode())
+        return self._folder() / f"{self._name}-{key.hexdigest()[:32]}.kernel"
+
+
+def _reason(error: Exception) -> str:
+    """Return what an error says, in a few words."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}: '{error.filename}'" if error.filename else error.strerror
+    return str(error) or type(error).__name__
+
+
+@functools.cache
+def _warn(message: str) -> None:
+    """Warn once in a process."""
+    warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 def law_key(*laws: Callable[..., Any]) -> str:
@@ -159,7 +175,6 @@ def compile_kernel(
     function = make(*laws, compile_part)
     rename(function)
     dispatcher = numba.njit(**_OPTIONS)(function)
-    with contextlib.suppress(OSError):  # a read-only home: compile in every process
-        dispatcher._cache = _KernelCache(function, key)
+    dispatcher._cache = _KernelCache(function.__name__, key)
     compiled: Callable[..., Any] = dispatcher
     return compiled
