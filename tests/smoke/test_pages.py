@@ -25,22 +25,32 @@ def faults(page):
     return [e.inner_text() for e in page.locator(".error, .notice").all() if e.is_visible()]
 
 
+def shown(page, end):
+    """Wait for a page's end, or for what it says instead, which is a fault."""
+    page.wait_for_selector(f"{end}, .error:visible, .notice:visible", timeout=PATIENCE)
+    page.wait_for_load_state("networkidle")
+    assert not faults(page)
+
+
 @pytest.mark.parametrize("scenario", RUNS)
 def test_play(page, answer, scenario):
     page.goto(f"/?view=play&scenario={scenario}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    page.wait_for_load_state("networkidle")
-    assert not faults(page)
+    shown(page, "[data-runs]")
     answer(f"{page.locator('main canvas:visible').count()} pictures")
     assert_panels_have_room(page)
 
 
 @pytest.mark.parametrize("drive", TYPED_DRIVES)
 def test_drive(page, answer, drive):
-    page.goto(f"/?view=play&scenario=toy&drive={drive}&duration=10 s")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    page.wait_for_load_state("networkidle")
-    assert not faults(page)
+    registry = page.request.get("/api/registry").json()
+    link = f"/?view=play&scenario=toy&drive={drive}&duration=10 s"
+    for name in registry["drives"][drive]["options"]:
+        option = registry["options"][name]
+        if option["default"] is None:  # the form would begin with this
+            usual = option["usual"] or option["low"] or 0.0
+            link += f"&{name}={', '.join(map(str, usual)) if option['several'] else usual}"
+    page.goto(link)
+    shown(page, "[data-runs]")
     answer(f"{page.locator('main canvas:visible').count()} pictures")
     assert_panels_have_room(page)
 
@@ -48,8 +58,7 @@ def test_drive(page, answer, drive):
 @pytest.mark.parametrize("scenario", SWEEPS)
 def test_map(page, answer, scenario):
     page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20")
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
-    assert not faults(page)
+    shown(page, "[data-done]")
     answer(page.locator(".bar-title").inner_text())
     assert_panels_have_room(page)
 
@@ -81,7 +90,6 @@ def test_question(page, answer, question, scenario):
 @pytest.mark.parametrize("view", ["live", "paper"])
 def test_view(page, answer, view):
     page.goto(f"/?view={view}")
-    page.wait_for_selector("[data-ready], [data-judged]", timeout=PATIENCE)
-    assert not faults(page)
+    shown(page, "[data-ready], [data-judged]")
     answer(page.locator("h1").first.inner_text())
     assert_panels_have_room(page)
