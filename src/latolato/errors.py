@@ -93,14 +93,18 @@ def refusal_of(error: BaseException) -> str | None:
 def report_of(error: BaseException) -> str:
     """Write the traceback of a fault to a file; return the line that asks for a report.
 
-    The file is in the folder for temporary files. If it cannot be written, the line says so.
+    The file is in the cache folder: the application removes its temporary files when it ends. If
+    the file cannot be written, the line says so.
     """
+    from latolato.cache import cache_directory
     from latolato.versions import version_of
 
     name = type(error).__name__
     begin = f"internal error ({name}), a fault of the program and not of your input"
     try:
-        number, path = tempfile.mkstemp(prefix="latolato-fault-", suffix=".txt")
+        folder = cache_directory() / "faults"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        number, path = tempfile.mkstemp(prefix="fault-", suffix=".txt", dir=folder)
         with os.fdopen(number, "w", encoding="utf-8", errors="backslashreplace") as file:
             file.write(f"latolato {version_of()}, Python {platform.python_version()}, ")
             file.write(f"{platform.platform()}\n{sys.argv!r}\n")

@@ -99,7 +99,7 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
             if name in self._entries:
                 raise ValueError(f"{self.kind} '{name}' is registered twice")
             self._entries[name] = entry
-            return named(entry) if is_dataclass(entry) else entry
+            return named(entry) if isinstance(entry, type) and is_dataclass(entry) else entry
 
         return add
 

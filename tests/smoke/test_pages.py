@@ -57,7 +57,7 @@ def test_drive(page, answer, drive):
 
 @pytest.mark.parametrize("scenario", SWEEPS)
 def test_map(page, answer, scenario):
-    page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20")
+    page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20&map.transient=10")
     shown(page, "[data-done]")
     answer(page.locator(".bar-title").inner_text())
     assert_panels_have_room(page)
