@@ -17,26 +17,30 @@ from materials import MAKERS, provide
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
          *sorted((ROOT / "docs").glob("*/*.md"))]  # fmt: skip
-# What takes longer than all the rest together.
-LONG = {
-    "latolato reproduce": "ten minutes; reproduce --quick takes the same way",
-    "latolato reproduce --output report": "ten minutes; reproduce --quick takes the same way",
-    "latolato reproduce --full": "an hour",
-}
 # Options whose file is written; one that is there already may belong to something else.
 WRITTEN = ("--output", "--store", "--plot", "--truth", "--report", "--animate")
 READ_TOO = ("--from", "--status", "--verify")
 
 
+def short(words):
+    """Return a command, in its quick form where the full one takes ten minutes or an hour."""
+    if words[1] == "reproduce":
+        return [word for word in words if word not in ("--full", "--quick")] + ["--quick"]
+    return words
+
+
 def commands():
-    """Yield each command of the documentation, with the page that shows it."""
+    """Yield each command of the documentation once, with the first page that shows it."""
+    seen = set()
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for block in re.findall(r"```console\n(.*?)```", text, re.S):
             for line in block.replace("\\\n", " ").splitlines():
                 if line.startswith("$ latolato"):
-                    words = shlex.split(line.removeprefix("$ "), comments=True)
-                    yield pytest.param(words, id=f"{page.stem}: {' '.join(words)[:60]}")
+                    words = short(shlex.split(line.removeprefix("$ "), comments=True))
+                    if tuple(words) not in seen:
+                        seen.add(tuple(words))
+                        yield pytest.param(words, id=f"{page.stem}: {' '.join(words)[:60]}")
 
 
 COMMANDS = list(commands())
@@ -75,9 +79,6 @@ def serve(words, folder):
 
 @pytest.mark.parametrize("words", COMMANDS)
 def test_command(words, tmp_path, cache, answer):
-    line = shlex.join(words)
-    if line in LONG:
-        pytest.skip(LONG[line])
     for name in named(words):
         provide(name, tmp_path, cache)
     # Patterns are expanded by a shell.
