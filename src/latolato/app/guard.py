@@ -122,9 +122,7 @@ class Guard:
             return "the address lacks the access token that the server printed when it started"
         # Whoever follows a link with the token comes from the page where the link stands.
         is_own_site = request.headers.get("sec-fetch-site", "none") in ("none", "same-origin")
-        return (
-            None if is_own_site or is_invited else "the request comes from a page of another site"
-        )
+        return None if is_own_site or is_invited else _FOREIGN
 
     def _is_token(self, *given: str) -> bool:
         """Return whether one of the texts is the server's token."""

@@ -39,7 +39,7 @@ def statement(name: str, where: str, words: str) -> Statement:
             f"For a synthetic experiment like that of {where}, "
             "the angle computed on the fitted drive differs from the synthetic one by "
             "{residual_milli:.1f} mrad and {phase_milli:.1f} mrad of phase in the last third; the "
-            "lasting angles are {measured:.2f}° (synthetic) and {computed:.2f}° (computed)."
+            "lasting angles are {synthetic:.2f}° (synthetic) and {computed:.2f}° (computed)."
         ),
         why=(
             "Only the initial angle and velocity are fitted, in the first {match:.1f} s; the drive "
@@ -54,6 +54,12 @@ def data(clip: chain.Clip, title: str, quick: bool) -> xr.Dataset:
 
     table = chain.sampled(clip) if quick else chain.filmed(clip)
     found = compare_motion(table, clip.system)
+    # Nothing here is a measurement.
+    found = found.rename({f"{n}_measured": f"{n}_synthetic" for n in ("largest", "lasting")})
+    for name in ("largest_synthetic", "lasting_synthetic"):
+        found[name].attrs["long_name"] = found[name].attrs["long_name"].replace(
+            "measured", "synthetic"
+        )
     # Where there is no phase its likeness is nothing.
     found = found.assign({n: found[n].fillna(0.0) for n in ("phase_difference", "likeness")})
     count = table.sizes["frame"]
@@ -71,15 +77,15 @@ def data(clip: chain.Clip, title: str, quick: bool) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statement of a motion names."""
-    measured, computed = float(dataset.lasting_measured), float(dataset.lasting_computed)
+    synthetic, computed = float(dataset.lasting_synthetic), float(dataset.lasting_computed)
     residual, phase = float(dataset.residual_rms_late), float(dataset.phase_rms_late)
     return {
         "residual": residual,
         "residual_milli": 1e3 * residual,
         "phase": phase,
         "phase_milli": 1e3 * phase,
-        "lasting_error": abs(measured / computed - 1.0),
-        "measured": float(np.degrees(measured)),
+        "lasting_error": abs(synthetic / computed - 1.0),
+        "synthetic": float(np.degrees(synthetic)),
         "computed": float(np.degrees(computed)),
         "match": float(dataset.attrs["match"]),
     }
