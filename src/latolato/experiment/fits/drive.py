@@ -171,7 +171,9 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     time, height = time[good], height[good]
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
-    if 0.5 * (high - low) < _CLEAR * noise or high == low:
+    if high == low:
+        raise InputError("the pivot is at rest")
+    if 0.5 * (high - low) < _CLEAR * noise:
         raise InputError(
             f"the pivot is at rest: it moves by {0.5e3 * (high - low):.3g} mm either way, its "
             f"track scatters by {1e3 * noise:.3g} mm"
