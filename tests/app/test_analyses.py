@@ -384,7 +384,7 @@ def test_work_is_estimated_from_all_that_multiplies_it():
 
 
 def test_a_page_that_goes_ends_the_computation(client):
-    given = {"analysis": "basins", "scenario": "fig02", "given": {"transient_periods": "20000"}}
+    given = {"analysis": "basins", "scenario": "fig02", "given": {"transient_periods": "8000"}}
     with client.websocket_connect(SOCKET) as socket:
         socket.send_json(given)
         while json.loads(socket.receive()["text"])["state"] in ("waiting", "starting"):
