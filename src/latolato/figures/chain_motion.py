@@ -57,8 +57,8 @@ def data(clip: chain.Clip, title: str, quick: bool) -> xr.Dataset:
     # Nothing here is a measurement.
     found = found.rename({f"{n}_measured": f"{n}_synthetic" for n in ("largest", "lasting")})
     for name in ("largest_synthetic", "lasting_synthetic"):
-        found[name].attrs["long_name"] = found[name].attrs["long_name"].replace(
-            "measured", "synthetic"
+        found[name].attrs["long_name"] = (
+            found[name].attrs["long_name"].replace("measured", "synthetic")
         )
     # Where there is no phase its likeness is nothing.
     found = found.assign({n: found[n].fillna(0.0) for n in ("phase_difference", "likeness")})
