@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def check_target(path: str | Path) -> None:
     """Raise unless `save` can write to `path`: a known suffix, its extra, an existing folder."""
     check_folder(Path(path))
     if check_suffix(path, SUFFIXES, "the name of a result file") == ".parquet":
-        _pyarrow()
+        import_pyarrow()
 
 
 def save(dataset: xr.Dataset, path: str | Path) -> Path:
@@ -143,10 +143,9 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     InputError
         If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
         and Parquet.
+        For Parquet without the extra `parquet`.
     OSError
         If the file cannot be written.
-    ModuleNotFoundError
-        For Parquet without the extra `parquet`.
     """
     import xarray as xr
 
@@ -398,7 +397,7 @@ def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
 
 def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
     """Write the variables along a dimension, their units with each field."""
-    pyarrow = _pyarrow()
+    pyarrow = import_pyarrow()
     columns = _columns(dataset, dimension)
     arrays = [pyarrow.array(values) for values, _ in columns.values()]
     schema = pyarrow.schema(
@@ -417,7 +416,7 @@ def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
 
 def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     """Return the columns and the attributes of a file written by `_write_parquet`."""
-    pyarrow = _pyarrow()
+    pyarrow = import_pyarrow()
     table = pyarrow.parquet.read_table(path)
     metadata = table.schema.metadata or {}
     attributes = {
@@ -435,15 +434,11 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     return columns, attributes
 
 
-def _pyarrow() -> Any:
-    """Return pyarrow, or raise with the extra that installs it."""
-    try:
-        import pyarrow.parquet
-    except ModuleNotFoundError:
-        raise InputError(
-            'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
-        ) from None
-    return pyarrow
+def import_pyarrow() -> Any:
+    """Return pyarrow with its Parquet."""
+    options = {"purpose": "a Parquet file", "way_out": "use .nc or .csv"}
+    import_extra("pyarrow.parquet", "parquet", **options)
+    return import_extra("pyarrow", "parquet", **options)
 
 
 def _plain(value: Any) -> Any:

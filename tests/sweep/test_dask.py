@@ -144,5 +144,5 @@ def test_missing_dask_names_the_extra(monkeypatch):
     monkeypatch.delitem(sys.modules, EXECUTOR.__name__)
     monkeypatch.setitem(sys.modules, "distributed", None)
 
-    with pytest.raises(ImportError, match=r'pip install "latolato\[dask\]"'):
+    with pytest.raises(InputError, match=r'pip install "\.\[dask\]"'):
         importlib.import_module(EXECUTOR.__name__)
