@@ -108,7 +108,7 @@ def test_closing_cancels_what_waits_and_leaves_the_cluster(client, plan, monkeyp
 def test_worker_with_other_sources_is_refused(client, plan, monkeypatch):
     monkeypatch.setattr(EXECUTOR, "sources_hash", lambda: "another")
 
-    with pytest.raises(RuntimeError, match="install the same versions"):
+    with pytest.raises(InputError, match="install the same versions"):
         list(execute(plan, [0], client=client))
 
 
