@@ -35,7 +35,7 @@ def sweep(executor, **options):
 def test_cuda_without_a_device_is_an_error(monkeypatch):
     monkeypatch.setattr("numba.cuda.is_available", lambda: False)
 
-    with pytest.raises(RuntimeError, match=r"needs an NVIDIA GPU.*executor='threads'"):
+    with pytest.raises(InputError, match=r"needs an NVIDIA GPU.*executor='threads'"):
         sweep("cuda")
 
 

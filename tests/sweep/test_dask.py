@@ -118,7 +118,7 @@ def test_cluster_without_workers_is_an_error(plan, monkeypatch):
     with (
         distributed.LocalCluster(n_workers=0, **LOCAL) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
-        pytest.raises(RuntimeError, match="has no workers"),
+        pytest.raises(InputError, match="has no workers"),
     ):
         list(execute(plan, [0], client=client))
 

@@ -301,6 +301,7 @@ def integrate(
         values.append(buffers[2][:, :written])
         count += written
         before, reached = reached, state[T_BASE] + counters[STEPS] * step
+        # A fault: the steps that are admitted are far above the spacing of floats at their end.
         if reached <= before and not written and math.isfinite(reached):
             raise RuntimeError(f"the integration came to a halt at t = {reached:.17g} s")
         if progress is not None:
