@@ -188,6 +188,10 @@ def is_sweep(dataset: xr.Dataset) -> bool:
     return "plan" in dataset.attrs and "time" not in dataset.dims and is_whole(dataset)
 
 
+# Attributes that are tables of their own, as JSON.
+_DESCRIPTIONS = {"plan", "scenario", "system_description", "drive_description"}
+
+
 def load(path: str | Path) -> xr.Dataset:
     """Return the dataset in a file that `save` wrote, or in the store of a sweep.
 
@@ -217,8 +221,17 @@ def load(path: str | Path) -> xr.Dataset:
     suffix = check_suffix(path, SUFFIXES, "the name of a result file")
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
-    if suffix == ".nc":
-        return _read_netcdf(path)
+    with reading(path):
+        dataset = _read_netcdf(path) if suffix == ".nc" else _read_tables(path, suffix)
+        for name in _DESCRIPTIONS & dataset.attrs.keys():
+            text = dataset.attrs[name]  # nothing for a pivot at rest
+            if text and not isinstance(json.loads(text), dict):
+                raise TypeError(f"its attribute {name} is no table")
+        return dataset
+
+
+def _read_tables(path: Path, suffix: str) -> xr.Dataset:
+    """Return the sweep in a table, or the run in one or two of them."""
     read = _read_csv if suffix == ".csv" else _read_parquet
     columns, attributes = read(path)
     if "plan" in attributes:
@@ -229,6 +242,23 @@ def load(path: str | Path) -> xr.Dataset:
     if attributes.get("contact", "none") != "none":
         contacts, _ = read(_contacts_path(path))
     return _assembled(columns, contacts, attributes)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Refuse a file on whose content a reader fails.
+
+    HDF5, Arrow and FFmpeg have dozens of errors for damaged files, of many types.
+    """
+    try:
+        yield
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(
+            f"'{path}' is damaged or was not written by latolato ({error})",
+            way_out="compute it again or take a copy",
+        ) from error
 
 
 def _contacts_path(path: Path) -> Path:
