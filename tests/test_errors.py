@@ -365,6 +365,12 @@ def test_a_tampered_file_is_read_or_refused(name, whole, tmp_path, monkeypatch, 
             assert "Traceback" not in said
 
 
+def test_a_track_table_is_no_run_to_plot(whole, capsys):
+    code, said = told(capsys, ["plot", str(whole / "table.csv")])
+    assert code == 2
+    assert "is a track table, not a run; see `latolato fit --help`" in said
+
+
 def test_a_film_that_cannot_be_decoded_is_refused(folder, whole, capsys):
     pixels = np.random.default_rng(0).integers(0, 256, (8, 8, 3), np.uint8)
     Image.fromarray(pixels).save("picture.png")

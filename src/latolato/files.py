@@ -417,6 +417,10 @@ def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
         names = line.rstrip("\n").split(",")
         if not about or names != list(about):
             raise InputError(f"'{path}' is no run of latolato: its header is missing")
+        if "flag_1" in names:
+            raise InputError(
+                f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
+            )
         rows = list(csv.reader(file))
     cells = zip(*rows, strict=True) if rows else ((),) * len(names)
     columns: Columns = {}
