@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 import latolato as ll
+from latolato.errors import InputError
 from latolato.figures import style
 from latolato.figures.animate import MOST_FRAMES, SIZES, Scene, animate
 
@@ -177,7 +178,7 @@ def test_a_dataset_that_is_no_run_is_refused(run, tmp_path):
 
 def test_mp4_without_its_extra_names_it(run, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(ModuleNotFoundError, match=r'pip install "latolato\[video\]"'):
+    with pytest.raises(InputError, match=r'pip install "\.\[video\]", or write a \.gif'):
         animate(run, tmp_path / "run.mp4")
 
 

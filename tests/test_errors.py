@@ -5,7 +5,10 @@ import copy
 import dataclasses
 import os
 import pickle
+import random
+import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,9 +17,11 @@ import time
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 import latolato as ll
 from latolato import analysis, cli
@@ -28,7 +33,7 @@ TOY = (
     "--system latolato --length 1 --mass 0.8 --radius 0.1 --initial-angle 0.5 --duration 1 "
     "--drive harmonic --drive-amplitude 1cm --drive-frequency 6"
 )
-MAP = f"{TOY} --axis 'drive_amplitude = 0 : 0.1 : 3' --observable crossings --output out.nc"
+MAP = f"{TOY} --axis 'damping = 0 : 0.1 : 3' --observable crossings --output out.nc"
 COMMANDS = [
     "simulat",
     "simulate",
@@ -230,7 +235,7 @@ def test_a_bad_command_is_refused_in_one_line(command, folder, capsys):
 
 
 @pytest.mark.parametrize(
-    "text", ["abc", "nan", "1e999", "-1e308", "1 kg kg", "0,,1", "[1", "ü", ""]
+    "text", ["abc", "nan", "1e999", "-1e308", "1e31", "1 kg kg", "0,,1", "[1", "ü", ""]
 )
 @pytest.mark.parametrize("name", [o.name for o in law_options().values() if o.kind is not bool])
 def test_a_bad_value_of_any_option_is_refused_in_one_line(name, text, folder, capsys):
@@ -289,6 +294,95 @@ def test_a_scenario_of_anything_is_read_or_refused(changes, is_map):
             inner[place[-1]] = value
     with contextlib.suppress(InputError, OSError):
         Scenario.from_dict(tables)
+
+
+# Of these bytes some take the place of a word or a number in a file.
+SCRAPS = [b"", b"0", b"-1", b"nan", b"1e999", b"null", b"[]", b"{}", b",", b"\n", b"\xff", b"\0"]
+TAMPERED = {
+    "run.nc": ["simulate --from run.nc"],
+    "run.csv": ["simulate --from run.csv"],
+    "run.parquet": ["simulate --from run.parquet"],
+    "map.nc": ["sweep --from map.nc"],
+    "map.zarr": ["sweep --status map.zarr", "sweep --verify map.zarr", "sweep --from map.zarr"],
+    "run.toml": ["simulate run.toml"],
+    "table.csv": ["fit decay table.csv --length 1 --mass 1 --method equation"],
+    "film.mp4": ["track film.mp4 --ball 30,30 --length 1"],
+    "set-up.toml": ["track film.mp4 --sidecar set-up.toml --length 1"],
+}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A folder with one file of each kind."""
+    folder = tmp_path_factory.mktemp("whole")
+    (folder / "run.toml").write_text(SCENARIO)
+    run = ll.simulate(SYSTEM, DRIVE, initial_angle=0.5, duration=1.0)
+    for suffix in (".nc", ".csv", ".parquet"):
+        ll.save(run, folder / f"run{suffix}")
+    for name in ("map.nc", "map.zarr"):
+        command = MAP.replace("out.nc", shlex.quote(str(folder / name)))
+        assert cli.main(["sweep", *shlex.split(command)]) == 0
+    filmed = "synthesise --system pendulum --length 1 --mass 1 --damping 0.1 --initial-angle 0.4"
+    small = "--duration 2 --camera 'width = 96' --camera 'height = 72'"
+    files = f"--output {folder / 'film.mp4'} --truth {folder / 'table.csv'}"
+    assert cli.main(shlex.split(f"{filmed} {small} {files}")) == 0
+    (folder / "set-up.toml").write_text("[scale]\nlength = 1.0\n[pivot]\nu = 48.0\nv = 9.0\n")
+    return folder
+
+
+def tampered(data, dice):
+    """Bytes of which some are flipped, cut off, left out, or replaced by others."""
+    changed, place = bytearray(data), dice.randrange(len(data))
+    way = dice.randrange(4)
+    if way == 0:
+        changed[place] = dice.randrange(256)
+    elif way == 1:
+        del changed[place:]
+    elif way == 2:
+        del changed[place : place + dice.choice([1, 10, 1000])]
+    else:
+        words = list(re.finditer(rb"[A-Za-z_]{3,}|-?[0-9.]+", data[:100_000]))
+        word = dice.choice(words)
+        changed[word.start() : word.end()] = dice.choice(SCRAPS)
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("name", TAMPERED)
+def test_a_tampered_file_is_read_or_refused(name, whole, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    dice = random.Random(name)
+    for _ in range(6 if name in ("film.mp4", "set-up.toml") else 40):
+        shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
+        target = Path(name)
+        if target.is_dir():
+            target = dice.choice(sorted(p for p in target.rglob("*") if p.stat().st_size))
+        if target.is_dir():
+            continue
+        target.write_bytes(tampered(target.read_bytes(), dice))
+        for command in TAMPERED[name]:
+            code, said = told(capsys, command.split())
+            assert code in (0, 1, 2), said
+            assert "Traceback" not in said
+
+
+def test_a_track_table_is_no_run_to_plot(whole, capsys):
+    code, said = told(capsys, ["plot", str(whole / "table.csv")])
+    assert code == 2
+    assert "is a track table, not a run; see `latolato fit --help`" in said
+
+
+def test_a_film_that_cannot_be_decoded_is_refused(folder, whole, capsys):
+    pixels = np.random.default_rng(0).integers(0, 256, (8, 8, 3), np.uint8)
+    Image.fromarray(pixels).save("picture.png")
+    Path("picture.mp4").write_bytes(Path("picture.png").read_bytes())
+    data = (whole / "film.mp4").read_bytes()
+    start = data.index(b"mdat") + 4
+    Path("damaged.mp4").write_bytes(data[:start] + bytes(1000) + data[start + 1000 :])
+    for name in ("picture.mp4", "damaged.mp4"):
+        code, said = told(capsys, ["track", name, "--ball", "3,3", "--length", "1"])
+        assert code == 2, said
+        assert name in said
+        assert said.count("\n") == 1
 
 
 SYSTEM = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)

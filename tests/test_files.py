@@ -218,7 +218,7 @@ def test_a_file_of_something_else_is_refused(tmp_path, suffix):
 def test_parquet_without_its_extra_names_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with pytest.raises(ModuleNotFoundError, match=r'pip install "latolato\[parquet\]"'):
+    with pytest.raises(InputError, match=r'pip install "\.\[parquet\]", or use \.nc'):
         save(xr.Dataset({"angle": ("time", [0.0])}), tmp_path / "run.parquet")
 
 

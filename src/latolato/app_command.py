@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from latolato.errors import InputError
+from latolato.errors import import_extra
 
 
 def app(
@@ -62,13 +62,7 @@ def app(
     ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
-    try:
-        from latolato.app.serve import serve
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f'the application needs {error.name}: pip install "latolato[app]"'
-        ) from None
-    serve(
+    import_extra("latolato.app.serve", "app", "the application").serve(
         host,
         port,
         browser=browser,

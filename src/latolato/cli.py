@@ -409,6 +409,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 when the work is done, 2 for refused input, 70 for a fault of the program and 130 for Ctrl-C.
     """
     before = signal.signal(signal.SIGTERM, _terminate)
+    hook = sys.unraisablehook
+    sys.unraisablehook = _show_failed_cleanup
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
@@ -427,6 +429,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(message) if message is not None else _refuse(report_of(error), _FAULT)
     finally:
         signal.signal(signal.SIGTERM, before)
+        sys.unraisablehook = hook
 
 
 def _ending(error: BaseException) -> int | None:
@@ -459,6 +462,11 @@ def _refuse(message: str, code: int = 2) -> int:
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Print a warning as one line."""
     print(f"latolato: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+
+def _show_failed_cleanup(failure: Any) -> None:
+    """Print as one line that something could not be closed, such as a damaged file."""
+    _show_warning(f"{failure.exc_value} (after the work was done)")
 
 
 @contextmanager

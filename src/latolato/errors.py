@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import platform
 import sys
@@ -71,6 +72,42 @@ def _rebuilt(
 ) -> InputError:
     given = value if has_value else _NOT_GIVEN
     return InputError(rule, parameter=parameter, value=given, way_out=way_out)
+
+
+def extra_command(extra: str) -> str:
+    """Return what to do for an extra; the package is on no index."""
+    return f'in a clone of the repository, run: pip install ".[{extra}]"'
+
+
+def import_extra(module: str, extra: str, purpose: str, *, way_out: str = "") -> Any:
+    """Return a module that an extra of this package installs.
+
+    Parameters
+    ----------
+    module : str
+        Its name.
+    extra : str
+        The extra.
+    purpose : str
+        What needs it, as the subject of a sentence.
+    way_out : str, optional
+        What to do without it, beside installing the extra.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        missing = error.name or module
+        if missing.partition(".")[0] == "latolato":
+            raise
+        either = f", or {way_out}" if way_out else ""
+        raise InputError(
+            f"{purpose} needs the package '{missing}'", way_out=f"{extra_command(extra)}{either}"
+        ) from None
 
 
 def refusal_of(error: BaseException) -> str | None:

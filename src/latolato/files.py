@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def check_target(path: str | Path) -> None:
     """Raise unless `save` can write to `path`: a known suffix, its extra, an existing folder."""
     check_folder(Path(path))
     if check_suffix(path, SUFFIXES, "the name of a result file") == ".parquet":
-        _pyarrow()
+        import_pyarrow()
 
 
 def save(dataset: xr.Dataset, path: str | Path) -> Path:
@@ -143,10 +143,9 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     InputError
         If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
         and Parquet.
+        For Parquet without the extra `parquet`.
     OSError
         If the file cannot be written.
-    ModuleNotFoundError
-        For Parquet without the extra `parquet`.
     """
     import xarray as xr
 
@@ -189,6 +188,10 @@ def is_sweep(dataset: xr.Dataset) -> bool:
     return "plan" in dataset.attrs and "time" not in dataset.dims and is_whole(dataset)
 
 
+# Attributes that are tables of their own, as JSON.
+_DESCRIPTIONS = {"plan", "scenario", "system_description", "drive_description"}
+
+
 def load(path: str | Path) -> xr.Dataset:
     """Return the dataset in a file that `save` wrote, or in the store of a sweep.
 
@@ -218,8 +221,17 @@ def load(path: str | Path) -> xr.Dataset:
     suffix = check_suffix(path, SUFFIXES, "the name of a result file")
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
-    if suffix == ".nc":
-        return _read_netcdf(path)
+    with reading(path):
+        dataset = _read_netcdf(path) if suffix == ".nc" else _read_tables(path, suffix)
+        for name in _DESCRIPTIONS & dataset.attrs.keys():
+            text = dataset.attrs[name]  # nothing for a pivot at rest
+            if text and not isinstance(json.loads(text), dict):
+                raise TypeError(f"its attribute {name} is no table")
+        return dataset
+
+
+def _read_tables(path: Path, suffix: str) -> xr.Dataset:
+    """Return the sweep in a table, or the run in one or two of them."""
     read = _read_csv if suffix == ".csv" else _read_parquet
     columns, attributes = read(path)
     if "plan" in attributes:
@@ -230,6 +242,23 @@ def load(path: str | Path) -> xr.Dataset:
     if attributes.get("contact", "none") != "none":
         contacts, _ = read(_contacts_path(path))
     return _assembled(columns, contacts, attributes)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Refuse a file on whose content a reader fails.
+
+    HDF5, Arrow and FFmpeg have dozens of errors for damaged files, of many types.
+    """
+    try:
+        yield
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(
+            f"'{path}' is damaged or was not written by latolato ({error})",
+            way_out="compute it again or take a copy",
+        ) from error
 
 
 def _contacts_path(path: Path) -> Path:
@@ -388,6 +417,10 @@ def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
         names = line.rstrip("\n").split(",")
         if not about or names != list(about):
             raise InputError(f"'{path}' is no run of latolato: its header is missing")
+        if "flag_1" in names:
+            raise InputError(
+                f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
+            )
         rows = list(csv.reader(file))
     cells = zip(*rows, strict=True) if rows else ((),) * len(names)
     columns: Columns = {}
@@ -398,7 +431,7 @@ def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
 
 def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
     """Write the variables along a dimension, their units with each field."""
-    pyarrow = _pyarrow()
+    pyarrow = import_pyarrow()
     columns = _columns(dataset, dimension)
     arrays = [pyarrow.array(values) for values, _ in columns.values()]
     schema = pyarrow.schema(
@@ -417,7 +450,7 @@ def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
 
 def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     """Return the columns and the attributes of a file written by `_write_parquet`."""
-    pyarrow = _pyarrow()
+    pyarrow = import_pyarrow()
     table = pyarrow.parquet.read_table(path)
     metadata = table.schema.metadata or {}
     attributes = {
@@ -435,15 +468,11 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     return columns, attributes
 
 
-def _pyarrow() -> Any:
-    """Return pyarrow, or raise with the extra that installs it."""
-    try:
-        import pyarrow.parquet
-    except ModuleNotFoundError:
-        raise InputError(
-            'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
-        ) from None
-    return pyarrow
+def import_pyarrow() -> Any:
+    """Return pyarrow with its Parquet."""
+    options = {"purpose": "a Parquet file", "way_out": "use .nc or .csv"}
+    import_extra("pyarrow.parquet", "parquet", **options)
+    return import_extra("pyarrow", "parquet", **options)
 
 
 def _plain(value: Any) -> Any:

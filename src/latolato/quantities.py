@@ -49,6 +49,27 @@ class Range:
         return f"{left}{self.low:g}, {self.high:g}{right}"
 
 
+# Products of ten numbers of these sizes are floats; a pendulum's are far from either.
+SMALLEST, LARGEST = 1e-30, 1e30
+# Beyond it, an angle is rounded by more than 1e-10 rad, the default tolerance of a run.
+LARGEST_ANGLE = 1e6  # rad
+
+
+def largest_of(unit: str) -> float:
+    """Return the largest number of a unit that can be computed with."""
+    return LARGEST_ANGLE if unit == "rad" else LARGEST
+
+
+def is_computable(value: Any, allowed: Range, unit: str) -> Any:
+    """Return whether a number's size can be computed with, element by element for an array.
+
+    What must be positive, such as a mass, is divided by and cannot be tiny.
+    """
+    fits = abs(value) <= largest_of(unit)
+    divides = allowed.low == 0.0 and allowed.open_low
+    return fits & (value >= SMALLEST) if divides else fits
+
+
 POSITIVE = Range(low=0.0, open_low=True)
 NON_NEGATIVE = Range(low=0.0)
 UNIT_INTERVAL = Range(low=0.0, high=1.0)

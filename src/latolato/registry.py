@@ -13,7 +13,7 @@ from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.errors import InputError
-from latolato.quantities import Range
+from latolato.quantities import SMALLEST, Range, is_computable, largest_of
 
 Entry = TypeVar("Entry")
 Law = TypeVar("Law")
@@ -132,7 +132,8 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     Raises
     ------
     InputError
-        If `value` is no real number, NaN, infinite or outside `allowed`.
+        If `value` is no real number, NaN, infinite, outside `allowed` or of a size that cannot be
+        computed with.
     """
     kind = "a number" if unit == "1" else f"a number in {unit}"
     if isinstance(value, (str, bytes, bool)) or value is None:
@@ -154,7 +155,22 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
             value=number,
             way_out=f"give {_way_in(number, allowed)}",
         )
+    if not is_computable(number, allowed, unit):
+        raise _size_refusal(name, number, allowed, unit)
     return number
+
+
+def _size_refusal(name: str, number: float, allowed: Range, unit: str) -> InputError:
+    """Return the error for a number that is too large or too small to be computed with."""
+    shown = "" if unit == "1" else f" {unit}"
+    if abs(number) < SMALLEST:
+        rule, way_out = f"must be at least {SMALLEST:g}{shown}", "check its unit"
+    else:
+        largest = largest_of(unit)
+        low = -largest if allowed.low < 0.0 else 0.0
+        rule = f"must lie in [{low:g}, {largest:g}]{shown}"
+        way_out = "leave out whole turns" if unit == "rad" else "check its unit"
+    return InputError(rule, parameter=name, value=number, way_out=way_out)
 
 
 def _way_in(number: float, allowed: Range) -> str:

@@ -109,14 +109,15 @@ def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
 def as_text(found: Mapping[str, Any]) -> str:
     """Return a summary as lines for reading."""
     contacts = ", ".join(f"{count} {kind}" for kind, count in found["contacts"].items())
-    energy, angle = found["largest_energy"], found["largest_angle"]  # None beyond all floats
-    largest = f"{energy:.3g} J" if energy is not None else "more than floats hold"
+    energy, angle = found["largest_energy"], found["largest_angle"]  # None if there is no number
+    residual = found["energy_residual"]
+    known = residual is not None and energy is not None
     lines = {
         "run": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
         "status": found["status"],
         "largest angle": f"{angle:.6g} rad" if angle is not None else "unknown",
         "contacts": contacts or "none",
-        "energy residual": f"{found['energy_residual']:.2g} J of {largest}",
+        "energy residual": f"{residual:.2g} J of {energy:.3g} J" if known else "unknown",
         "wall time": f"{found['wall_time']:.2f} s",
         "written": ", ".join(found["files"]) or "nothing; name a file with --output",
     }

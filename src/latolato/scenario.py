@@ -289,8 +289,8 @@ def tables_of(run: xr.Dataset, name: str = "this dataset") -> Tables:
     if "scenario" not in run.attrs or "time" not in run:
         raise InputError(f"{name} holds no run of latolato: it has no attribute 'scenario'")
     tables: Tables = json.loads(run.attrs["scenario"])
-    tables["run"]["times"] = run["time"].values.tolist()
-    return tables
+    table = checked_table(tables.get("run", {}), "run")
+    return {**tables, "run": {**table, "times": run["time"].values.tolist()}}
 
 
 def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tables:

@@ -264,6 +264,11 @@ def _recorded(
         step *= 0.5
         halvings += 1
     if trajectory.status != "complete":
+        if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
+            raise InputError(
+                f"the run {trajectory.status}; no sample and no contact is known",
+                way_out="ask for earlier times",
+            )
         warnings.warn(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )

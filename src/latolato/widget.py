@@ -14,7 +14,7 @@ from latolato.app import STATIC
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_SAMPLES
 from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -69,7 +69,6 @@ def play(run: xr.Dataset) -> Any:
     ------
     InputError
         If the dataset is no run.
-    ModuleNotFoundError
         Without the extra `notebook`.
     """
     return _widget_class()(run)
@@ -102,13 +101,10 @@ def picture_of(run: xr.Dataset) -> str:
 @lru_cache(maxsize=1)
 def _widget_class() -> Any:
     """Return the class of the widget; anywidget is imported here."""
-    try:
-        import anywidget
-        import traitlets
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f'the player in a notebook needs {error.name}: pip install "latolato[notebook]"'
-        ) from None
+    for module in ("anywidget", "traitlets"):
+        import_extra(module, "notebook", "the player in a notebook")
+    import anywidget
+    import traitlets
 
     class PlayerWidget(anywidget.AnyWidget):
         """The player of one run."""

@@ -167,7 +167,7 @@ def test_a_frame_that_is_no_json_closes_the_socket(client, frame):
 def test_the_extra_that_animations_need_is_named(client, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "av", None)
     refused, _ = film(client, {"scenario": "zeno"})
-    assert 'pip install "latolato[video]"' in json.loads(refused["text"])["error"]
+    assert 'pip install ".[video]"' in json.loads(refused["text"])["error"]
 
 
 def test_a_page_that_goes_ends_its_work(client):

@@ -1,12 +1,13 @@
 """A free decay gives back the damping, the length and the drag law that made it."""
 
-import builtins
 import json
 import math
+import sys
 
 import numpy as np
 import pytest
 
+from latolato.errors import InputError
 from latolato.experiment.fits import decay
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Guess, solve
@@ -309,15 +310,8 @@ def test_what_is_no_free_decay_is_refused():
 
 
 def test_a_missing_lmfit_is_named_with_its_extra(monkeypatch):
-    plain = builtins.__import__
-
-    def without(name, *rest, **more):
-        if name == "lmfit":
-            raise ModuleNotFoundError(name)
-        return plain(name, *rest, **more)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(ModuleNotFoundError, match=r"latolato\[video\]"):
+    monkeypatch.setitem(sys.modules, "lmfit", None)
+    with pytest.raises(InputError, match=r'the package .lmfit.*pip install "\.\[video\]"'):
         fit_decay(decay_table(**SINGLE, duration=3.0))
 
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from latolato.errors import extra_command
 from latolato.numerics.many import make_progress
 from latolato.numerics.watch import slots_of
 from latolato.sweep.points import make_batch, stepper_of
@@ -34,7 +35,7 @@ def _compiler():
         try:
             pathfinder.load_nvidia_dynamic_lib(library)
         except pathfinder.DynamicLibNotFoundError:
-            pytest.fail(f"CUDA's lib{library} is not installed: pip install 'latolato[cuda]'")
+            pytest.fail(f"CUDA's lib{library} is not installed; {extra_command('cuda')}")
 
 
 @pytest.mark.slow

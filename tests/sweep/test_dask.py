@@ -108,7 +108,7 @@ def test_closing_cancels_what_waits_and_leaves_the_cluster(client, plan, monkeyp
 def test_worker_with_other_sources_is_refused(client, plan, monkeypatch):
     monkeypatch.setattr(EXECUTOR, "sources_hash", lambda: "another")
 
-    with pytest.raises(RuntimeError, match="install the same versions"):
+    with pytest.raises(InputError, match="install the same versions"):
         list(execute(plan, [0], client=client))
 
 
@@ -118,7 +118,7 @@ def test_cluster_without_workers_is_an_error(plan, monkeypatch):
     with (
         distributed.LocalCluster(n_workers=0, **LOCAL) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
-        pytest.raises(RuntimeError, match="has no workers"),
+        pytest.raises(InputError, match="has no workers"),
     ):
         list(execute(plan, [0], client=client))
 
@@ -144,5 +144,5 @@ def test_missing_dask_names_the_extra(monkeypatch):
     monkeypatch.delitem(sys.modules, EXECUTOR.__name__)
     monkeypatch.setitem(sys.modules, "distributed", None)
 
-    with pytest.raises(ImportError, match=r'pip install "latolato\[dask\]"'):
+    with pytest.raises(InputError, match=r'pip install "\.\[dask\]"'):
         importlib.import_module(EXECUTOR.__name__)

@@ -19,7 +19,7 @@ from latolato.app.blocks import pack
 from latolato.app.given import Asked, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.app.server import answered
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,14 +161,12 @@ def to_toml(scenario: Scenario) -> str:
 
     Raises
     ------
-    ModuleNotFoundError
+    InputError
         Without the extra `app`.
     """
-    try:
-        import tomli_w
-    except ModuleNotFoundError:
-        raise InputError('TOML needs tomli-w: pip install "latolato[app]"') from None
     from latolato.app.lines import command_line
+
+    tomli_w = import_extra("tomli_w", "app", "TOML")
 
     tables = {k: v for k, v in without_none(scenario.to_dict()).items() if k != "name"}
     head = f"# SI units. Run it: latolato simulate {file_name(scenario)}.toml"
@@ -193,7 +191,6 @@ def prepare_animation(given: Any) -> Job:
     ------
     InputError
         For bad input.
-    ModuleNotFoundError
         Without the extra `video`.
     """
     from latolato.figures.animate import check_target

@@ -133,7 +133,6 @@ def prepare(given: Any, report: Path | None = None) -> Job:
     ------
     InputError
         For an unknown name.
-    ModuleNotFoundError
         If the figure goes through a video and the extra `video` is missing.
     """
     from latolato.figures import catalogue, chain

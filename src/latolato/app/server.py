@@ -34,7 +34,7 @@ ANY_ADDRESS = ("0.0.0.0", "::")
 # Runs that are computed at the same time; others wait.
 _WORKERS = 2
 # Names of options: those of one word are words of other sentences too, but not as "... must be".
-_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )")
+_NAMES = re.compile(r"('?)\b([a-z]+(?:_[a-z]+)+)\b\1|^()([a-z]+)(?= must )")
 
 
 @dataclass(frozen=True)
@@ -223,12 +223,15 @@ def in_words(text: str) -> str:
     --------
     >>> in_words("drive_amplitude must be given in m, got 'x'")
     "“driving amplitude” must be given in m, got 'x'"
+    >>> in_words("Harmonic needs 'drive_amplitude' [m]")
+    'Harmonic needs “driving amplitude” [m]'
     """
     from latolato.app.forms import label_of
     from latolato.options import law_options
 
     def label(found: re.Match[str]) -> str:
-        return f"“{label_of(found[0])}”" if found[0] in law_options() else found[0]
+        name = found[2] or found[4]
+        return f"“{label_of(name)}”" if name in law_options() else found[0]
 
     return _NAMES.sub(label, text)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.errors import import_extra
 from latolato.experiment.tracking.sample import median_planes
 from latolato.experiment.video import Frame
 
@@ -129,14 +129,8 @@ class Backdrop:
 
 
 def import_cv2() -> Any:
-    """Return OpenCV, or raise with the extra that installs it."""
-    try:
-        import cv2
-    except ModuleNotFoundError:
-        raise InputError(
-            'finding balls and drawing on videos needs OpenCV: pip install "latolato[video]"'
-        ) from None
-    return cv2
+    """Return OpenCV."""
+    return import_extra("cv2", "video", "finding balls and drawing on videos")
 
 
 def _round(cv2: Any, radius: int) -> Any:

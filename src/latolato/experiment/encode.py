@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.errors import import_extra
 
 # Ticks per second of the container: 24, 25, 30, 50, 60, 120, 240 and 29.97 Hz are whole numbers.
 TICKS = 90_000
@@ -19,12 +19,8 @@ _BT709, _LIMITED = 1, 1
 
 
 def import_av() -> Any:
-    """Return PyAV, or raise with the extra that installs it."""
-    try:
-        import av
-    except ModuleNotFoundError:
-        raise InputError('video needs PyAV: pip install "latolato[video]"') from None
-    return av
+    """Return PyAV."""
+    return import_extra("av", "video", "writing videos")
 
 
 def write_video(
@@ -55,7 +51,7 @@ def write_video(
 
     Raises
     ------
-    ModuleNotFoundError
+    InputError
         Without the extra `video`.
     """
     av = import_av()

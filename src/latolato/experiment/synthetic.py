@@ -113,7 +113,6 @@ def synthesise_video(
     ------
     InputError
         For a dataset that is no run, one that stops early, and one that is too short.
-    ModuleNotFoundError
         Without the extra `video`.
     OSError
         If a file cannot be written; nothing is left of it.

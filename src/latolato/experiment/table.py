@@ -175,10 +175,9 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     ------
     InputError
         If it is no track table or the suffix is unknown.
+        For Parquet without the extra `parquet`.
     OSError
         If the file cannot be written.
-    ModuleNotFoundError
-        For Parquet without the extra `parquet`.
     """
     from latolato.files import atomic_path, check_suffix, check_target, save
 
@@ -384,9 +383,9 @@ def _read_csv(path: Path) -> Parts:
 
 def _write_parquet(table: xr.Dataset, path: Path) -> None:
     """Write the columns, their units with each field."""
-    import pyarrow
-    import pyarrow.parquet
+    from latolato.files import import_pyarrow
 
+    pyarrow = import_pyarrow()
     names = names_in(table)
     arrays = [pyarrow.array(table[name].values) for name in names]
     schema = pyarrow.schema(
@@ -401,13 +400,9 @@ def _write_parquet(table: xr.Dataset, path: Path) -> None:
 
 def _read_parquet(path: Path) -> Parts:
     """Return the columns, their units and the attributes of a Parquet file."""
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ModuleNotFoundError:
-        raise InputError(
-            'Parquet files need pyarrow: pip install "latolato[parquet]", or use .nc or .csv'
-        ) from None
+    from latolato.files import import_pyarrow
+
+    pyarrow = import_pyarrow()
     try:
         stored = pyarrow.parquet.read_table(path)
     except pyarrow.ArrowInvalid as error:

@@ -126,7 +126,6 @@ def track(
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
         a place lies outside the frame, no ball is found, what was followed is not the ball, the
         camera moves, or the sidecar is another video's.
-    ModuleNotFoundError
         Without the extra `video`.
 
     Warns

@@ -66,7 +66,6 @@ def trial_of(
     ------
     InputError
         For bad input, a pivot at rest, and angles that are not known.
-    ModuleNotFoundError
         Without lmfit.
 
     Notes

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
@@ -178,7 +178,6 @@ def open_video(
         If there is no such file.
     InputError
         If it is no video, holds no picture or exceeds a limit.
-    ModuleNotFoundError
         If PyAV is missing.
     """
     path = Path(path)
@@ -276,10 +275,7 @@ def _pictures_in(folder: Path) -> str:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """Open a container, with FFmpeg's reasons in one line."""
-    try:
-        import av
-    except ModuleNotFoundError:
-        raise InputError('reading videos needs PyAV: pip install "latolato[video]"') from None
+    av = import_extra("av", "video", "reading videos")
     # FFmpeg's own log, silent: a message to Python from a decoding thread stops a file's closing.
     av.logging.restore_default_callback()
     av.logging.set_libav_level(av.logging.PANIC)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.figures import style
 from latolato.figures.run import ball_angles
 from latolato.files import atomic_path, check_folder, check_suffix
@@ -67,7 +67,6 @@ def animate(
     ------
     InputError
         For an unknown suffix, a number out of range or more than 100000 frames.
-    ModuleNotFoundError
         For MP4 without the extra `video`.
     OSError
         If the file cannot be written; nothing is left of it.
@@ -331,9 +330,5 @@ def _difference(new: Pixels, shown: Pixels) -> tuple[Pixels, tuple[int, int]]:
 
 
 def _av() -> Any:
-    """Return PyAV, or raise with the extra that installs it."""
-    try:
-        import av
-    except ModuleNotFoundError:
-        raise InputError('MP4 needs PyAV: pip install "latolato[video]", or write a .gif') from None
-    return av
+    """Return PyAV."""
+    return import_extra("av", "video", "an MP4", way_out="write a .gif")

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.errors import extra_command
 from latolato.figures import style
 from latolato.figures.cases import Floats, quantity, variable
 from latolato.figures.claim import Limit, Statement
@@ -32,10 +33,7 @@ if TYPE_CHECKING:
 
 # What the extra `video` brings that is used here.
 _MODULES = ("av", "cv2", "lmfit")
-MISSING = (
-    "it needs the extra video, which is not installed: pip install 'latolato[video]', then "
-    "reproduce again"
-)
+MISSING = f"it needs the extra video; {extra_command('video')}, then reproduce again"
 SYNTHETIC = (
     "The video is synthetic, rendered with these parameters: this tests the chain from the video "
     "to the number, not the paper's measurement."

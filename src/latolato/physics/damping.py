@@ -14,6 +14,8 @@ from latolato.scalar import formula
 
 # Below this argument six terms of (1 - exp(-x))/x miss less than 1e-17 of it.
 _SERIES = 4e-3
+# Less quadratic drag than this changes no digit, and near the smallest floats spoils all of them.
+_NONE = 1e-100
 
 
 @formula
@@ -52,7 +54,7 @@ def drift(
     """
     # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
     slowed = velocity - velocity * (rate * reach)
-    if quadratic == 0.0:
+    if quadratic < _NONE:
         return velocity * reach, slowed
     stretch = quadratic * sign * velocity * reach
     return sign * math.log1p(stretch) / quadratic, slowed / (1.0 + stretch)

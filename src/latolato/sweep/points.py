@@ -35,6 +35,7 @@ from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import Ball, LatoLato, System, restoring_linear
+from latolato.quantities import is_computable
 from latolato.simulate import MOST_STEPS
 from latolato.start import ON_WALL, checked_start, kicks_of, walls_of
 from latolato.sweep.axes import DERIVED, parameters_of
@@ -209,7 +210,8 @@ def _from_columns(
     known = parameters_of(plan.system, plan.drive, plan.noise)
     valid = np.ones(count, dtype=bool)
     for name in columns.keys() & known.keys():
-        valid &= np.isfinite(columns[name]) & known[name].allowed.holds(columns[name])
+        allowed, unit = known[name].allowed, known[name].quantity.unit
+        valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
     low = np.full(count, -math.inf)
     high = -low
     if isinstance(plan.system, LatoLato):

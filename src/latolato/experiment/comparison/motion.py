@@ -83,7 +83,6 @@ def compare_motion(
     ------
     InputError
         For bad input.
-    ModuleNotFoundError
         Without lmfit.
 
     Notes

@@ -125,10 +125,9 @@ def fit_decay(
     ------
     InputError
         For bad input, a pivot that moves, and angles without a free swing.
+        Without lmfit.
     ConvergenceError
         If neither the law nor a part of it can be fitted.
-    ModuleNotFoundError
-        Without lmfit.
 
     Notes
     -----

@@ -82,7 +82,6 @@ def fit_drive(
     ------
     InputError
         For bad input and a pivot that does not move.
-    ModuleNotFoundError
         Without lmfit.
 
     Notes

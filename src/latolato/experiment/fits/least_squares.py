@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
@@ -133,12 +133,8 @@ class Solution:
 
 
 def lmfit_module() -> Any:
-    """Return lmfit, or raise with the extra that installs it."""
-    try:
-        import lmfit
-    except ModuleNotFoundError:
-        raise InputError('fits need lmfit: pip install "latolato[video]"') from None
-    return lmfit
+    """Return lmfit."""
+    return import_extra("lmfit", "video", "a fit")
 
 
 def solve(

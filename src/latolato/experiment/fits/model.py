@@ -91,10 +91,9 @@ def fit_model(
     ------
     InputError
         For bad input, parameters that the system has not and those that no motion tells (mass).
+        Without lmfit.
     ConvergenceError
         If the fit does not converge in the shortest windows either.
-    ModuleNotFoundError
-        Without lmfit.
 
     Notes
     -----

@@ -7,7 +7,6 @@ chaotic motion enlarges.
 
 from __future__ import annotations
 
-import importlib.util
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
@@ -17,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.numerics.integrate import maker_of
 from latolato.numerics.many import Points, Progress, Scratch, Weights, make_many, make_scratch
 from latolato.numerics.steppers import Stepper
@@ -29,9 +28,8 @@ from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
 from latolato.sweep.pool import run_in_threads
 
-if importlib.util.find_spec("numba_cuda") is None:
-    raise InputError("executor 'cuda' needs numba-cuda: pip install \"latolato[cuda]\"")
-from numba import cuda
+import_extra("numba_cuda", "cuda", "executor 'cuda'", way_out="use executor='threads'")
+from numba import cuda  # noqa: E402 - older releases of numba have it without the extra
 
 # A thread needs all registers that it may have (254), so that 256 of them fill a multiprocessor.
 _THREADS_PER_BLOCK = 128

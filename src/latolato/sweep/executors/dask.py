@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.errors import InputError, import_extra
 from latolato.numerics.compiled import sources_hash
 from latolato.registry import checked_count
 from latolato.sweep.chunk import Values, run_chunk
@@ -20,14 +20,8 @@ from latolato.sweep.executors.threads import available_processors
 from latolato.sweep.kernels import run_fastest
 from latolato.sweep.plan import Plan
 
-try:
-    import cloudpickle
-    import distributed
-    from distributed.comm import CommClosedError
-except ImportError as error:
-    raise InputError(
-        "executor 'dask' needs dask.distributed: pip install \"latolato[dask]\""
-    ) from error
+distributed = import_extra("distributed", "dask", "executor 'dask'")
+cloudpickle = import_extra("cloudpickle", "dask", "executor 'dask'")
 
 _PATIENCE = 5.0  # s that a scheduler may take to answer
 _WORKERLESS = 30.0  # s that a cluster may be without any worker
@@ -212,7 +206,7 @@ def _result(future: Any, number: int, client: Any) -> tuple[Values, str]:
                 f"chunk {number} lost every worker that tried it (out of memory?): "
                 "use smaller chunks or workers with more memory"
             ) from None
-        except (distributed.CancelledError, CommClosedError) as error:
+        except (distributed.CancelledError, distributed.comm.CommClosedError) as error:
             raise _lost(client) from error
         else:
             return result
