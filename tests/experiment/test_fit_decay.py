@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from latolato.errors import InputError
 from latolato.experiment.fits import decay
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Guess, solve
@@ -317,7 +318,7 @@ def test_a_missing_lmfit_is_named_with_its_extra(monkeypatch):
         return plain(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(ModuleNotFoundError, match=r"latolato\[video\]"):
+    with pytest.raises(InputError, match=r"latolato\[video\]"):
         fit_decay(decay_table(**SINGLE, duration=3.0))
 
 

@@ -144,7 +144,7 @@ def calibrate(
     )
     wrong = None
     if not (optics.lens_k1 or optics.lens_k2):
-        wrong = lens_errors(centres, about, use, raw, size)
+        wrong = lens_errors(centres, about, use, raw, size, noise)
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:
