@@ -41,9 +41,9 @@ _NEVER, _SELDOM = 0.25, 0.4
 _MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
-# Error of a ball's place where its pattern resembles the background, as a share of its radius: where
-# the colours learned explain all of the ball, and how much more where they explain nothing. Synthetic
-# clips showed 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
+# Error of a ball's place where its pattern resembles the background, as a share of its radius:
+# where the colours learned explain all of the ball, and how much more where they explain nothing.
+# Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
 # Shares of the work: the first reading, learning the scene.
 _READ, _LEARNED = 0.25, 0.35
