@@ -475,7 +475,7 @@ def test_a_question_about_two_balls_offers_a_toy(page):
 
 def test_what_takes_long_says_how_long_and_waits(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins"
-              "&analyse.angle_points=500&analyse.velocity_points=500")  # fmt: skip
+              "&analyse.angle_points=300&analyse.velocity_points=300")  # fmt: skip
     page.get_by_text("takes about").wait_for()
     assert not page.get_by_role("progressbar").is_visible()
 

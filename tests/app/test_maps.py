@@ -475,7 +475,7 @@ def test_what_is_no_map_cannot_be_opened(tmp_path):
     with pytest.raises(FileNotFoundError, match="there is no file or store"):
         named([tmp_path / "none.zarr"])
     (tmp_path / "empty.zarr").mkdir()
-    with pytest.raises(ValueError, match="no store of a sweep"):
+    with pytest.raises(ValueError, match="not a store of a sweep"):
         named([tmp_path / "empty.zarr"])
 
 
@@ -618,7 +618,7 @@ def test_levels_to_begin_with_are_round_in_the_unit_on_show(client):
         ({"ball": "lower"}, "ball must be"),
         ({"key": "0" * 32}, "compute it again"),
         ({"key": [1]}, "compute it again"),
-        ({"ylog": 3}, "log of drive_amplitude"),
+        ({"ylog": 3}, "log of “driving amplitude”"),
         ({"stored": "none"}, "there is no stored map"),
     ],
 )

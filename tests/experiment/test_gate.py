@@ -9,7 +9,8 @@ import pytest
 import latolato as ll
 from latolato.cli import main
 from latolato.errors import InputError
-from latolato.experiment import gate
+from latolato.experiment import gate, track
+from latolato.experiment.conditions import conditions
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
@@ -17,6 +18,7 @@ from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
+TOY = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
 DRIVE = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.0)
 WALL = "#d9d6ce"
 
@@ -284,3 +286,35 @@ def test_light_that_changes_for_all_changes_nothing():
         for f in sample.frames
     ]
     assert gate.changing_pixels(Sample(sample.times, brighter), _track(centres)) is None
+
+
+# Every way of filming that `latolato synthesise` knows, in small pictures, and other materials.
+ODD = {
+    "mirror": {"ball_colour": "#c9ccd1", "metal": 1.0, "gloss": 1.0},
+    "white": {"ball_colour": "#ffffff", "background": "gradient"},
+    "black": {"ball_colour": "#101010", "background": "texture"},
+    "banded": {"pattern": 0.5},
+}
+FILMED = [(name, {}) for name in conditions] + [("clean", scene) for scene in ODD.values()]
+
+
+@quiet
+@pytest.mark.parametrize("system", [SWING, TOY], ids=["one", "two"])
+@pytest.mark.parametrize("name,scene", FILMED, ids=[*conditions, *ODD])
+def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_path, monkeypatch):
+    turned = conditions[name].make()[1].rotation in (90, 270)
+    size = {"width": 360, "height": 480} if turned else {"width": 480, "height": 360}
+    run = ll.simulate(system, DRIVE, initial_angle=0.9, duration=1.2)
+    made = conditions[name].make({"ball_radius": 0.02, **scene}, size)
+    path = tmp_path / "clip.mp4"
+    clicks = synthesise_video(run, path, *made, seed=3).attrs
+    found = []
+    monkeypatch.setattr(track, "examine", lambda *given: found.append(gate.examine(*given)) or [])
+    ll.track(
+        path,
+        pivot=_place(clicks, "pivot"),
+        balls=[_place(clicks, ball) for ball in ("ball_1", "ball_2")[: 1 + (system is TOY)]],
+        length=clicks["length"],
+        radius=clicks["radius"],
+    )
+    assert found == [[]]

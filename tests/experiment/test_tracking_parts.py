@@ -289,7 +289,7 @@ def _filmed(k1, wide, stroke=15.0):
 @pytest.mark.parametrize("wide", [0.7, 1.2])
 def test_a_lens_shows_in_the_path_and_what_it_does_to_angles_is_known(wide):
     balls, pivots, true, seen = _filmed(-0.08, wide)
-    found = lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480))
+    found = lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480), 0.05)
     assert found is not None
     assert np.ptp(seen - true) > 4e-3
     # What is left is the noise of 0.05 pixels in 250, and the common place of the centre.
@@ -301,7 +301,7 @@ def test_a_lens_shows_in_the_path_and_what_it_does_to_angles_is_known(wide):
 )
 def test_no_lens_is_seen_without_one_or_in_a_narrow_arc_about_a_still_pivot(k1, wide, stroke):
     balls, pivots, _, seen = _filmed(k1, wide, stroke)
-    assert lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480)) is None
+    assert lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480), 0.05) is None
 
 
 def test_scatter_is_the_noise_and_not_the_swing():

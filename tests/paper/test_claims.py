@@ -9,6 +9,7 @@ from latolato.figures.claim import Verdict
 
 EVIDENCE = catalogue.evidence()
 YES, PART, NO = Verdict.REPRODUCED, Verdict.ASSUMED, Verdict.NOT_AS_PRINTED
+METHOD = Verdict.METHOD_CHECK
 
 VERDICTS = {
     "critical-angles": YES,
@@ -39,7 +40,7 @@ VERDICTS = {
     "envelope-of-power": NO,
     "ratio-1.942": YES,
     "growth-and-saturation": PART,
-    "threshold-of-fig-8": PART,
+    "threshold-of-fig-8": METHOD,
     "stepping-frequency": PART,
     "compensation": NO,
     "transition-time": PART,
@@ -58,12 +59,12 @@ VERDICTS = {
     "starting-from-2": PART,
     "integer-multiples": NO,
     "small-amplitude-stable": PART,
-    "fig7-chain": PART,
-    "fig8-chain": PART,
-    "fig9-chain": PART,
-    "fig10-chain": PART,
-    "fig11-chain": PART,
-    "fig12-chain": PART,
+    "fig7-chain": METHOD,
+    "fig8-chain": METHOD,
+    "fig9-chain": METHOD,
+    "fig10-chain": METHOD,
+    "fig11-chain": METHOD,
+    "fig12-chain": METHOD,
     "further-bands": YES,
 }
 

@@ -144,7 +144,7 @@ def calibrate(
     )
     wrong = None
     if not (optics.lens_k1 or optics.lens_k2):
-        wrong = lens_errors(centres, about, use, raw, size)
+        wrong = lens_errors(centres, about, use, raw, size, noise)
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:
@@ -158,8 +158,8 @@ def calibrate(
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
         warnings.append(
-            "gravity's direction cannot be found (the pivot rests, and no free swing shows where "
-            "it turns on both sides): angles are from straight down in the picture, give or take "
+            "gravity's direction cannot be found (no drive's axis is seen, and no free swing about "
+            "a pivot at rest): angles are from straight down in the picture, give or take "
             f"{math.degrees(down.sigma):.0f} degrees"
         )
     return Calibration(

@@ -42,9 +42,9 @@ _CLEAR, _LEAST, _CHROMA = 3.0, 4.0, 2.0
 # With how many other frames a frame is compared, and how far the ball must be away there: in radii,
 # and as a share of the farthest.
 _PARTNERS, _APART, _HALFWAY = 3, 2.3, 0.5
-# Least share of the pixels under the ball that must have changed, and by how much it must exceed
-# the share beside the ball.
-_CHANGED, _MORE = 0.35, 0.2
+# Least share of the pixels under the ball that must have changed (of a disc whose radius is as much
+# too large as a declared one may be), and by how much it must exceed the share beside the ball.
+_CHANGED, _MORE = _RADIUS_RATIO**-2, 0.2
 # Share under the ball from which it moves as a whole, and share of the rest of the picture that may
 # change meanwhile, for a disc about a part of the ball to be believed.
 _WHOLE, _ELSEWHERE = 0.9, 0.3
@@ -325,15 +325,17 @@ def changing_pixels(sample: Sample, track: Track) -> Finding | None:
         under, beside, elsewhere, plain = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
         moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
-        passes = is_ball if is_ball.mean() >= _PASSING else is_ball | moves
-        if passes.mean() < (_PASSING if passes is is_ball else _ALWAYS):
+        # Beside a ball the shadow of another one may come and go.
+        passes = is_ball | moves
+        is_alone = is_ball.mean() >= _PASSING
+        if not is_alone and passes.mean() < _ALWAYS:
             return Finding(
                 f"what was followed is no ball that moves: of the pixels under its disc of "
                 f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
                 f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
                 "point at the middle of the ball that swings, or give its radius and length",
             )
-        is_part |= passes is not is_ball
+        is_part |= not is_alone
         doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))
     doubtful &= track.is_measured
     if doubtful.any():

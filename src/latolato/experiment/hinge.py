@@ -15,6 +15,9 @@ _NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
 # Error of the pivot against the ball that all frames share, from shading and edges, and the least
 # one of the distances that changes along the arc [pixels].
 _SHARED, _UNEVEN = 0.15, 0.01
+# Side of the blocks that coders treat as one: errors are tied to places, and nearer ones agree
+# [pixels].
+_BLOCK = 16.0
 # Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Offset that a click may have [pixels, arm].
@@ -76,7 +79,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     design = np.stack([np.sin(direction), np.cos(direction), np.ones_like(direction)], axis=-1)
     spread = np.diag(np.linalg.pinv(design.T @ design / len(design)))[:2]
     uneven = math.hypot(_UNEVEN, bent)
-    sigma = np.sqrt(_SHARED**2 + (uneven**2 + noise**2 / len(design)) * spread)
+    count = max(min(len(design), arc * found / _BLOCK), 1.0)
+    sigma = np.sqrt(_SHARED**2 + (uneven**2 + noise**2 / count) * spread)
     return Hinge(offset, sigma, found, arc, residual)
 
 

@@ -12,7 +12,9 @@ _FEWEST, _MOST = 40, 600
 # Strongest distortion that is tried.
 _STRONGEST = 0.3
 # How sure a distortion must be [standard deviations].
-_SURE = 6.0
+_SURE = 2.5
+# Least error of the distances that changes along the path [pixels].
+_UNEVEN = 0.01
 # Noise above which a distance is a mistake of the tracker [pixels].
 _ROBUST = 0.3
 
@@ -34,16 +36,21 @@ class Bend:
     centre: np.ndarray
 
 
-def find_bend(balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> Bend | None:
+def find_bend(
+    balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int], noise: float
+) -> Bend | None:
     """Return the distortion of places (column, row) about a pivot, None for too few places.
 
     A lens stretches the circle more where it is far from the middle of the picture. A narrow arc,
-    or one all at the same distance from the middle, tells little: `sigma` is large.
+    or one all at the same distance from the middle, tells little: `sigma` is large. What the lens
+    leaves of the distances beyond their `noise` [pixels] may change slowly along the path, as
+    errors of a fast pivot do, and does not average out.
     """
     from scipy.optimize import least_squares
 
     if len(balls) < _FEWEST:
         return None
+    count = len(balls)
     thin = slice(None, None, math.ceil(len(balls) / _MOST))
     balls, pivots = balls[thin], pivots[thin]
 
@@ -62,8 +69,10 @@ def find_bend(balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> B
         max_nfev=40,
     )
     scatter = 1.4826 * float(np.median(np.abs(rest(fit.x))))
-    spread = np.linalg.pinv(fit.jac.T @ fit.jac)[3, 3]
-    return Bend(float(fit.x[3]), scatter * math.sqrt(float(spread)), fit.x[:2])
+    left = max(scatter**2 - noise**2, _UNEVEN**2)
+    spread = len(balls) * float(np.linalg.pinv(fit.jac.T @ fit.jac)[3, 3])
+    sigma = math.sqrt(spread * (left + noise**2 / count))
+    return Bend(float(fit.x[3]), sigma, fit.x[:2])
 
 
 def lens_errors(
@@ -72,6 +81,7 @@ def lens_errors(
     use: np.ndarray,
     angles: np.ndarray,
     size: tuple[int, int],
+    noise: float,
 ) -> np.ndarray | None:
     """Return by how much a lens that the path shows would change angles [rad], None without one.
 
@@ -85,8 +95,10 @@ def lens_errors(
         As they are without the lens [rad].
     size : tuple of int
         Width and height of the picture [pixels].
+    noise : float
+        Scatter of the distances from the pivot [pixels].
     """
-    bend = find_bend(balls[use], pivots[use], size)
+    bend = find_bend(balls[use], pivots[use], size, noise)
     if bend is None or abs(bend.k1) < _SURE * bend.sigma:
         return None
     away = straightened(balls, size, bend.k1) - straightened(pivots, size, bend.k1) - bend.centre

@@ -41,9 +41,10 @@ _NEVER, _SELDOM = 0.25, 0.4
 _MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
-# Error of a ball's place where its pattern resembles the background, as a share of its radius: what
-# synthetic clips of wood showed.
-_PATTERN = 0.05
+# Error of a ball's place where its pattern resembles the background, as a share of its radius:
+# where the colours learned explain all of the ball, and how much more where they explain nothing.
+# Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
+_PATTERN, _UNEXPLAINED = 0.05, 0.1
 # Shares of the work: the first reading, learning the scene.
 _READ, _LEARNED = 0.25, 0.35
 
@@ -339,7 +340,8 @@ def _tracked(
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     if scene.look.is_spinning:
-        unsure = _PATTERN * scene.look.radius / measured.arm
+        share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
+        unsure = share * scene.look.radius / measured.arm
         measured.sigmas = np.hypot(measured.sigmas, unsure)
         task.warnings.append(
             "the ball has a pattern that turns with it: where the pattern resembles the "
