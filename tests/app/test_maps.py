@@ -273,7 +273,7 @@ def test_closing_the_socket_stops_the_kernels(client):
         ({"width": 1001}, "width must not exceed 1000"),
         ({"width": 600, "height": 600}, "width x height must not exceed"),
         ({"duration": 1e6, "width": 200, "height": 200}, "the limit is"),
-        ({"duration": 1e300}, "would take more than"),
+        ({"duration": 1e25}, "would take more than"),
         ({"tolerance": 1e-300}, "must lie in"),
     ],
 )
