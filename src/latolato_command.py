@@ -10,14 +10,14 @@ import signal
 from typing import Any
 
 
-def _end(*_: Any) -> None:
-    """End at once: an exception in the middle of an import could turn into another one."""
+def end_at_once(*_: Any) -> None:
+    """End with code 130: an exception in the middle of an import could turn into another one."""
     os._exit(130)
 
 
 def main() -> int:
     """Run the command line and return its exit code."""
-    signal.signal(signal.SIGINT, _end)
+    signal.signal(signal.SIGINT, end_at_once)
     from latolato.cli import main as run
 
     try:
@@ -26,4 +26,4 @@ def main() -> int:
     except KeyboardInterrupt:
         return 130
     finally:
-        signal.signal(signal.SIGINT, _end)
+        signal.signal(signal.SIGINT, end_at_once)

@@ -159,9 +159,12 @@ BAD_INPUT = [
     (["zeno", "--animate", "run.avi"], "the name of an animation must end in .mp4, .gif"),
     (["zeno", "--plot", "no/run.png"], "the folder 'no' does not exist; create it first"),
     (["zeno", "--animate", "run.gif", "--speed", "0"], "speed must lie in (0, 1e+06]"),
-    ([*TOY, "--mass", "2"], "option --mass must be given once, got it 2 times"),
-    (but(TOY, "--times", "0", "--times", "1"), "option --times must be given once, got it 2 times"),
-    ([*TOY, "--json", "--json"], "option --json must be given once, got it 2 times"),
+    ([*TOY, "--mass", "2"], "option --mass must be given once, it was given 2 times"),
+    (
+        but(TOY, "--times", "0", "--times", "1"),
+        "option --times must be given once, it was given 2 times",
+    ),
+    ([*TOY, "--json", "--json"], "option --json must be given once, it was given 2 times"),
     (
         but(TOY, "--left-mass", "2"),
         "left_mass belongs to system ballpair, not to latolato: use mass or change the system",

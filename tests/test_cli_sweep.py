@@ -226,6 +226,7 @@ BAD = [
     ),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:-3"], "must have 1 to 10000000 values"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:x"], "needs a whole number of values"),
+    ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:1e9"], "needs a whole number of values"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1"], "must be low : high : count or a list"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:3 kg"], "must be given in m"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=1 m:2:3"], "must carry a unit on every value"),
@@ -381,7 +382,7 @@ def test_ctrl_c_keeps_the_store_and_says_how_to_go_on():
     assert said.count("\n") == 1
     assert "go on with: latolato sweep --from map.zarr --store map.zarr" in said
     shown = run("sweep", "--status", "map.zarr")
-    assert "state            unfinished, nobody is writing it" in shown
+    assert "state            unfinished, no process is writing it" in shown
     assert "go on with       latolato sweep --from map.zarr --store map.zarr" in shown
     state = json.loads(run("sweep", "--status", "map.zarr", "--json"))
     assert 2 <= state["chunks_done"] < state["chunks"]

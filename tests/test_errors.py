@@ -424,6 +424,14 @@ CALLS = {
         executor=3,
     ),
     "a gap in the heights": lambda: ll.MeasuredPivot(times=GAP, pivot_heights=[0.0] * 6),
+    "a gap that the curve leaves by kilometres": lambda: ll.MeasuredPivot(
+        times=[0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 100.0, 100.1], pivot_heights=[0.0, 0.1] * 4
+    ),
+    "axes by number": lambda: ll.sweep(SYSTEM, axes={3: [0.1, 0.2]}, duration=1.0),
+    "progress that is no function": lambda: ll.simulate(
+        SYSTEM, initial_angle=0.5, duration=1.0, progress=3
+    ),
+    "a share of words": lambda: analysis.wilson("a", 3),
     "a gap in smoothed heights": lambda: ll.MeasuredPivot(
         times=GAP, pivot_heights=[0.0, 0.1, 0.0, 0.1, 0.0, 0.1], height_sigma=1e-3
     ),
@@ -519,6 +527,24 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_quietly():
         codes.append(process.returncode)
     assert set(codes) <= {130, 0}  # a fast machine may be done before the last
     assert codes[0] == 130
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for a single process")
+def test_ctrl_c_while_the_package_starts_as_a_module_ends_quietly():
+    # Python itself needs some hundredths of a second before it comes to the package.
+    code = "import os, signal, sys, runpy\nsys.argv[0] = '-m'\n"
+    for stop in ("latolato.observables", "latolato.physics.pendulum", "latolato.simulate"):
+        halted = f"""
+class Interrupted:
+    def find_spec(self, name, path, target=None):
+        if name == {stop!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupted())
+import latolato
+"""
+        command = [sys.executable, "-c", code + halted, "latolato"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (130, "")
 
 
 def test_the_console_script_is_the_one_that_looks_after_ctrl_c():

@@ -2,7 +2,7 @@
 
 import sys
 
-from latolato.cli import main
+from latolato_command import main
 
 if __name__ == "__main__":
     sys.exit(main())

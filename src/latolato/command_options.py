@@ -41,7 +41,7 @@ class EachOptionOnce(TyperCommand):
             count = given.count(parameter)
             if count > 1 and not getattr(parameter, "multiple", False):
                 flag = max(parameter.opts, key=len)
-                raise UsageError(f"option {flag} must be given once, got it {count} times")
+                raise UsageError(f"option {flag} must be given once, it was given {count} times")
         return super().parse_args(ctx, args)
 
 

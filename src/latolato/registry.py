@@ -25,7 +25,7 @@ _LIKENESS = 0.55
 _SHORTEST_PART = 3
 
 
-def suggest(name: str, known: list[str]) -> str:
+def suggest(name: object, known: list[str]) -> str:
     """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known.
 
     Suggested is the known name that the fewest slips of the pen lead from, capitals and dashes
@@ -37,10 +37,15 @@ def suggest(name: str, known: list[str]) -> str:
     "did you mean 'latolato'?"
     >>> suggest("phase", ["drive_amplitude", "drive_phase"])
     "did you mean 'drive_phase'?"
+    >>> suggest("drive_times", ["times", "drive_phase"])
+    "did you mean 'times'?"
     >>> suggest("friction", ["duration", "restitution"])
     'known: duration, restitution'
     """
-    asked = _plain(name)
+    _, _, within = str(name).partition("_")  # options name the law too, its parameters do not
+    if within in known:
+        return f"did you mean '{within}'?"
+    asked = _plain(str(name))
     likeness = {each: _likeness(asked, _plain(each)) for each in known}
     nearest = max(known, key=likeness.__getitem__, default="")
     if known and likeness[nearest] >= _LIKENESS:

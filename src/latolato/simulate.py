@@ -201,6 +201,8 @@ def _recorded(
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
     contact_limit = checked_count("contact_limit", contact_limit)
+    if progress is not None and not callable(progress):
+        raise InputError("must be a function", parameter="progress", value=progress)
     if frame not in ("pivot", "both"):
         raise InputError(f"frame must be 'pivot' or 'both', got {frame!r}")
     instants, end = _checked_times(system, drive, times, duration)

@@ -199,7 +199,7 @@ def print_verification(store: Path, as_json: bool) -> bool:
 def _state_lines(state: Mapping[str, Any]) -> dict[str, str]:
     """Return what a store holds and how far its sweep is, for reading."""
     counts = state["status_counts"]
-    writer = "a process is writing it" if state["writer_active"] else "nobody is writing it"
+    writer = "a process is writing it" if state["writer_active"] else "no process is writing it"
     state_text = "complete" if state["complete"] else f"unfinished, {writer}"
     return {
         "store": state["store"],

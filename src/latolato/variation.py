@@ -30,7 +30,7 @@ MOST_VALUES = 10_000_000
 _RANGE = ("low", "high", "count", "spacing")
 _SIDES = ("_right", "_left")
 _EXAMPLE = 'for example "drive_amplitude = 0 : 0.5 : 400 m"'
-_COUNT = re.compile(r"(?P<count>[-+]?\d+)\s*(?P<log>log\b)?\s*(?P<unit>.*)")
+_COUNT = re.compile(r"(?P<count>[-+]?\d+)\s*(?P<log>log\b)?\s*(?P<unit>(?!e[-+]?\d|\.).*)")
 _WITH_PARAMETERS = re.compile(r"(?P<kind>\w+)\s*\((?P<parameters>.*)\)")
 
 Values = tuple[float, ...]

@@ -10,7 +10,6 @@ import latolato as ll
 from latolato.cli import main
 from latolato.errors import InputError
 from latolato.experiment.comparison.motion import phases
-from latolato.experiment.comparison.parameters import wilson
 from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
 from latolato.experiment.table import write_table
@@ -139,13 +138,11 @@ def test_doubt_about_the_length_widens_the_agreement(grid):
     assert float(unsure.chance_of_agreement.mean()) < float(sure.chance_of_agreement.mean())
 
 
-def test_kappa_and_wilson_have_their_textbook_values():
+def test_kappa_has_its_textbook_value():
     # Cohen's 1960 layout: 20 yes-yes, 5 yes-no, 10 no-yes, 15 no-no.
     one = np.repeat([1, 1, 0, 0], [20, 5, 10, 15])
     other = np.repeat([1, 0, 1, 0], [20, 5, 10, 15])
     assert cohen_kappa(one, other) == pytest.approx(0.4)
-    assert wilson(0, 10)[0] == pytest.approx(0.0, abs=1e-12)
-    assert wilson(10, 10)[1] == pytest.approx(1.0)
 
 
 def test_the_place_of_a_peak_is_known_by_parabola_cliff_or_end():

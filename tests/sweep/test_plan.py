@@ -187,7 +187,7 @@ MISTAKES = {
     ),
     "zip under the name of a parameter": (
         {"axes": {"mass": {"length": [1.0], "radius": [0.1]}}},
-        "must not bear the name of another parameter",
+        "needs a name that is no parameter",
     ),
     "the same thing twice": (
         {"axes": {"drive_frequency": [1.0], "frequency_ratio": [1.0]}},

@@ -310,8 +310,8 @@ def basins(
             "check_tolerance": finer,
             "rest_speed": rest_speed,
             "numbers_used": used,
-            "message": f"{doubtful:.1%} of the starts lead elsewhere at a tolerance of {finer:.1g} "
-            "rad: their basin is uncertain"
+            "message": f"{100.0 * doubtful:.2g} % of the starts lead elsewhere at a tolerance of "
+            f"{finer:.1g} rad: their basin is uncertain"
             if doubtful
             else None,
         },

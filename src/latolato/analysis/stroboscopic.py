@@ -301,6 +301,9 @@ def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     >>> print(f"{share:.3f} in [{low:.3f}, {high:.3f}]")
     0.000 in [0.000, 0.278]
     """
+    for name, given in (("count", count), ("total", total)):
+        if np.asarray(given).dtype.kind not in "iu":
+            raise InputError("must hold whole numbers", parameter=name, value=given)
     k, n = np.asarray(count, dtype=np.float64), np.asarray(total, dtype=np.float64)
     if not np.all((k >= 0.0) & (k <= n)):
         raise InputError("must lie between 0 and total", parameter="count", value=count)

@@ -13,7 +13,7 @@ import numpy as np
 from latolato.errors import InputError, import_extra
 from latolato.figures import style
 from latolato.figures.run import ball_angles
-from latolato.files import atomic_path, check_folder, check_suffix
+from latolato.files import atomic_path, check_folder, check_suffix, checked_path
 from latolato.quantities import Range
 from latolato.registry import checked_number
 
@@ -71,7 +71,7 @@ def animate(
     OSError
         If the file cannot be written; nothing is left of it.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     check_target(path, speed, fps)
     suffix = path.suffix.lower()
     pause = 1 / Fraction(fps)

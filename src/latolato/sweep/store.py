@@ -178,7 +178,7 @@ class Store:
             raise InputError(
                 f"the store '{self.path}' holds another sweep: "
                 f"{_shortened(differences(stored, asked))}",
-                way_out="name another path, or delete the store to begin anew",
+                way_out="name another path, or delete the store to start again",
             )
         return found
 
@@ -217,7 +217,7 @@ class Store:
             return
         attributes = self._root["attributes"]
         missing = f"{len(self.missing)} of {self.plan.chunks} chunks of '{self.path}' are missing"
-        other_way = "name another path, or delete the store to begin anew"
+        other_way = "name another path, or delete the store to start again"
         if attributes["kernel_sources"] != sources_hash():
             raise InputError(
                 f"{missing}, and latolato {attributes['latolato_version']} wrote the others with "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -159,19 +158,3 @@ def run_at(plan: Plan, columns: Mapping[str, Any]) -> xr.Dataset:
         **{name: value for name, value in start.items() if name not in varied},
     )
     return found.isel(case=np.ravel(places))
-
-
-def wilson(successes: float, count: int) -> tuple[float, float]:
-    """Return the 95 percent interval of a share (Wilson, 1927).
-
-    Examples
-    --------
-    >>> [round(end, 3) for end in wilson(9, 10)]
-    [0.596, 0.982]
-    """
-    z = 1.959964
-    share = successes / count
-    middle = (share + z * z / (2 * count)) / (1 + z * z / count)
-    half = z * math.sqrt(share * (1 - share) / count + z * z / (4 * count**2))
-    half /= 1 + z * z / count
-    return middle - half, middle + half

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.analysis.stroboscopic import wilson
 from latolato.errors import InputError
 from latolato.experiment.comparison.parameters import (
     Floats,
@@ -19,7 +20,6 @@ from latolato.experiment.comparison.parameters import (
     plan_of,
     run_at,
     variable,
-    wilson,
 )
 from latolato.experiment.trial_table import CLASSES, checked_trials, class_of
 from latolato.registry import checked_count
@@ -108,7 +108,7 @@ def compare_map(
     agrees = measured == computed
     n = len(agrees)
     share, kappa = float(agrees.mean()), cohen_kappa(measured, computed)
-    low, high = wilson(float(agrees.sum()), n)
+    low, high = (float(end) for end in wilson(int(agrees.sum()), n)[1:])
     variables: dict[str, Any] = {}
     chances, by_parameters, kappa_sigma = np.full(n, np.nan), 0.0, math.nan
     if count:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, ClassVar
 
 from latolato.errors import InputError
@@ -17,6 +18,10 @@ from latolato.physics.drives.base import (
 )
 from latolato.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
 from latolato.scalar import formula
+
+# How often the curve is looked at between two samples, and by how many times their range it may
+# leave the range of the heights; less than this share of the heights is rounding.
+_LOOKS, _ROOM, _ROUNDING = 8, 2.0, 1e-9
 
 
 @formula
@@ -108,11 +113,28 @@ class MeasuredPivot(Drive):
                 parameter="times",
                 way_out="leave out the samples before or after the gap",
             )
+        self._check_course(pieces)
         return [
             (float(a), (float(a), *(float(c) for c in pieces.c[::-1, i])))
             for i, (a, b) in enumerate(zip(pieces.x[:-1], pieces.x[1:], strict=True))
             if b > a
         ]
+
+    def _check_course(self, pieces: Any) -> None:
+        """Raise InputError if the spline goes where the heights give no reason to expect it."""
+        low, high = min(self.pivot_heights), max(self.pivot_heights)
+        gaps = list(pairwise(self.times))
+        looks = [a + (b - a) * i / _LOOKS for a, b in gaps for i in range(1, _LOOKS)]
+        beyond = [max(low - y, y - high) for y in pieces(looks).tolist()]
+        worst = max(range(len(looks)), key=beyond.__getitem__)
+        if beyond[worst] > _ROOM * (high - low) + _ROUNDING * max(-low, high):
+            begin, end = gaps[worst // (_LOOKS - 1)]
+            raise InputError(
+                f"leave a gap from {begin:g} to {end:g} s in which the curve through the heights "
+                f"leaves their range by {beyond[worst]:.3g} m",
+                parameter="times",
+                way_out="leave out the samples before or after the gap",
+            )
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the pieces between 0 and `duration`.
