@@ -263,6 +263,8 @@ def find(source: str | Path) -> Path:
     path = checked_path("scenario", source)
     if path.is_file():
         return path
+    if path.exists():
+        raise InputError("must be a file", parameter="scenario", value=str(source))
     hint = suggest(str(source), list(known))
     raise FileNotFoundError(f"there is no scenario or file '{source}': {hint}")
 
