@@ -204,6 +204,8 @@ def test_bad_options_of_trials_are_refused():
     still = track_table({"time": np.arange(0, 9, 0.1), "angle_1": np.sin(np.arange(0, 9, 0.1)),
                          "pivot_y": np.zeros(90)})  # fmt: skip
     with pytest.raises(ValueError, match="pivot is at rest"):
+        trial_of(still, length=0.363)
+    with pytest.raises(ValueError, match="length is not in the table; give it"):
         trial_of(still)
 
 

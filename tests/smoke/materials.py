@@ -35,7 +35,8 @@ def swing_video(path):
 
 def toy_video(path):
     run = ll.simulate(TOY, FAST_SHAKE, initial_angle=0.9, duration=2.0)
-    film(run, path, pivot_u=640.0, pivot_v=196.0, pixels_per_metre=2016.0)
+    top = 2016.0 * FAST_SHAKE.drive_amplitude  # the drive begins there
+    film(run, path, pivot_u=640.0, pivot_v=196.0 + top, pixels_per_metre=2016.0)
 
 
 def tripod(path):
@@ -56,6 +57,7 @@ def decay(path):
 def driven(path, drive=SHAKE, seed=0):
     path.parent.mkdir(exist_ok=True)
     table = motion_table(BALL, drive, duration=45.0, initial_angle=0.1, size=NOISE, seed=seed)
+    table.attrs["length"] = BALL.length
     write_table(table, path)
 
 
@@ -122,10 +124,12 @@ def small_map(path):
     }
     names = ["mean_energy", "motion_class"]
     single = {"axes": axes, "observables": names, "duration": 20.0, "initial_offset": 0.1}
+    if path.name != "maps.zarr":
+        del axes["restitution"]
     if path.suffix == ".zarr":
         ll.sweep(TOY, store=path, **single)
         return
-    del axes["restitution"], single["initial_offset"]
+    del single["initial_offset"]
     ll.save(ll.sweep(BALL, initial_angle=0.17, **single), path)
 
 
@@ -163,7 +167,9 @@ MAKERS: dict[str, Callable[[Path], None]] = {
     "points.csv": points_export,
     "phone.csv": phone_export,
     "trials.csv": trials,
+    "pair-trials.csv": pair_trials,
     "map.zarr": small_map,
+    "maps.zarr": small_map,
     "map.nc": small_map,
     "other.nc": small_map,
     "model.nc": model_fit,

@@ -85,6 +85,8 @@ def trial_of(
     checked_table(table, "pivot_y", "angle_1")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     length = length_of(table, length)
+    if length is None:
+        raise InputError("is not in the table", parameter="length", way_out="give it")
     inside = within(table["time"].values, start, end)
     table = table.isel(frame=np.flatnonzero(inside))
     time = table["time"].values
@@ -114,7 +116,7 @@ def trial_of(
         "drive_amplitude_sigma": drive["drive_amplitude"].sigma,
         "drive_frequency": frequency.value,
         "drive_frequency_sigma": frequency.sigma,
-        "frequency_ratio": frequency.value * math.sqrt(length / gravity) if length else math.nan,
+        "frequency_ratio": frequency.value * math.sqrt(length / gravity),
         "largest_angle": whole[0],
         "largest_angle_sigma": whole[1],
         "stabilised_angle": lasting[0],
@@ -123,7 +125,7 @@ def trial_of(
         "borderline": bool(is_borderline(*whole, *lasting)),
         "swings": swings,
         "balls": balls_of(table),
-        "length": length if length else math.nan,
+        "length": length,
         "note": "; ".join(notes),
     }
 
