@@ -310,7 +310,7 @@ def basins(
             "check_tolerance": finer,
             "rest_speed": rest_speed,
             "numbers_used": used,
-            "message": f"{100.0 * doubtful:.2g} % of the starts lead elsewhere at a tolerance of "
+            "message": f"{100.0 * doubtful:.3g} % of the starts lead elsewhere at a tolerance of "
             f"{finer:.1g} rad: their basin is uncertain"
             if doubtful
             else None,
