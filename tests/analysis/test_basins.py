@@ -76,7 +76,7 @@ def test_starts_that_another_tolerance_leads_elsewhere_are_uncertain():
     assert 0.08 < share < 0.2
     assert found.uncertain.dims == found.basin.dims
     assert found.uncertain.mean().item() == share
-    assert f"{share:.1%} of the starts lead elsewhere" in found.attrs["message"]
+    assert f"{100.0 * share:.3g} % of the starts lead elsewhere" in found.attrs["message"]
     # The flags are those of the labels at the second tolerance.
     finer = leven_koch(40, tolerance=1e-7, known=found)
     np.testing.assert_array_equal(finer.attractor, found.attractor)
