@@ -18,8 +18,12 @@ def end_at_once(*_: Any) -> None:
 def main() -> int:
     """Run the command line and return its exit code."""
     signal.signal(signal.SIGINT, end_at_once)
+    import logging
+
     from latolato.cli import main as run
 
+    # Zarr leaves its other reads pending when one is refused; asyncio would report each at the end.
+    logging.getLogger("asyncio").setLevel(logging.CRITICAL)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         return run()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import json
-import logging
 import signal
 import sys
 import time
@@ -412,8 +411,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     before = signal.signal(signal.SIGTERM, _terminate)
     hook = sys.unraisablehook
     sys.unraisablehook = _show_failed_cleanup
-    # Zarr leaves its other reads pending when one is refused, and asyncio would report each.
-    logging.getLogger("asyncio").setLevel(logging.CRITICAL)
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning

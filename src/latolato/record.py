@@ -140,8 +140,8 @@ def attributes_of(
     """Return the run's parameters, flat for reading and as JSON for running it again."""
     many = system.angles == 2
     scenario: dict[str, Any] = {
-        "system": {"kind": systems.name_of(system), **describe(system)},
-        "drive": {"kind": drives.name_of(drive), **describe(drive)},
+        "system": systems.described(system),
+        "drive": drives.described(drive),
         "run": {
             "initial_angle": list(start.angles) if many else start.angles[0],
             "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],

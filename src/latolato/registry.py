@@ -130,6 +130,10 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
                 return name
         raise InputError(f"{entry!r} is not a registered {self.kind}")
 
+    def described(self, law: Any) -> dict[str, Any]:
+        """Return the name of a law as its kind, and its fields as `describe` gives them."""
+        return {"kind": self.name_of(law), **describe(law)}
+
 
 def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     """Return `value` as a float, or raise with the value, the rule and a way out.

@@ -134,8 +134,8 @@ class Scenario:
         if isinstance(law, Clamp):
             run.update(contact="clamp", clamp_step=law.step)
         tables: Tables = {
-            "system": {"kind": systems.name_of(self.system), **describe(self.system)},
-            "drive": {"kind": drives.name_of(self.drive), **describe(self.drive)},
+            "system": systems.described(self.system),
+            "drive": drives.described(self.drive),
             "run": run,
         }
         if noise is not None:

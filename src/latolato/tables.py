@@ -14,7 +14,7 @@ from latolato.observables import Observable, observables
 from latolato.physics.contacts import Clamp, contact_laws
 from latolato.physics.pendulum import System
 from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import checked_number, describe, suggest, types_of
+from latolato.registry import checked_number, suggest, types_of
 from latolato.units import to_si, to_si_list
 from latolato.variation import known_quantities, read_axes, with_placeholders
 
@@ -247,9 +247,7 @@ def plain_sweep(varied: Mapping[str, Any]) -> Tables:
         }
     if "observables" in plain:
         plain["observables"] = [
-            {"kind": observables.name_of(each), **describe(each)}
-            if isinstance(each, Observable)
-            else each
+            observables.described(each) if isinstance(each, Observable) else each
             for each in plain["observables"]
         ]
     return plain

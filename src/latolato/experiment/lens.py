@@ -11,9 +11,10 @@ import numpy as np
 _FEWEST, _MOST = 40, 600
 # Strongest distortion that is tried.
 _STRONGEST = 0.3
-# How sure a distortion must be [standard deviations].
+# How sure a distortion must be [standard deviations]: in synthetic clips those of true lenses were
+# 3.0 to 4.1 and those without a lens 2.2 at most.
 _SURE = 2.5
-# Least error of the distances that changes along the path [pixels].
+# Least error of the distances that changes along the path [pixels]: no place is known better.
 _UNEVEN = 0.01
 # Noise above which a distance is a mistake of the tracker [pixels].
 _ROBUST = 0.3

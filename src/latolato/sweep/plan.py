@@ -141,8 +141,8 @@ class Plan:
         contact: dict[str, Any] = {"kind": contact_laws.name_of(self.contact)}
         return {
             "format": STORE_FORMAT,
-            "system": {"kind": systems.name_of(self.system), **describe(self.system)},
-            "drive": {"kind": drives.name_of(self.drive), **describe(self.drive)},
+            "system": systems.described(self.system),
+            "drive": drives.described(self.drive),
             "axes": [
                 {
                     "name": axis.name,
@@ -151,9 +151,7 @@ class Plan:
                 }
                 for axis in self.axes
             ],
-            "observables": [
-                {"kind": observables.name_of(o), **describe(o)} for o in self.observables
-            ],
+            "observables": [observables.described(o) for o in self.observables],
             "start": dict(self.start),
             "contact": contact | describe(self.contact),
             "noise": None if self.noise is None else describe(self.noise),

@@ -25,7 +25,7 @@ from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System, systems
 from latolato.quantities import POSITIVE
-from latolato.registry import checked_count, checked_number, describe
+from latolato.registry import checked_count, checked_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -157,7 +157,7 @@ def compare_motion(
     attributes = {
         "comparison": "motion", "verdict": _verdict(numbers, first, last),
         "system": systems.name_of(system),
-        "system_description": json.dumps({"kind": systems.name_of(system), **describe(system)}),
+        "system_description": json.dumps(systems.described(system)),
         "pivot": moving.words, "match": span, "source": str(table.attrs.get("source", "")),
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip

@@ -27,7 +27,7 @@ from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
 from latolato.physics.pendulum import System, systems
-from latolato.registry import describe, suggest
+from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -148,7 +148,7 @@ def fit_model(
         "autocorrelation": found.correlation, "effective_samples": found.effective_samples,
         "outliers": int((~found.kept).sum()), "windows": len(model.windows),
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
-        "system_description": json.dumps({"kind": systems.name_of(best), **describe(best)}),
+        "system_description": json.dumps(systems.described(best)),
         "source": table.attrs.get("source"),
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive

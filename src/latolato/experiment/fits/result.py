@@ -213,9 +213,8 @@ def make_fit(
     kept = {key: int(v) if isinstance(v, bool) else v for key, v in kept.items()}
     if drive is not None:
         from latolato.physics.drives import drives
-        from latolato.registry import describe
 
-        about_drive = {"kind": drives.name_of(drive), **describe(drive)}
+        about_drive = drives.described(drive)
         kept["drive_description"] = json.dumps(about_drive)
     return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
 
