@@ -5,6 +5,7 @@ It stands beside the package, since importing anything of that imports most of i
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 from typing import Any
@@ -18,6 +19,9 @@ def end_at_once(*_: Any) -> None:
 def main() -> int:
     """Run the command line and return its exit code."""
     signal.signal(signal.SIGINT, end_at_once)
+    # The last thing done before Python takes itself apart, which would restore the system's handler
+    # and let Ctrl-C kill a process whose work is done.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     import logging
 
     from latolato.cli import main as run

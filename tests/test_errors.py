@@ -529,6 +529,31 @@ def test_ctrl_c_at_any_moment_of_the_start_ends_quietly():
     assert codes[0] == 130
 
 
+def test_ctrl_c_in_the_middle_of_a_cleanup_ends_quietly():
+    # Python drops whatever a finaliser raises.
+    code = """
+import signal, sys, time
+import latolato.cli as cli
+
+class Cleaned:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(0)
+
+def slow(_):
+    cleaned = Cleaned()
+    del cleaned
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        time.sleep(0.01)
+
+cli.load_scenario = slow
+sys.exit(cli.main(["scenarios", "show", "fig02"]))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for a single process")
 def test_ctrl_c_while_the_package_starts_as_a_module_ends_quietly():
     # Python itself needs some hundredths of a second before it comes to the package.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import _thread
 import gc
 import json
 import signal
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Iterator, Sequence
@@ -465,7 +467,14 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 def _show_failed_cleanup(failure: Any) -> None:
-    """Print as one line that something could not be closed, such as a damaged file."""
+    """Print as one line that something could not be closed, such as a damaged file.
+
+    Where Ctrl-C came during a cleanup, Python has dropped it: it is sent once more, from a thread,
+    since whatever is raised here is dropped too.
+    """
+    if isinstance(failure.exc_value, KeyboardInterrupt):
+        threading.Timer(0.01, _thread.interrupt_main).start()
+        return
     _show_warning(f"{failure.exc_value} (after the work was done)")
 
 

@@ -155,6 +155,31 @@ def test_a_box_is_computed_in_full_and_escape_leads_back(page):
     page.get_by_text("576 points", exact=True).wait_for()
 
 
+# The curves that are asked of before the trials are read answer after them.
+LATE_CURVES = """
+const send = window.fetch;
+window.fetch = async (address, options) => {
+  const answer = await send(address, options);
+  const late = `${address}`.includes("/api/map/overlays") && options.body.includes('"trials":null');
+  if (late) await new Promise((done) => setTimeout(done, 1000));
+  if (late) window.lateCurves = true;
+  return answer;
+};
+"""
+
+
+def test_an_answer_without_trials_that_comes_late_does_not_take_them_away(page, tmp_path):
+    table = tmp_path / "trials.csv"
+    table.write_text("drive_amplitude,frequency_ratio,class\n200 mm,1.0,weak\n")
+    page.add_init_script(LATE_CURVES)
+    open_map(page)
+    page.get_by_text("Curves and trials").click()
+    page.get_by_label("Trial table").set_input_files(table)
+    page.get_by_text("1 trials, 0 of them outside of the map.").wait_for()
+    page.wait_for_function("() => window.lateCurves")
+    page.get_by_text("1 trials, 0 of them outside of the map.").wait_for()
+
+
 def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     table = tmp_path / "trials.csv"
     table.write_text(

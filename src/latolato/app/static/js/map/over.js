@@ -28,6 +28,8 @@ export class Over {
     /** @type {string | null} text of a trial table */
     this.trials = null;
     this.asked = "";
+    /** @type {Record<string, any> | null} what was asked last: an earlier answer may come later */
+    this.latest = null;
     /** @type {Promise<void>} done when theory and trials are there */
     this.settled = Promise.resolve();
     this.ask = newest((/** @type {Record<string, any> | null} */ body) => this.fetch(body));
@@ -48,13 +50,16 @@ export class Over {
     /** @type {Record<string, any>} */
     const asked = { ...askedOf(view), limits, trials: this.trials };
     if (asked.stored) asked.names = [grid.xAxis.name, grid.yAxis.name];
+    this.latest = asked;
     try {
       const found = await askOver(asked);
+      if (this.latest !== asked) return;
       this.lines = found.lines;
       view.chart.trials = found.trials;
       view.controls.over.show(found);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
+      if (this.latest !== asked) return;
       view.controls.over.trialNote.textContent = error.message;
     }
     view.repaint();
