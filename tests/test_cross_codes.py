@@ -65,24 +65,13 @@ def acceleration(system, drive):
     """The equation of motion, written down again."""
     (ball,) = system.balls
     stretches = drive.stretches(100.0)
-    names = drive.stretch_fields
-    starts = [start for start, _ in stretches]
-
-    class Numbers:
-        pass
-
-    records = []
-    for _, values in stretches:
-        record = Numbers()
-        for name, value in zip(names, values, strict=True):
-            setattr(record, name, value)
-        records.append(record)
+    starts = [stretch.start for stretch in stretches]
     linear = isinstance(system, ll.Mathieu)
     m, l = ball.mass, ball.length
 
     def rates(t, y):
         k = max(i for i, start in enumerate(starts) if start <= t + 1e-15)
-        lift = drive.acceleration(t, records[k])
+        lift = drive.acceleration(t, stretches[k])
         pull = y[0] if linear else math.sin(y[0])
         drag = ball.damping * y[1] + ball.quadratic_damping * y[1] * abs(y[1])
         return [y[1], -(G + lift) / l * pull - drag / (m * l)]

@@ -487,7 +487,7 @@ class TestBadInput:
         drive = ll.FrequencySchedule(
             drive_amplitude=0.1, times=[0.0, 0.2, 0.3], drive_frequencies=[1.0, 2.0, 3.0], ramp=0.1
         )
-        starts = [start for start, _ in drive.stretches(1.0)]
+        starts = [stretch.start for stretch in drive.stretches(1.0)]
         np.testing.assert_allclose(starts, [0.0, 0.2, 0.3, 0.4], rtol=1e-15)
 
     def test_run_outside_measured_samples_is_refused(self):

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -165,8 +164,7 @@ def acceleration_at(template: Drive, amplitude: float) -> Callable[[float], floa
     changed = {"drive_amplitude": amplitude, "drive_frequency": 1.0, "drive_phase": 0.0}
     known = {field.name for field in fields(template)}
     drive: Any = replace(template, **{k: v for k, v in changed.items() if k in known})
-    ((_, numbers),) = drive.stretches(math.tau)
-    stretch = SimpleNamespace(**dict(zip(drive.stretch_fields, numbers, strict=True)))
+    (stretch,) = drive.stretches(math.tau)
     formula = type(drive).acceleration
     return lambda phase: formula(phase, stretch)
 

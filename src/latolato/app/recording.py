@@ -13,8 +13,7 @@ from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
 from latolato.numerics.integrate import Floats, Start, Trajectory, choose_stepper
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
 from latolato.physics.contacts import contact_laws
-from latolato.physics.drives import Drive, Harmonic, Stages
-from latolato.physics.drives.stages import Stage
+from latolato.physics.drives import Drive, Harmonic, Stages, Stretch
 from latolato.physics.pendulum import System
 from latolato.record import attributes_of, record_of
 from latolato.scenario import Scenario
@@ -37,7 +36,7 @@ class Recording:
         The system at the start.
     begun : float
         When the recording began, on the clock of the motion [s].
-    stage : Stage
+    stage : Stretch
         The drive then, without a change under way.
     run : dict
         The start and the contact law, as arguments of `latolato.simulate`.
@@ -47,7 +46,7 @@ class Recording:
 
     system: System
     begun: float
-    stage: Stage
+    stage: Stretch
     run: dict[str, Any]
     by_hand: bool = False
     changes: list[tuple[float, float, float, float]] = field(default_factory=list)

@@ -24,7 +24,8 @@ from latolato.app.lines import command_line, python_line
 from latolato.errors import InputError
 from latolato.options import law_options
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.physics.drives import CrankSlider, Drive, Harmonic
+from latolato.physics.drives import Drive
+from latolato.physics.drives.stretch import POLYNOMIAL, STILL
 from latolato.registry import checked_count, suggest
 from latolato.scenario import Scenario
 from latolato.simulate import SAMPLES_PER_PERIOD
@@ -178,18 +179,12 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
 
     Empty for a drive that has no phase, or that turns too often to be shown.
     """
-    if isinstance(drive, (Harmonic, CrankSlider)):
-        names: tuple[str, ...] = ("start", "phase", "frequency", "rate")
-        stretches: Sequence[Any] = [(0.0, (0.0, drive.drive_phase, drive.drive_frequency, 0.0))]
-    elif {"phase", "frequency", "rate"} <= set(drive.stretch_fields):
-        names, stretches = drive.stretch_fields, drive.stretches(end)
-    else:
-        return np.empty(0)
-    found = []
-    ends = [*(start for start, _ in stretches[1:]), end]
-    for (start, values), last in zip(stretches, ends, strict=True):
-        p = dict(zip(names, values, strict=True))
-        phase, w, rate = p["phase"], p["frequency"], p["rate"]
+    found, stretches = [], drive.stretches(end)
+    ends = [*(stretch.start for stretch in stretches[1:]), end]
+    for stretch, last in zip(stretches, ends, strict=True):
+        if getattr(stretch, "form", STILL) in (STILL, POLYNOMIAL):
+            continue
+        start, phase, w, rate = stretch.start, stretch.phase, stretch.frequency, stretch.rate
         span = last - start
         reached = phase + span * (w + 0.5 * rate * span)
         if not abs(reached - phase) < math.tau * MOST_STROBES:

@@ -27,8 +27,14 @@ from latolato.numerics.integrate import (
 )
 from latolato.numerics.observe import BALL_ROWS, KINETIC, PIVOT_ROWS, POTENTIAL, ball_records
 from latolato.physics.contacts import BOTTOM, TOP, NoContact
-from latolato.physics.drives import Stages
-from latolato.physics.drives.stages import Stage, moved
+from latolato.physics.drives.stages import moved
+from latolato.physics.drives.stretch import (
+    COSINE,
+    Stretch,
+    pivot_acceleration,
+    pivot_height,
+    pivot_velocity,
+)
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import checked_number, suggest
@@ -96,8 +102,8 @@ class Toy:
 
         self._stepper = choose_stepper(system)
         kind = "pair" if system.angles == 2 else "one"
-        drive_laws = Stages.height, Stages.velocity, Stages.acceleration
-        self._carry_on = kernel(kind, Stages.acceleration, system.restoring, system.potential)
+        drive_laws = pivot_height, pivot_velocity, pivot_acceleration
+        self._carry_on = kernel(kind, pivot_acceleration, system.restoring, system.potential)
         self._observe = kernel("observe", *drive_laws, system.restoring, system.potential)
         states, counters = initial_state(start.angles, start.velocities)
         self._state, self._counters = states[0], counters[0]
@@ -117,9 +123,7 @@ class Toy:
             )
             for n in (1, _RECORDED)
         }
-        self.stages: list[Stage] = [
-            Stage(self.time, phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)
-        ]
+        self.stages: list[Stretch] = [Stretch(self.time, COSINE, phase, frequency, 0.0, amplitude)]
         self._push = np.zeros(system.angles)
         self._held: tuple[int, float] | None = None
         self._wants_record = False
@@ -200,7 +204,7 @@ class Toy:
         """Let the drive do at once what was asked for, instead of moving there."""
         now = self.stages[0].at(self.time)
         amplitude, frequency = self.controls["drive_amplitude"], self.controls["drive_frequency"]
-        self.stages = [Stage(self.time, now.phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)]
+        self.stages = [Stretch(self.time, COSINE, now.phase, frequency, 0.0, amplitude)]
         self._prepare()
 
     def record(self) -> None:
@@ -347,7 +351,7 @@ class Toy:
         if mode in (records.REST_LOW, records.REST_HIGH) and abs(away) < _HELD_STILL:
             return kick
         body, now = self.system.balls[ball], self.stages[0].at(self.time)
-        lift = Stages.acceleration(self.time, now)
+        lift = pivot_acceleration(self.time, now)
         fall = -(self.system.gravity + lift) / body.length * self.system.restoring(angle)
         if self.system.angles == 1 and target in self.walls and fall * (target - math.pi / 2) > 0.0:
             fall = 0.0  # it presses the ball where it is wanted
@@ -407,4 +411,4 @@ class Toy:
 _ANGLES = [records.ANGLE_1, records.ANGLE_2]
 _VELOCITIES = [records.VELOCITY_1, records.VELOCITY_2]
 _LEDGER = (records.WORK, records.DAMPED, records.IMPACT, records.CAPTURED, records.NOISE)
-_STRETCH = np.dtype([(name, "f8") for name in Stages.stretch_fields])
+_STRETCH = records.stretch_dtype()

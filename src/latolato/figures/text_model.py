@@ -150,10 +150,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _harmonics(drive: Drive, which: str) -> Floats:
     """Return the amplitudes of the first harmonics of a drive's height or acceleration."""
-    from types import SimpleNamespace
-
-    ((_, values),) = drive.stretches(1.0)
-    stretch = SimpleNamespace(**dict(zip(drive.stretch_fields, values, strict=True)))
+    (stretch,) = drive.stretches(1.0)
     period = 2.0 * math.pi / paper.SINGLE_FREQUENCY
     formula = getattr(drive, which)
     samples = np.array([formula(i * period / 64, stretch) for i in range(64)])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
@@ -160,6 +161,7 @@ def make_flight(
     A step begins and ends with the force at its `Point`, so that no force is computed twice.
     """
     part: Part = compile_part or (lambda function: function)
+    inlined: Part = partial(compile_part, inline=True) if compile_part else part
 
     @part
     def force(t: float, angle: float, sign: float, law: Law) -> tuple[float, float, float]:
@@ -168,7 +170,7 @@ def make_flight(
         pull = law.body.coupling * restoring(angle)
         return -(law.gravity + lift) * pull - law.body.coulomb * sign, -lift * pull, lift
 
-    @part
+    @inlined
     def advance(
         point: Point, sign: float, table: Any, law: Law
     ) -> tuple[float, float, float, float, float, float, float]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.physics.drives import Drive
+from latolato.physics.drives import Drive, Stretch
 from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import Ball
 
@@ -58,9 +58,13 @@ def joint_record(
 def stretch_records(drive: Drive, duration: float) -> tuple[NDArray[Any], NDArray[np.float64]]:
     """Return the drive's stretches as records, shape (stretch,), and their start times [s]."""
     found = drive.stretches(duration)
-    dtype = np.dtype([(name, "f8") for name in drive.stretch_fields])
-    records = np.array([numbers for _, numbers in found], dtype=dtype)
-    return records, np.array([start for start, _ in found])
+    records = np.array([tuple(s) for s in found], dtype=stretch_dtype(type(found[0])))
+    return records, np.array([stretch.start for stretch in found])
+
+
+def stretch_dtype(kind: type[Any] = Stretch) -> np.dtype[Any]:
+    """Return the layout of records of a kind of stretch."""
+    return np.dtype([(name, "f8") for name in kind._fields])
 
 
 def python_view(records: NDArray[Any]) -> NDArray[Any]:

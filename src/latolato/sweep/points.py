@@ -33,6 +33,7 @@ from latolato.numerics.records import BODY, SETTINGS
 from latolato.numerics.steppers import Stepper
 from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.drives import Drive, Harmonic, Static
+from latolato.physics.drives.stretch import COSINE
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import Ball, LatoLato, System, restoring_linear
 from latolato.quantities import is_computable
@@ -261,10 +262,10 @@ def _from_columns(
     for name, value in zip(BODY.names or (), body, strict=True):
         bodies[name][:, 0] = value
         valid &= np.isfinite(value)
-    stretches = np.zeros(count, dtype=[(name, "f8") for name in plan.drive.stretch_fields])
+    stretches = np.zeros(count, dtype=records.stretch_dtype())
     if isinstance(plan.drive, Harmonic):
-        for name in plan.drive.stretch_fields:
-            stretches[name] = columns[name]
+        stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
+        stretches["c0"], stretches["frequency"] = columns["drive_amplitude"], frequency
     stops, sensible = _stops(plan, columns)
     valid &= sensible
     each = np.arange(count + 1)
@@ -463,10 +464,9 @@ def _from_objects(
             kick_times.append(instants)
             kick_sizes.append(sizes)
             kick_firsts[k + 1] += len(instants)
-    dtype = [(name, "f8") for name in plan.drive.stretch_fields]
     points = Points(
         settings, bodies,
-        np.concatenate(stretches) if stretches else np.zeros(0, dtype=dtype),
+        np.concatenate(stretches) if stretches else np.zeros(0, dtype=records.stretch_dtype()),
         np.concatenate(starts) if starts else np.zeros(0),
         np.concatenate(jumps) if jumps else np.zeros(0),
         firsts,

@@ -6,7 +6,6 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,17 +25,13 @@ Pull = Callable[[float], float]
 def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
     """Return what gives (g + y0'')/l at an instant of the table [1/s^2]."""
     found = drive.stretches(_end_of(drive))
-    starts = [start for start, _ in found]
-    records = [
-        SimpleNamespace(**dict(zip(drive.stretch_fields, numbers, strict=True)))
-        for _, numbers in found
-    ]
+    starts = [stretch.start for stretch in found]
     acceleration = drive.acceleration
 
     def pull(instant: float) -> float:
         t = instant - origin
         place = max(bisect_right(starts, t) - 1, 0)
-        return float((gravity + acceleration(t, records[place])) / length)
+        return float((gravity + acceleration(t, found[place])) / length)
 
     return pull
 

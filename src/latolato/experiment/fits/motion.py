@@ -9,8 +9,7 @@ import numpy as np
 
 from latolato.experiment.fits.least_squares import Floats
 from latolato.numerics.integrate import Start, choose_stepper, integrate, step_for
-from latolato.physics.drives import Drive, MeasuredPivot, Static
-from latolato.physics.drives.base import Stretch
+from latolato.physics.drives import Drive, MeasuredPivot, Static, Stretch
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
@@ -20,12 +19,10 @@ TOLERANCE = 1e-8
 class LaterDrive:
     """A drive whose time zero is `origin` of another one's; what `integrate` asks of a drive.
 
-    Formulas of drives read time only against a stretch's ``start`` or through ``drive_phase``,
-    so shifting these two is all.
+    Formulas read time only against a stretch's start, so shifting that is all.
     """
 
     def __init__(self, drive: Drive, origin: float, duration: float) -> None:
-        self.stretch_fields = drive.stretch_fields
         self.height, self.velocity = drive.height, drive.velocity
         self.acceleration, self.rotation = drive.acceleration, drive.rotation
         # Properties of a measured pivot look at every sample: ask once.
@@ -36,24 +33,13 @@ class LaterDrive:
             end = min(end, drive.times[-1])
         found = drive.stretches(end)
         jumps = drive.velocity_jumps(end)
-        begin = max((i for i, (start, _) in enumerate(found) if start <= origin), default=0)
-        self._stretches: list[Stretch] = [
-            (start - origin, self._shifted(numbers, origin)) for start, numbers in found[begin:]
-        ]
+        begin = max((i for i, s in enumerate(found) if s.start <= origin), default=0)
+        self._stretches = [s._replace(start=s.start - origin) for s in found[begin:]]
         self._jumps = [0.0, *jumps[begin + 1 :]]
-
-    def _shifted(self, numbers: tuple[float, ...], origin: float) -> tuple[float, ...]:
-        """Return a stretch's numbers with time counted from `origin`."""
-        named = dict(zip(self.stretch_fields, numbers, strict=True))
-        if "start" in named:
-            named["start"] -= origin
-        elif "drive_phase" in named:
-            named["drive_phase"] += named["drive_frequency"] * origin
-        return tuple(named.values())
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches that meet [0, duration]."""
-        return [(start, numbers) for start, numbers in self._stretches if start <= duration]
+        return [stretch for stretch in self._stretches if stretch.start <= duration]
 
     def velocity_jumps(self, duration: float) -> list[float]:
         """Return the transmitted velocity jump at each start."""

@@ -1,10 +1,11 @@
 """Motions of the pivot: each a sequence of smooth stretches with scalar formulas.
 
-A drive is a frozen class with its parameters as fields and three static formulas, `height`,
-`velocity` and `acceleration` of ``(time, stretch)``. `stretches` lists where each smooth stretch
-begins and the numbers (`stretch_fields`) that the formulas read from it; integrators end a step
-at each such instant. Adding a drive is one file in this
-folder with one class and the `register` decorator: every module here is loaded by discovery.
+A drive is a frozen class with its parameters as fields, which `stretches` turns into smooth
+stretches of the motion; integrators end a step where one begins. A `Stretch` is of one of a few
+forms (at rest, a cosine, a crank, a polynomial), and one compiled kernel serves all of them.
+Adding a drive is one file in this folder with one class and the `register` decorator: every module
+here is loaded by discovery. One whose motion is of another form brings formulas of its own, see
+`Drive`.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
-from latolato.physics.drives.base import Drive, Stretch, drives
+from latolato.physics.drives.base import Drive, drives
 
 from latolato.physics.drives.harmonic import Harmonic, Static  # isort: skip - the simplest first
 from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
 from latolato.physics.drives.crank import CrankSlider
 from latolato.physics.drives.measured import MeasuredPivot
 from latolato.physics.drives.stages import Stages
+from latolato.physics.drives.stretch import Stretch
 
 __all__ = [
     "Chirp",

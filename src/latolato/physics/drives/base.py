@@ -7,12 +7,16 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from latolato.errors import InputError
+from latolato.physics.drives.stretch import (
+    Stretch,
+    pivot_acceleration,
+    pivot_height,
+    pivot_velocity,
+)
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import Registry, check_fields, checked_number
 
 drives: Registry[type] = Registry("drive")
-
-Stretch = tuple[float, tuple[float, ...]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,23 +25,27 @@ class Drive:
 
     Attributes
     ----------
-    stretch_fields : tuple of str
-        Names of the numbers that the formulas read from a stretch.
+    height, velocity, acceleration : formula
+        Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package know every form of `Stretch`;
+        a class with formulas of its own has kernels of its own.
+    rotation : formula or None
+        Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
+        of a stretch. Lanes then rotate the phase instead of computing cosines.
     """
 
-    stretch_fields: ClassVar[tuple[str, ...]] = ("unused",)
-    height: ClassVar[Any]
-    velocity: ClassVar[Any]
-    acceleration: ClassVar[Any]
-    # Where the acceleration is ``strength cos(frequency t + phase)``: the formula of a stretch that
-    # gives these three numbers. Lanes then rotate the phase instead of computing cosines.
+    height: ClassVar[Any] = staticmethod(pivot_height)
+    velocity: ClassVar[Any] = staticmethod(pivot_velocity)
+    acceleration: ClassVar[Any] = staticmethod(pivot_acceleration)
     rotation: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         check_fields(self)
 
     def stretches(self, duration: float) -> list[Stretch]:
-        """Return (start time [s], numbers) of every smooth stretch that meets [0, duration]."""
+        """Return every smooth stretch that meets [0, duration].
+
+        Formulas of one's own may read numbers of their own, from named tuples with a `start` [s].
+        """
         raise TypeError(f"{type(self).__name__} must say its stretches")
 
     def velocity_jumps(self, duration: float) -> list[float]:

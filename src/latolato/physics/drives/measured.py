@@ -6,43 +6,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
-    Stretch,
     check_increasing,
     checked_array,
     drives,
 )
+from latolato.physics.drives.stretch import POLYNOMIAL, Stretch
 from latolato.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
-from latolato.scalar import formula
 
 # How often the curve is looked at between two samples, and by how many times their range it may
 # leave the range of the heights; less than this share of the heights is rounding.
 _LOOKS, _ROOM, _ROUNDING = 8, 2.0, 1e-9
-
-
-@formula
-def _polynomial_height(t: float, p: Any) -> float:
-    """Return the quintic of the stretch."""
-    s = t - p.start
-    return p.c0 + s * (p.c1 + s * (p.c2 + s * (p.c3 + s * (p.c4 + s * p.c5))))
-
-
-@formula
-def _polynomial_velocity(t: float, p: Any) -> float:
-    """Return the quintic's first derivative."""
-    s = t - p.start
-    return p.c1 + s * (2.0 * p.c2 + s * (3.0 * p.c3 + s * (4.0 * p.c4 + s * 5.0 * p.c5)))
-
-
-@formula
-def _polynomial_acceleration(t: float, p: Any) -> float:
-    """Return the quintic's second derivative."""
-    s = t - p.start
-    return 2.0 * p.c2 + s * (6.0 * p.c3 + s * (12.0 * p.c4 + s * 20.0 * p.c5))
 
 
 @drives.register("measured_pivot")
@@ -61,11 +39,6 @@ class MeasuredPivot(Drive):
         residual sum of squares is that of such noise (Dierckx's criterion, SciPy's
         ``UnivariateSpline``).
     """
-
-    stretch_fields: ClassVar[tuple[str, ...]] = ("start", "c0", "c1", "c2", "c3", "c4", "c5")
-    height: ClassVar[Any] = staticmethod(_polynomial_height)
-    velocity: ClassVar[Any] = staticmethod(_polynomial_velocity)
-    acceleration: ClassVar[Any] = staticmethod(_polynomial_acceleration)
 
     times: Sequence[float] = array_field("times", "sample instants")
     pivot_heights: Sequence[float] = array_field(
@@ -115,7 +88,7 @@ class MeasuredPivot(Drive):
             )
         self._check_course(pieces)
         return [
-            (float(a), (float(a), *(float(c) for c in pieces.c[::-1, i])))
+            Stretch(float(a), POLYNOMIAL, 0.0, 0.0, 0.0, *(float(c) for c in pieces.c[::-1, i]))
             for i, (a, b) in enumerate(zip(pieces.x[:-1], pieces.x[1:], strict=True))
             if b > a
         ]
@@ -150,9 +123,8 @@ class MeasuredPivot(Drive):
                 f"the pivot samples cover {first:g} to {last:g} s, but the run goes from 0 to "
                 f"{duration:g} s; shorten the duration or shift the samples"
             )
-        starts = [start for start, _ in self._pieces]
-        begin = max(i for i, start in enumerate(starts) if start <= 0.0)
-        return [(start, p) for start, p in self._pieces[begin:] if start <= duration]
+        begin = max(i for i, piece in enumerate(self._pieces) if piece.start <= 0.0)
+        return [piece for piece in self._pieces[begin:] if piece.start <= duration]
 
     @property
     def fastest_frequency(self) -> float:
@@ -163,10 +135,10 @@ class MeasuredPivot(Drive):
     @property
     def largest_acceleration(self) -> float:
         """Largest acceleration either way [m/s^2]: of each cubic, at its ends and in between."""
-        ends = [start for start, _ in self._pieces[1:]] + [self.times[-1]]
+        ends = [piece.start for piece in self._pieces[1:]] + [self.times[-1]]
         largest = 0.0
-        for (start, (_, _, _, c2, c3, c4, c5)), end in zip(self._pieces, ends, strict=True):
-            span = end - start
+        for piece, end in zip(self._pieces, ends, strict=True):
+            span, c2, c3, c4, c5 = end - piece.start, piece.c2, piece.c3, piece.c4, piece.c5
             candidates = [0.0, span]
             a, b, c = 60.0 * c5, 24.0 * c4, 6.0 * c3  # zeros of the third derivative
             root = b * b - 4.0 * a * c

@@ -6,61 +6,25 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
-    Stretch,
     check_increasing,
     checked_array,
     drives,
 )
+from latolato.physics.drives.stretch import COSINE, SWEPT, Stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.scalar import cosine, formula, sine
+from latolato.scalar import sine
 
 # A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
 _ROUNDING = 1e-12
 
 
-@formula
-def _swept_height(t: float, p: Any) -> float:
-    """Return A0 cos(phase + w s + rate s^2/2) with s the time since the stretch began."""
-    s = t - p.start
-    return p.drive_amplitude * cosine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
-
-
-@formula
-def _swept_velocity(t: float, p: Any) -> float:
-    """Return the time derivative of `_swept_height`."""
-    s = t - p.start
-    w = p.frequency + p.rate * s
-    return -p.drive_amplitude * w * sine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
-
-
-@formula
-def _swept_acceleration(t: float, p: Any) -> float:
-    """Return the second time derivative of `_swept_height`."""
-    s = t - p.start
-    w = p.frequency + p.rate * s
-    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    return -p.drive_amplitude * (w * w * cosine(phase) + p.rate * sine(phase))
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Swept(Drive):
     """A cosine whose frequency is piecewise linear in time, phase-continuous."""
-
-    stretch_fields: ClassVar[tuple[str, ...]] = (
-        "drive_amplitude",
-        "start",
-        "phase",
-        "frequency",
-        "rate",
-    )
-    height: ClassVar[Any] = staticmethod(_swept_height)
-    velocity: ClassVar[Any] = staticmethod(_swept_velocity)
-    acceleration: ClassVar[Any] = staticmethod(_swept_acceleration)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
@@ -80,7 +44,8 @@ class _Swept(Drive):
                 s = start - before
                 phase += s * (w + 0.5 * r * s)
             if start <= duration:
-                found.append((start, (self.drive_amplitude, start, phase, frequency, rate)))
+                form = COSINE if rate == 0.0 else SWEPT
+                found.append(Stretch(start, form, phase, frequency, rate, self.drive_amplitude))
         return found
 
     @property
@@ -160,8 +125,8 @@ class FrequencySchedule(_Swept):
         if not self.step_impulse or self.ramp > 0.0:
             return [0.0] * len(found)
         jumps = [0.0]
-        for (_, (_, _, _, old, _)), (_, (amplitude, _, phase, new, _)) in pairwise(found):
-            jumps.append(-amplitude * (new - old) * sine(phase))
+        for old, new in pairwise(found):
+            jumps.append(-new.c0 * (new.frequency - old.frequency) * sine(new.phase))
         return jumps
 
 

@@ -5,98 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import (
     Drive,
-    Stretch,
     check_increasing,
     checked_array,
     drives,
 )
+from latolato.physics.drives.stretch import COSINE, SWEPT, Stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.scalar import cosine, formula, sine
-
-
-@formula
-def _staged_height(t: float, p: Any) -> float:
-    """Return A(s) cos(phase + w s + rate s^2/2) with s the time since the stretch began."""
-    s = t - p.start
-    amplitude = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
-    return amplitude * cosine(p.phase + s * (p.frequency + 0.5 * p.rate * s))
-
-
-@formula
-def _staged_velocity(t: float, p: Any) -> float:
-    """Return the time derivative of `_staged_height`."""
-    s = t - p.start
-    amplitude = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
-    growth = p.c1 + s * (2.0 * p.c2 + s * 3.0 * p.c3)
-    w = p.frequency + p.rate * s
-    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    return growth * cosine(phase) - amplitude * w * sine(phase)
-
-
-@formula
-def _staged_acceleration(t: float, p: Any) -> float:
-    """Return the second time derivative of `_staged_height`."""
-    s = t - p.start
-    amplitude = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
-    growth = p.c1 + s * (2.0 * p.c2 + s * 3.0 * p.c3)
-    bend = 2.0 * p.c2 + s * 6.0 * p.c3
-    w = p.frequency + p.rate * s
-    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    across = 2.0 * growth * w + amplitude * p.rate
-    return (bend - amplitude * w * w) * cosine(phase) - across * sine(phase)
-
-
-class Stage(NamedTuple):
-    """One smooth stretch: cubic amplitude, linear frequency; the fields that formulas read."""
-
-    start: float  # s
-    phase: float  # rad, there
-    frequency: float  # rad/s, there
-    rate: float  # rad/s^2
-    c0: float  # m, amplitude there; then the cubic's further coefficients
-    c1: float
-    c2: float
-    c3: float
-
-    def at(self, time: float) -> Stage:
-        """Return the same motion with another start [s]."""
-        s = time - self.start
-        return Stage(
-            time,
-            self.phase + s * (self.frequency + 0.5 * self.rate * s),
-            self.frequency + self.rate * s,
-            self.rate,
-            self.c0 + s * (self.c1 + s * (self.c2 + s * self.c3)),
-            self.c1 + s * (2.0 * self.c2 + s * 3.0 * self.c3),
-            self.c2 + 3.0 * self.c3 * s,
-            self.c3,
-        )
-
-    def acceleration_bound(self, span: float) -> float:
-        """Return a bound of |pivot_acceleration| within `span` seconds from the start [m/s^2]."""
-        if self.c1 == self.c2 == self.c3 == 0.0:
-            fastest = max(abs(self.frequency), abs(self.frequency + self.rate * span))
-            return abs(self.c0) * (fastest * fastest + abs(self.rate))
-        end = self.at(self.start + span)
-        fastest = max(abs(self.frequency), abs(end.frequency))
-        # A cubic is below the largest of its Bezier points, and so are its derivatives.
-        third = span / 3.0
-        points = (self.c0, self.c0 + third * self.c1, end.c0 - third * end.c1, end.c0)
-        middle = self.c1 + span * self.c2
-        amplitude = max(map(abs, points))
-        growth = max(abs(self.c1), abs(middle), abs(end.c1))
-        bend = 2.0 * max(abs(self.c2), abs(end.c2))
-        return bend + 2.0 * growth * fastest + amplitude * (fastest * fastest + abs(self.rate))
 
 
 def moved(
-    before: Stage, time: float, amplitude: float, frequency: float, ramp: float
-) -> tuple[Stage, Stage]:
+    before: Stretch, time: float, amplitude: float, frequency: float, ramp: float
+) -> tuple[Stretch, Stretch]:
     """Return the stretch from `time` that leads to a new amplitude and frequency, and the next.
 
     Height and velocity of the pivot are continuous at both ends: the amplitude is the cubic that
@@ -105,8 +28,9 @@ def moved(
     """
     now = before.at(time)
     rise = (amplitude - now.c0) / ramp
-    way = Stage(
+    way = Stretch(
         time,
+        SWEPT,
         now.phase,
         now.frequency,
         (frequency - now.frequency) / ramp,
@@ -116,7 +40,7 @@ def moved(
         (now.c1 - 2.0 * rise) / (ramp * ramp),
     )
     phase = now.phase + ramp * 0.5 * (now.frequency + frequency)
-    return way, Stage(time + ramp, phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)
+    return way, Stretch(time + ramp, COSINE, phase, frequency, 0.0, amplitude)
 
 
 @drives.register("stages")
@@ -135,11 +59,6 @@ class Stages(Drive):
     is a blow.
     """
 
-    stretch_fields: ClassVar[tuple[str, ...]] = Stage._fields
-    height: ClassVar[Any] = staticmethod(_staged_height)
-    velocity: ClassVar[Any] = staticmethod(_staged_velocity)
-    acceleration: ClassVar[Any] = staticmethod(_staged_acceleration)
-
     times: Sequence[float] = array_field("times", "stage starts")
     drive_amplitudes: Sequence[float] = array_field(
         "drive_amplitudes", "driving amplitude of each stage"
@@ -149,7 +68,7 @@ class Stages(Drive):
     )
     ramps: Sequence[float] = array_field("ramps", "time of the change into each stage")
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
-    _stages: tuple[Stage, ...] = field(init=False, repr=False, compare=False)
+    _stages: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -173,12 +92,12 @@ class Stages(Drive):
             object.__setattr__(self, name, column)
         object.__setattr__(self, "_stages", tuple(self._follow()))
 
-    def _follow(self) -> list[Stage]:
+    def _follow(self) -> list[Stretch]:
         """Return the stretches, changes and what lies between them."""
         rows = zip(self.times, self.drive_amplitudes, self.drive_frequencies, self.ramps,
                    strict=True)  # fmt: skip
         _, amplitude, frequency, _ = next(rows)
-        found = [Stage(0.0, self.drive_phase, frequency, 0.0, amplitude, 0.0, 0.0, 0.0)]
+        found = [Stretch(0.0, COSINE, self.drive_phase, frequency, 0.0, amplitude)]
         for time, amplitude, frequency, ramp in rows:
             if found[-1].start >= time:  # the last change has not ended
                 found.pop()
@@ -187,7 +106,7 @@ class Stages(Drive):
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches that meet [0, duration]."""
-        return [(stage.start, tuple(stage)) for stage in self._stages if stage.start <= duration]
+        return [stage for stage in self._stages if stage.start <= duration]
 
     @property
     def fastest_frequency(self) -> float:
