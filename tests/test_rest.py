@@ -147,6 +147,32 @@ class TestRestAtTheBottom:
         # Fall from the height that the lift gives: below 2 pi excess of the gravity's angle.
         assert float(run.angle.max()) - system.contact_angle_low < 10.0 * excess
 
+    @pytest.mark.parametrize("excess", [1e-5, 1e-6, 1e-7])
+    @pytest.mark.parametrize("balls", [1, 2])
+    def test_lift_off_shorter_than_a_step_is_seen_at_its_exact_phase(self, excess, balls):
+        # g is exceeded for 2 acos(1/(1 + excess))/w, at most 1.2 ms, at the eighth of a turn; the
+        # quarter of a step at which rest is looked at is 3.4 ms, a step 13 ms. (A lift of 1e-9 g
+        # moves the ball by less than the digits of its angle: no release.)
+        drive = harmonic(1.0 + excess, phase=-0.25 * math.pi)
+        exact = (0.25 * math.pi - math.acos(1.0 / (1.0 + excess))) / drive.drive_frequency
+        one = toy(restitution=0.6)
+        low, ball = one.contact_angle_low, one.balls[0]
+        run = (
+            ll.simulate(one, drive, initial_angle=low, duration=0.2)
+            if balls == 1
+            else ll.simulate(
+                ll.BallPair(right=ball, left=ball, restitution=0.6),
+                drive,
+                initial_angle=(low, -low),
+                duration=0.2,
+            )
+        )
+        assert "release" in run.contact_kind.values
+        first = run.contact_time.values[run.contact_kind.values == "release"][0]
+        # Some roundings of the acceleration, over its slope near the phase of the largest fall.
+        slope = math.sqrt(2.0 * excess) * drive.drive_frequency
+        assert first == pytest.approx(exact, abs=2e-15 / slope)
+
     def test_visible_motion_from_rest_needs_a_little_more_than_g(self):
         # PHYSICS section 3: about 1.04 for e = 1: just above 1 an elastic ball still rattles low.
         drive = harmonic(1.5, frequency=6.0)
@@ -345,6 +371,30 @@ class TestZenoCascade:
         gaps = np.diff(run.contact_time.values)
         np.testing.assert_allclose(gaps, 2.0 * fall, rtol=1e-5)
 
+    @pytest.mark.parametrize("restitution", [1.0, 0.999])
+    @pytest.mark.parametrize("balls", [1, 2])
+    def test_only_bounces_that_die_out_are_captured(self, balls, restitution):
+        # From 1e-4 rad above the wall the ball comes back at sqrt(2 g sin(low) 1e-4) = 0.014 rad/s,
+        # far below a rest speed of 1 rad/s: without loss it bounces on, with any loss it rests.
+        one = toy(restitution=restitution)
+        start, ball = one.contact_angle_low + 1e-4, one.balls[0]
+        asked = {"duration": 1.0, "rest_speed": 1.0}
+        run = (
+            ll.simulate(one, initial_angle=start, **asked)
+            if balls == 1
+            else ll.simulate(
+                ll.BallPair(right=ball, left=ball, restitution=restitution),
+                initial_angle=(start, -start),
+                **asked,
+            )
+        )
+        # A fall takes sqrt(2 1e-4/(g sin(low))) = 14.3 ms, so bounces are 28.6 ms apart.
+        wanted = ["bottom"] * 35 if restitution == 1.0 else ["rest"]
+        assert list(run.contact_kind.values) == wanted
+        above = float((run.total_energy[..., 0] - run.total_energy[..., -1]).sum())
+        assert float(run.capture_loss[-1]) == pytest.approx(above, abs=1e-13)
+        assert (above > 1e-6) == (restitution < 1.0)
+
     def test_driven_cascade_rests_and_lifts_off_in_turn(self):
         system = toy(restitution=0.5)
         run = ll.simulate(system, harmonic(1.3, frequency=5.0), initial_angle=0.4, duration=30.0)
@@ -418,6 +468,34 @@ class TestCoulombFriction:
         np.testing.assert_allclose(speed[1:] / speed[:-1], math.sqrt((a - c) / (a + c)), rtol=0.02)
         check_ledger(run)
 
+    @pytest.mark.parametrize("speed", [1e-3, 1e-7, 1e-9])
+    def test_friction_slows_bounces_of_any_size_alike(self, speed):
+        # Up against a + c, down with a - c, a = g sin(low), c = C0/m. A bounce at 1e-3 rad/s rises
+        # by 4e-7 rad, at 1e-7 rad/s by less than a digit of the angle can show well.
+        system = toy(coulomb_damping=0.3)
+        run = ll.simulate(
+            system,
+            initial_offset=0.0,
+            initial_angular_velocity=speed,
+            duration=5.0,
+            rest_speed=1e-3 * speed,
+        )
+        assert run.contact_kind.values[-1] == "rest"
+        up = np.abs(run.angular_velocity_after.values[:-1])
+        a, c = G * 0.1, 0.3 / 0.8
+        ratio = math.sqrt((a - c) / (a + c))
+        # Angles are rounded by 1.4e-17 rad, which a rise of 1e-12 rad shows by 1e-5; the pull
+        # changes along the rise by rise/tan(low).
+        down = np.abs(run.angular_velocity_before.values)
+        np.testing.assert_allclose(down[1:] / up, ratio, rtol=2e-5)
+        # All bounces of a geometric series, but those below the rest speed: v/(a + c) up, and
+        # down v ratio/(a - c).
+        whole = speed * (1.0 / (a + c) + ratio / (a - c)) / (1.0 - ratio)
+        assert float(run.contact_time[-1]) == pytest.approx(whole, rel=2e-3)
+        # Nothing but friction takes the energy away, up to the millionth that is captured.
+        gone = 0.4 * speed**2
+        assert float(run.damping_loss[-1]) == pytest.approx(gone, rel=1e-5)
+
     @pytest.mark.parametrize("restitution", [0.0, 0.7, 1.0])
     def test_walls_and_friction_close_the_ledger(self, restitution):
         system = toy(coulomb_damping=0.2, quadratic_damping=0.03, restitution=restitution)
@@ -432,6 +510,36 @@ class TestCoulombFriction:
         assert float(run.tension[0]) == pytest.approx(0.8 * G * math.cos(2.5))
         assert run.attrs["slack_time"] == 0.0
         assert run.attrs["slack_fraction"] == pytest.approx(1.0)
+
+    @pytest.mark.parametrize("start", ["hanging", "on the wall", "two hanging", "in contact"])
+    @pytest.mark.parametrize("phase", [1.2, 1.5, 1.8])
+    def test_slack_of_balls_that_friction_holds_lasts_while_the_pivot_falls(self, start, phase):
+        # Nothing moves, so the tension has the sign of g + y0'' = g (1 - 1.5 cos(w t - phase)).
+        drive = harmonic(1.5, phase=-phase)
+        one, angle = toy(coulomb_damping=20.0), 0.5
+        if start in ("on the wall", "in contact"):
+            angle = one.contact_angle_low
+        ball = one.balls[0]
+        run = (
+            ll.simulate(one, drive, initial_angle=angle, duration=0.6)
+            if start in ("hanging", "on the wall")
+            else ll.simulate(
+                ll.BallPair(right=ball, left=ball),
+                drive,
+                initial_angle=(angle, -angle),
+                duration=0.6,
+            )
+        )
+        assert np.ptp(np.atleast_2d(run.angle.values), axis=-1).max() == 0.0
+        begins, ends = ((phase + side * math.acos(1.0 / 1.5)) / 8.0 for side in (-1.0, 1.0))
+        # The tension is taken as linear over a step h at most: h^2/8 times its curvature over its
+        # slope at zero, w/sqrt(1.5^2 - 1), is the error of an end.
+        error = run.attrs["step"] ** 2 / 8.0 * 8.0 / math.sqrt(1.25)
+        assert 100.0 * error < ends - begins
+        np.testing.assert_allclose(run.attrs["slack_time"], begins, rtol=0.0, atol=error)
+        np.testing.assert_allclose(
+            np.multiply(run.attrs["slack_fraction"], 0.6), ends - begins, rtol=0.0, atol=2.0 * error
+        )
 
 
 def pair_rows_are_in_order(run):

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
@@ -348,6 +349,28 @@ def test_crossings_of_the_unwrapped_angle_are_those_of_the_two_angles_only(angle
     assert counts[0] == sign_changes(x - angle) + sign_changes(x + angle)
     assert counts[1] == sign_changes(np.cos(x) - math.cos(angle))
     assert counts[0] < counts[1]
+
+
+@pytest.mark.parametrize("turn", ["free", "at a wall"])
+def test_a_level_just_below_the_turning_point_is_crossed_twice_a_swing(turn):
+    # The swing from 2 rad turns 1e-4 rad beyond the level and is back within 2 sqrt(2 1e-4/8.9)
+    # = 9.5 ms; a step takes 73 ms at tolerance 1e-8, so that most turns lie within one. Between
+    # walls the ball comes back in the time of one fall, on the same side.
+    given = {"length": 1.0, "mass": 0.8}
+    low = 0.0 if turn == "free" else 0.1
+    system = ll.Pendulum(**given) if turn == "free" else ll.LatoLato(**given, radius=math.sin(low))
+    fall = quad(
+        # dt = dth/sqrt(2 g (cos th - cos 2)), th = 2 - (2 - low) s^2
+        lambda s: 2.0 * (2.0 - low) * s
+        / math.sqrt(2.0 * 9.8 * (math.cos(2.0 - (2.0 - low) * s * s) - math.cos(2.0))),
+        0.0, 1.0,
+    )[0]  # fmt: skip
+    swings = 20
+    found = ll.sweep(
+        system, axes={"initial_angle": [2.0]}, duration=(2 * swings + 1) * fall, tolerance=1e-8,
+        observables=[Crossings(crossing_angle=2.0 - 1e-4)], executor="reference",
+    )  # fmt: skip
+    assert float(found.crossings[0]) == 1.0 + 2.0 * swings  # the start is beyond the level
 
 
 def test_friction_that_holds_the_ball_counts_as_rest():
