@@ -471,7 +471,7 @@ class TestCoulombFriction:
     @pytest.mark.parametrize("speed", [1e-3, 1e-7, 1e-9])
     def test_friction_slows_bounces_of_any_size_alike(self, speed):
         # Up against a + c, down with a - c, a = g sin(low), c = C0/m. A bounce at 1e-3 rad/s rises
-        # by 4e-7 rad, at 1e-7 rad/s by less than a digit of the angle can show well.
+        # by 4e-7 rad; at 1e-7 rad/s by 4e-15 rad, of which the angle resolves two digits.
         system = toy(coulomb_damping=0.3)
         run = ll.simulate(
             system,
@@ -484,8 +484,8 @@ class TestCoulombFriction:
         up = np.abs(run.angular_velocity_after.values[:-1])
         a, c = G * 0.1, 0.3 / 0.8
         ratio = math.sqrt((a - c) / (a + c))
-        # Angles are rounded by 1.4e-17 rad, which a rise of 1e-12 rad shows by 1e-5; the pull
-        # changes along the rise by rise/tan(low).
+        # An angle of 0.1 rad is rounded by 1.4e-17 rad, 1.4e-5 of the smallest rise that is not
+        # taken as a parabola, 1e-12 rad. A rise of 4e-7 rad changes the pull by 4e-6 of it.
         down = np.abs(run.angular_velocity_before.values)
         np.testing.assert_allclose(down[1:] / up, ratio, rtol=2e-5)
         # All bounces of a geometric series, but those below the rest speed: v/(a + c) up, and
