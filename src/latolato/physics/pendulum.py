@@ -23,6 +23,17 @@ systems: Registry[type] = Registry("system")
 
 
 @formula
+def swung(gravity: float, coupling: float, restored: float) -> float:
+    """Return the angular acceleration ``-gravity/length restored`` without drag [rad/s^2].
+
+    The equation of motion of every ball: `gravity` is that of the pivot's frame, ``g + y0''``
+    [m/s^2], or the drive's part of it, `coupling` one over the length and `restored` the restoring
+    factor of the angle.
+    """
+    return -gravity * coupling * restored
+
+
+@formula
 def restoring_sine(angle: float) -> float:
     """Return sin(angle), the restoring factor of the pendulum (Paper eq10)."""
     return sine(angle)

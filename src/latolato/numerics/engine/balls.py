@@ -1,0 +1,182 @@
+"""What all balls do together, and the gap: one ball's angle, or the separation of two.
+
+Contacts are met where the gap reaches ``settings.low`` (side -1, the bottom) or ``settings.high``
+(side 1, the top). One ball meets walls there, two balls each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
+
+# What a search looks for.
+GAP, RATE = 0, 1
+
+
+class Balls(NamedTuple):
+    """The functions of all balls; see `make_balls`."""
+
+    gap: Callable[..., float]
+    rate: Callable[..., float]
+    pull: Callable[..., float]
+    part: Callable[..., None]
+    fly: Callable[..., None]
+    fly_by: Callable[..., None]
+    settle: Callable[..., None]
+    locate: Callable[..., float]
+    leave: Callable[..., float]
+    parting: Callable[..., float]
+    energy: Callable[..., float]
+    plan_length: Callable[..., None]
+    shorten: Callable[..., None]
+
+
+def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None = None) -> Balls:
+    """Return the functions of one or two balls whose motion is that of `swing`."""
+    part = compile_part or as_it_stands
+    two = count == 2
+    potential, push_potential = laws.potential, laws.push_potential
+
+    @inlined(part)
+    def gap(points: Any) -> float:
+        """Return the gap [rad]."""
+        angle: float = points[0].angle - points[1].angle if two else points[0].angle
+        return angle
+
+    @inlined(part)
+    def rate(points: Any) -> float:
+        """Return how fast the gap grows [rad/s]."""
+        speed: float = points[0].velocity - points[1].velocity if two else points[0].velocity
+        return speed
+
+    @inlined(part)
+    def pull(points: Any) -> float:
+        """Return the gap's acceleration of a kick [rad/s^2]."""
+        if two:
+            difference: float = points[0].acceleration - points[1].acceleration
+            return difference
+        return points[0].acceleration
+
+    @part
+    def part_by(run: Any, points: Any, angle: float, velocity: float) -> None:
+        """Widen the gap and its rate, with the mean angle and the angular momentum kept."""
+        if two:
+            share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
+            points[0].angle += 0.5 * angle
+            points[1].angle -= 0.5 * angle
+            points[0].velocity += (1.0 - share) * velocity
+            points[1].velocity -= share * velocity
+        else:
+            points[0].angle += angle
+            points[0].velocity += velocity
+
+    @part
+    def fly(run: Any) -> None:
+        """Take a full step of all balls."""
+        for i in range(count):
+            swing.step(run, i, i, run.now[i], run.end[i])
+
+    @part
+    def fly_by(run: Any, length: float, points: Any) -> None:
+        """Take a step of any length of all balls."""
+        for i in range(count):
+            swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
+
+    @part
+    def settle(run: Any) -> None:
+        """Find the directions in which the balls move, and what pulls at them."""
+        for i in range(count):
+            swing.settle(run, i, run.t, run.now[i])
+
+    @part
+    def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
+        """Return the length in [low, high] of a step to where gap or rate reaches `target`.
+
+        The value minus the target changes its sign between the ends; at `high` it has the sign of
+        the far side. Bracketed Newton on the step itself, to rounding.
+        """
+        s = high
+        far, span, move = 0.0, high - low, high - low
+        for trial in range(MOST_TRIALS):
+            fly_by(run, s, run.end)
+            bend = pull(run.end)
+            value, slope = rate(run.end) - target, bend
+            if what == GAP:
+                value, slope = gap(run.end) - target, rate(run.end)
+            if value == 0.0:
+                return s
+            if trial == 0:  # the far end, which Newton starts from
+                far = 1.0 if value > 0.0 else -1.0
+                s = high - value / slope if slope != 0.0 else 0.5 * (low + high)
+                if not low < s < high:
+                    s = 0.5 * (low + high)
+                continue
+            if value * far > 0.0:
+                high = s
+            else:
+                low = s
+            next_s, newton = next_trial(s, value, slope, low, high, move)
+            move = next_s - s
+            s = next_s
+            if (newton and is_located(move, slope, bend, span)) or high - low <= 4e-16 * span:
+                return s
+        return s
+
+    @part
+    def leave(run: Any, target: float, far: float, high: float) -> float:
+        """Return the length of a step after which the gap has left `target`, on the near side.
+
+        Zero if the motion on the near side is too small to be seen in double precision.
+        """
+        s = 0.5 * high
+        for _ in range(50):
+            fly_by(run, s, run.end)
+            if (gap(run.end) - target) * far < 0.0:
+                return s
+            s *= 0.5
+        return 0.0
+
+    @part
+    def parting(run: Any, far: float, t: float, points: Any) -> float:
+        """Return the gap's acceleration away from a contact, with all drag [rad/s^2]."""
+        apart = 0.0
+        for i in range(count):
+            free = swing.free(run, i, t, points[i].angle)
+            pulled = freed(free, points[i].velocity, run.bodies[i])
+            apart += pulled if i == 0 else -pulled
+        return -far * apart
+
+    @part
+    def energy(run: Any) -> float:
+        """Return the energy of all balls [J]."""
+        total = 0.0
+        for i in range(count):
+            b, point = run.bodies[i], run.now[i]
+            height = run.settings.gravity * b.coupling * potential(point.angle, run)
+            held = push_potential(point.angle, run)
+            total += b.inertia * (0.5 * point.velocity * point.velocity + height + held)
+        return total
+
+    @part
+    def plan_length(run: Any) -> None:
+        """Plan a full step, or one that ends at the goal."""
+        h = run.settings.step
+        run.length, run.is_whole = h, 1
+        run.t_end = run.state.t_base + (run.state.steps + 1) * h
+        if run.t_end >= run.goal - 1e-9 * h:
+            run.length, run.t_end, run.is_whole = run.goal - run.t, run.goal, 0
+
+    @part
+    def shorten(run: Any, length: float) -> None:
+        """Let the step end earlier."""
+        run.length, run.t_end, run.is_whole = length, run.t + length, 0
+
+    return Balls(
+        gap, rate, pull, part_by, fly, fly_by, settle, locate, leave, parting, energy, plan_length,
+        shorten,
+    )  # fmt: skip

@@ -1,0 +1,234 @@
+"""Events at the end of a step: what each does to the motion and to small deviations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.numerics.bounce import meet_wall
+from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.record import (
+    CONTACT,
+    FLIGHT,
+    JOINT,
+    JOINT_ROW,
+    RELEASE,
+    REST,
+    SETTLE,
+    TURN,
+)
+from latolato.numerics.engine.swing import SHORTEST, Swing, freed, slowed
+from latolato.numerics.tangent import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
+from latolato.physics import contacts
+from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
+from latolato.physics.pair import write_pair_saltation
+from latolato.scalar import formula
+
+# How long balls stay together that part too little to be seen: of the step, and of a full one;
+# without a limit the times before a stop would become shorter and shorter.
+_HOLD, _SHORTEST_REST = 0.25 / 16.0, 1e-3
+
+
+class Output(NamedTuple):
+    """Where samples and contacts are written; see `latolato.numerics.records`."""
+
+    sample_times: Any
+    samples: Any
+    contact_times: Any
+    contact_kinds: Any
+    contact_values: Any
+
+
+class Event(NamedTuple):
+    """What happens at the end of a step: ``apply(run, output, eyes)``."""
+
+    number: int
+    apply: Callable[..., None]
+
+
+@formula
+def logarithm(ratio: float) -> float:
+    """Return the logarithm, minus infinity at 0."""
+    return math.log(ratio) if ratio > 0.0 else -math.inf
+
+
+def make_events(
+    swing: Swing, balls: Balls, look: Look, count: int, compile_part: Part | None = None
+) -> tuple[Event, ...]:
+    """Return the events of `count` balls under exact contact."""
+    part = compile_part or as_it_stands
+    two = count == 2
+    lasting = JOINT if two else REST
+
+    @part
+    def share_of(run: Any) -> float:
+        """Return the first ball's share of the inertia."""
+        return run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
+
+    @part
+    def write_row(run: Any, output: Output, kind: int, before_1: float, before_2: float) -> None:
+        """Write a row of the contact table; the velocities after it are those of now."""
+        row, values = run.rows, output.contact_values
+        output.contact_times[row], output.contact_kinds[row] = run.t, kind
+        values[0, row] = before_1
+        values[count, row] = run.now[0].velocity
+        if two:
+            values[1, row], values[3, row] = before_2, run.now[1].velocity
+        run.rows += 1
+
+    @part
+    def unite(run: Any, eyes: Eyes) -> None:
+        """Show the matrix of the begin of lasting contact: deviations from it are lost."""
+        clear_matrix(run.jacobian, 4)
+        if two:
+            write_joint_matrix(run.jacobian, share_of(run), UNCHANGED)
+        look.matrix(run, eyes, 2 * count, 0.0, -math.inf)
+
+    @part
+    def turn(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let a ball turn round, or begin to move, or stop: friction changes its direction."""
+        if run.state.mode == JOINT:
+            turned_jointly(run, eyes)
+            return
+        point = run.now[run.ball]
+        was_held, before = point.sign == 0.0, point.acceleration
+        point.velocity = 0.0
+        balls.settle(run)
+        if was_held:
+            return
+        ratio = point.acceleration / before if before != 0.0 else 0.0
+        clear_matrix(run.jacobian, 4)
+        for i in range(count):
+            write_matrix(run.jacobian, i, UNCHANGED)
+        write_matrix(run.jacobian, run.ball, (1.0, 0.0, 0.0, ratio))
+        look.matrix(run, eyes, 2 * count, 0.0, logarithm(ratio))
+
+    @part
+    def turned_jointly(run: Any, eyes: Eyes) -> None:
+        """Let two balls in lasting contact turn round."""
+        body = 2 if run.state.side < 0.0 else 3
+        end = run.end[JOINT_ROW]
+        pulled = freed(swing.free(run, body, run.t, end.angle), 0.0, run.bodies[body])
+        ratio = pulled / end.acceleration if end.acceleration != 0.0 else 0.0
+        balls.settle(run)
+        write_joint_matrix(run.jacobian, share_of(run), (1.0, 0.0, 0.0, ratio))
+        look.matrix(run, eyes, 4, 0.0, -math.inf)
+
+    @part
+    def strike_wall(run: Any, side: float) -> bool:
+        """Let one ball meet a wall; return whether it rests there."""
+        settings, b, point = run.settings, run.bodies[0], run.now[0]
+        outward = -side * swing.free(run, 0, run.t, point.angle)
+        point.velocity, lost, caught, rests = meet_wall(
+            point.velocity, outward, settings.restitution, settings.rest_speed, b.coulomb
+        )
+        run.state.impact_loss += b.inertia * lost
+        run.state.capture_loss += b.inertia * caught
+        return rests
+
+    @part
+    def strike(run: Any, side: float) -> bool:
+        """Let two balls collide; return whether they rest on each other.
+
+        The capture speed counts for each of two mirrored balls, so twice it for the gap's rate.
+        """
+        one, two = run.now[0], run.now[1]
+        i1, i2 = run.bodies[0].inertia, run.bodies[1].inertia
+        speed, e = one.velocity - two.velocity, run.settings.restitution
+        presses = balls.parting(run, side, run.t, run.now) <= 0.0
+        energy = 0.5 * i1 * i2 / (i1 + i2) * speed * speed
+        slow = speed == 0.0 or (e < 1.0 and abs(speed) <= 2.0 * run.settings.rest_speed)
+        captures = presses and slow
+        if captures:
+            e = 0.0
+        one.velocity, two.velocity = pair_impact(one.velocity, two.velocity, i1, i2, e)
+        joins = (
+            one.velocity - two.velocity
+        ) * side >= 0.0  # a tiny rebound may be lost in rounding
+        if joins:
+            two.velocity = one.velocity  # equal to the last bit: they move as one from here on
+        if captures:
+            run.state.capture_loss += energy
+        else:
+            run.state.impact_loss += energy * (1.0 - e * e)
+        return captures or (presses and joins)
+
+    @part
+    def meet(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let the balls meet on ``run.side``, now: an impact, a capture, or both."""
+        side, state = run.side, run.state
+        v1, v2 = run.now[0].velocity, run.now[1].velocity
+        b1, b2 = run.bodies[0], run.bodies[1]
+        a1, a2 = slowed(run.now[0], b1), slowed(run.now[1], b2)
+        lost = state.impact_loss
+        rests = strike(run, side) if two else strike_wall(run, side)
+        captures = rests and state.impact_loss == lost
+        closing = v1 - v2 if two else v1
+        if closing != 0.0 or run.t > 0.0:
+            impact = BOTTOM if side < 0.0 else TOP
+            write_row(run, output, contacts.REST if captures else impact, v1, v2)
+            if rests and not captures:
+                write_row(run, output, contacts.REST, run.now[0].velocity, run.now[1].velocity)
+        balls.settle(run)
+        state.touch = state.side = side
+        state.mode = lasting if rests else FLIGHT
+        if rests:
+            unite(run, eyes)
+        elif look.sees_matrices and closing != 0.0:
+            show_impact(run, eyes, v1, v2, a1, a2)
+
+    @part
+    def show_impact(run: Any, eyes: Eyes, v1: float, v2: float, a1: float, a2: float) -> None:
+        """Show the saltation matrix; velocities and accelerations are those just before."""
+        b1, b2 = run.bodies[0], run.bodies[1]
+        e = run.settings.restitution
+        clear_matrix(run.jacobian, 4)
+        if two:
+            after = (run.now[0].velocity, run.now[1].velocity)
+            pulls = (slowed(run.now[0], b1), slowed(run.now[1], b2))
+            write_pair_saltation(run.jacobian, share_of(run), e, (v1, v2), after, (a1, a2), pulls)
+        else:
+            after_1 = run.now[0].velocity
+            write_matrix(run.jacobian, 0, wall_saltation(v1, after_1, a1, slowed(run.now[0], b1)))
+        look.matrix(run, eyes, 2 * count, 0.0, 2.0 * logarithm(e))
+
+    @part
+    def settle_down(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let balls rest that part too little to be seen, for a short time without a question."""
+        state, settings = run.state, run.settings
+        state.grazes += 1
+        v1, v2 = run.now[0].velocity, run.now[1].velocity
+        b1, b2 = run.bodies[0].inertia, run.bodies[1].inertia
+        if two:
+            state.capture_loss += 0.5 * b1 * b2 / (b1 + b2) * (v1 - v2) ** 2
+            run.now[0].velocity, _ = pair_impact(v1, v2, b1, b2, 0.0)
+            run.now[1].velocity = run.now[0].velocity
+        else:
+            state.capture_loss += 0.5 * b1 * v1 * v1
+            run.now[0].velocity = 0.0
+        unite(run, eyes)
+        state.mode, state.side, state.touch = lasting, run.side, 0.0
+        h = settings.step
+        least = max(_HOLD * min(h, run.goal - run.t), _SHORTEST_REST * h, SHORTEST * run.t)
+        state.held_until = min(run.t + least, run.goal)
+        if run.rows > 0 and output.contact_kinds[run.rows - 1] == contacts.RELEASE:
+            run.rows -= 1
+        else:
+            write_row(run, output, contacts.REST, run.now[0].velocity, run.now[1].velocity)
+        balls.settle(run)
+
+    @part
+    def release(run: Any, output: Output, eyes: Eyes) -> None:
+        """End lasting contact."""
+        state = run.state
+        state.mode, state.touch = FLIGHT, state.side
+        write_row(run, output, contacts.RELEASE, run.now[0].velocity, run.now[1].velocity)
+        balls.settle(run)
+
+    return (
+        Event(TURN, turn), Event(CONTACT, meet), Event(SETTLE, settle_down),
+        Event(RELEASE, release),
+    )  # fmt: skip

@@ -1,0 +1,301 @@
+"""Flight: the balls swing freely, up to a contact, a turning point or the goal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from latolato.numerics.bounce import hop
+from latolato.numerics.contact_time import MOST_TRIALS
+from latolato.numerics.engine.balls import GAP, RATE, Balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.held import Held, add_slack
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.modes import Mode
+from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
+from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed, tension_at
+from latolato.numerics.tangent import clear_matrix, write_matrix
+
+# A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
+# between is seen by one of its parts; and here when the balls begin to part from touch.
+_PARTS, _FIRST_PART = 0.25, 0.25 / 16.0
+# The rounding of a gap, per sum of the angles' sizes and a few rad.
+_ROUNDING = 1e-15
+
+
+def make_flight(
+    swing: Swing, balls: Balls, held: Held, look: Look, laws: Laws, count: int,
+    compile_part: Part | None = None,
+) -> Mode:  # fmt: skip
+    """Return the mode of `count` balls in flight."""
+    part = compile_part or as_it_stands
+    two = count == 2
+    pivot_acceleration = laws.pivot_acceleration
+    gap, rate, pull, fly_by = balls.gap, balls.rate, balls.pull, balls.fly_by
+
+    @part
+    def plan(run: Any) -> None:
+        """Fly a step, up to the first thing that happens in it."""
+        balls.plan_length(run)
+        if run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0:  # nothing moves till then
+            run.length, run.t_end, run.is_whole = run.goal - run.t, run.goal, 0
+        if run.is_whole != 0:
+            balls.fly(run)
+        else:
+            fly_by(run, run.length, run.end)
+        soon = hop_time(run)
+        if soon == 0.0:
+            cut_beside_contact(run)
+            if run.is_rough != 0:
+                cut_at_turn(run)
+        side = contact_ahead(run, soon)
+        if side != 0.0:
+            meet(run, side, soon)
+        sum_up(run, run.end, run.t_end)
+
+    @part
+    def hop_time(run: Any) -> float:
+        """Return how long a rebound lasts that is too small for the angle's digits, 0 if larger."""
+        touch, speed = run.state.touch, rate(run.now)
+        if speed * touch >= 0.0:
+            return 0.0
+        friction = run.bodies[0].coulomb
+        if two:
+            slowest = min(abs(run.now[0].velocity), abs(run.now[1].velocity))
+            rubs = friction > 0.0 or run.bodies[1].coulomb > 0.0
+            if rubs and slowest < 100.0 * abs(speed):
+                return 0.0
+            friction = 0.0
+        soon, _ = hop(speed, -balls.parting(run, touch, run.t, run.now), friction)
+        return soon if soon < run.goal - run.t else 0.0
+
+    @part
+    def cut_beside_contact(run: Any) -> None:
+        """Shorten a step beside a contact within which the gap's acceleration changes its sign."""
+        settings = run.settings
+        reach = (abs(rate(run.now)) + abs(rate(run.end))) * run.length
+        smallest = min(gap(run.now), gap(run.end)) - settings.low
+        largest = settings.high - max(gap(run.now), gap(run.end))
+        # From touch without any rate the first dip has no sign that the ends would show.
+        level = run.state.touch != 0.0 and rate(run.now) == 0.0
+        if level or (min(smallest, largest) < reach and pull(run.now) * pull(run.end) < 0.0):
+            balls.shorten(run, run.length * (_FIRST_PART if level else _PARTS))
+            fly_by(run, run.length, run.end)
+
+    @part
+    def cut_at_turn(run: Any) -> None:
+        """Shorten a step where a ball turns, or where friction lets go of it."""
+        for i in range(count):
+            s = math.inf
+            if run.now[i].sign == 0.0:
+                s = held.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
+            elif run.end[i].velocity * run.now[i].sign < 0.0:
+                s = swing.turn(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
+            if s <= run.length:
+                balls.shorten(run, max(s, SHORTEST * run.t))
+                run.event, run.ball = TURN, i
+                fly_by(run, run.length, run.end)
+
+    @part
+    def contact_ahead(run: Any, soon: float) -> float:
+        """Return the side of the contact that a step reaches or may dip into, 0 for none."""
+        low, high = run.settings.low, run.settings.high
+        if soon > 0.0:
+            return run.state.touch
+        begin, end = gap(run.now), gap(run.end)
+        if end <= low:
+            return -1.0
+        if end >= high:
+            return 1.0
+        v0, v1 = rate(run.now), rate(run.end)
+        if v0 < 0.0 < v1 and min(begin, end) - max(-v0, v1) * run.length <= low:
+            return -1.0
+        if v1 < 0.0 < v0 and max(begin, end) + max(v0, -v1) * run.length >= high:
+            return 1.0
+        return 0.0
+
+    @part
+    def meet(run: Any, side: float, soon: float) -> None:
+        """End the step at the contact on this side, if it is met indeed."""
+        wall = run.settings.low if side < 0.0 else run.settings.high
+        if soon > 0.0:
+            land(run, side, wall, soon)
+            return
+        if (gap(run.end) - wall) * side < 0.0 and not dips_beyond(run, side, wall):
+            return
+        begin = 0.0
+        if run.state.touch == side:
+            begin = balls.leave(run, wall, side, run.length)
+            if begin == 0.0:
+                stay(run, side, wall)
+                return
+        length = balls.locate(run, GAP, wall, begin, run.length)
+        balls.shorten(run, length)
+        fly_by(run, length, run.end)
+        # Rounding may have turned a grazing velocity round.
+        missing = 2.0 * rate(run.end) if rate(run.end) * side < 0.0 else 0.0
+        balls.part(run, run.end, wall - gap(run.end), -missing)
+        run.event, run.side = CONTACT, side
+
+    @part
+    def dips_beyond(run: Any, side: float, wall: float) -> bool:
+        """Return whether the gap dips beyond a contact within the step; end it at the bottom."""
+        length, was_whole, t_end = run.length, run.is_whole, run.t_end
+        balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
+        fly_by(run, run.length, run.end)
+        depth = (gap(run.end) - wall) * side
+        if abs(depth) < 1e-9:
+            run.state.grazes += 1
+        if depth > 0.0:
+            return True
+        run.length, run.is_whole, run.t_end = length, was_whole, t_end
+        fly_by(run, length, run.end)
+        return False
+
+    @part
+    def land(run: Any, side: float, wall: float, soon: float) -> None:
+        """Take a rebound that the angle's digits cannot show as a parabola."""
+        before, friction = rate(run.now), 0.0 if two else run.bodies[0].coulomb
+        _, back = hop(before, -balls.parting(run, side, run.t, run.now), friction)
+        balls.shorten(run, soon)
+        fly_by(run, soon, run.end)
+        balls.part(run, run.end, wall - gap(run.end), side * back - rate(run.end))
+        if not two:
+            run.end[0].work, run.end[0].loss = 0.0, 0.5 * (before - back) * (before + back)
+        run.event, run.side = CONTACT, side
+
+    @part
+    def stay(run: Any, side: float, wall: float) -> None:
+        """Find out whether balls that part too little to be seen begin to part or rest."""
+        fly_by(run, run.length, run.end)
+        tiny = 10.0 * _ROUNDING
+        for i in range(count):
+            tiny += _ROUNDING * abs(run.end[i].angle)
+        run.keeps_touch = 1
+        if rate(run.end) * side >= 0.0 or abs(gap(run.end) - wall) > tiny:
+            run.event, run.side = SETTLE, side
+            balls.shorten(run, 0.0)
+            for i in range(count):
+                run.end[i] = run.now[i]
+                run.end[i].work = run.end[i].loss = 0.0
+
+    @part
+    def sum_up(run: Any, points: Any, t: float) -> None:
+        """Add up work and loss of all balls, and find their tensions."""
+        run.work, run.loss = 0.0, 0.0
+        for i in range(count):
+            b, point = run.bodies[i], points[i]
+            run.work += b.inertia * point.work
+            run.loss += b.inertia * point.loss
+            if point.sign == 0.0:
+                point.pivot_acceleration = pivot_acceleration(t, run.stretch)
+            if run.settings.follows_tension != 0:
+                point.tension = tension_at(
+                    point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
+                    b.coupling,
+                )  # fmt: skip
+
+    @part
+    def look_inside(run: Any, length: float) -> None:
+        """Fly a part of the step."""
+        fly_by(run, length, run.inside)
+        if run.event == CONTACT:
+            wall = run.settings.low if run.side < 0.0 else run.settings.high
+            beyond = gap(run.inside) - wall
+            if beyond * run.side > 0.0:  # by a rounding
+                balls.part(run, run.inside, -beyond, 0.0)
+        run.work_inside, run.loss_inside = 0.0, 0.0
+        for i in range(count):
+            run.work_inside += run.bodies[i].inertia * run.inside[i].work
+            run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
+
+    @part
+    def note_slack(run: Any, i: int) -> None:
+        """Add the slack of one ball's rod; zeros of the tension are located, one in each half."""
+        begin, end = run.now[i], run.end[i]
+        b, gravity, state = run.bodies[i], run.settings.gravity, run.state
+        if begin.sign == 0.0:
+            held.note_slack(run, i, begin.angle)
+            return
+        strongest = (gravity + run.settings.pivot_bound) * b.coupling
+        margin = begin.velocity * begin.velocity + end.velocity * end.velocity + strongest
+        margin *= run.settings.sag
+        if max(begin.tension, end.tension) < -margin:
+            add_slack(state, i, begin.tension, end.tension, run.t, run.t_end)
+            return
+        if min(begin.tension, end.tension) >= margin:
+            return
+        half = 0.5 * run.length
+        middle = tension_after(run, i, half)
+        left, right = begin.tension, middle
+        for piece in range(2):
+            s0 = half * piece
+            if (left < 0.0) != (right < 0.0):
+                root = zero_of_tension(run, i, s0, s0 + half, left, right)
+                add_slack(state, i, left, math.copysign(0.0, left), run.t + s0, run.t + root)
+                add_slack(state, i, right, right, run.t + root, run.t + s0 + half)
+            else:
+                add_slack(state, i, left, right, run.t + s0, run.t + s0 + half)
+            left, right = middle, end.tension
+
+    @part
+    def tension_after(run: Any, i: int, length: float) -> float:
+        """Return the tension over mass and length that far into the step [1/s^2]."""
+        swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], run.inside[i])
+        point = run.inside[i]
+        return tension_at(
+            point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
+            run.bodies[i].coupling,
+        )  # fmt: skip
+
+    @part
+    def zero_of_tension(
+        run: Any, i: int, low: float, high: float, left: float, right: float
+    ) -> float:
+        """Return where the tension changes its sign; regula falsi, kept ends halved (Illinois)."""
+        begins_slack, kept, root = left < 0.0, 0, high
+        for _ in range(MOST_TRIALS):
+            s = (low * right - high * left) / (right - left)
+            if not low < s < high:
+                break
+            now = tension_after(run, i, s)
+            moved, root = abs(s - root), s
+            if (now < 0.0) == begins_slack:
+                low, left = s, now
+                right, kept = (0.5 * right if kept == 1 else right), 1
+            else:
+                high, right = s, now
+                left, kept = (0.5 * left if kept == 2 else left), 2
+            if moved < 1e-14 * run.length or now == 0.0:
+                break
+        return root
+
+    @part
+    def note(run: Any, eyes: Eyes) -> None:
+        """Note slack, and show the observables the step and its matrix."""
+        for i in range(count):
+            if run.settings.follows_tension != 0:
+                note_slack(run, i)
+            a0, a1 = slowed(run.now[i], run.bodies[i]), slowed(run.end[i], run.bodies[i])
+            look.step(run, eyes, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)
+        if look.sees_matrices:
+            note_matrix(run, eyes)
+
+    @part
+    def note_matrix(run: Any, eyes: Eyes) -> None:
+        """Show the matrix of the step, one block a ball."""
+        spread = 0.0
+        clear_matrix(run.jacobian, 4)
+        for i in range(count):
+            b, begin, end = run.bodies[i], run.now[i], run.end[i]
+            swing.prepare(run, i, ANY_LENGTH + i, run.length)
+            write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, begin))
+            spread -= b.rate * run.length + 2.0 * b.quadratic * abs(end.angle - begin.angle)
+            if begin.sign == 0.0:
+                spread = -math.inf
+        look.matrix(run, eyes, 2 * count, run.length, spread)
+
+    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
+    return Mode(FLIGHT, *functions)

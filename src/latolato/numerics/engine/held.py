@@ -1,0 +1,138 @@
+"""Balls without motion: when a contact or friction lets go, and whether the rod is pushed then."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.swing import Swing
+from latolato.physics.pendulum import swung
+from latolato.scalar import cosine, formula
+
+# How much finer than the step the search for the end of rest looks at the drive.
+_REST_FRACTION = 0.25
+
+
+class Held(NamedTuple):
+    """The functions of a ball without motion; see `make_held`."""
+
+    release_time: Callable[..., float]
+    note_slack: Callable[..., None]
+
+
+@formula
+def slack_share(left: float, right: float) -> float:
+    """Return the share of a short interval in which a nearly linear tension is negative."""
+    if left < 0.0 and right < 0.0:
+        return 1.0
+    if left >= 0.0 and right >= 0.0:
+        return 0.0
+    return min(left, right) / (min(left, right) - max(left, right))
+
+
+@formula
+def add_slack(state: Any, ball: int, left: float, right: float, t: float, end: float) -> None:
+    """Add the slack of an interval in which the tension is nearly linear."""
+    share = slack_share(left, right)
+    state.slack_time[ball] += share * (end - t)
+    if share > 0.0 and math.isnan(state.slack_start[ball]):
+        state.slack_start[ball] = t if left < 0.0 else end - share * (end - t)
+
+
+def make_held(swing: Swing, laws: Laws, compile_part: Part | None = None) -> Held:
+    """Return the functions of a ball that a wall or friction holds."""
+    part = compile_part or as_it_stands
+    pivot_acceleration, restoring = laws.pivot_acceleration, laws.restoring
+
+    @part
+    def hold(run: Any, ball: int, side: float, t: float, angle: float) -> float:
+        """Return how far [rad/s^2] the ball is from moving; negative once it does.
+
+        `side` is that of the wall, or 0 where only friction holds the ball.
+        """
+        free, friction = swing.free(run, ball, t, angle), run.bodies[ball].coulomb
+        return friction - abs(free) if side == 0.0 else friction + side * free
+
+    @part
+    def bottom_of(
+        run: Any, ball: int, side: float, angle: float, begin: float, end: float
+    ) -> float:
+        """Return where the hold is smallest, by golden section."""
+        for _ in range(80):
+            left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
+            if hold(run, ball, side, left, angle) < hold(run, ball, side, right, angle):
+                end = right
+            else:
+                begin = left
+        return 0.5 * (begin + end)
+
+    @part
+    def release_time(
+        run: Any, ball: int, side: float, angle: float, begin: float, goal: float
+    ) -> float:
+        """Return the first instant in [begin, goal] at which the ball is let go, or infinity.
+
+        The hold is sampled four times a step; a dip between samples is followed to its bottom.
+        """
+        old = hold(run, ball, side, begin, angle)
+        if old < 0.0:
+            return begin
+        gravity, bound = run.settings.gravity, run.settings.pivot_bound
+        if side == -1.0 and bound <= gravity:
+            return math.inf
+        b = run.bodies[ball]
+        strongest = abs(swung(gravity + bound, b.coupling, restoring(angle, run)))
+        if side == 0.0 and strongest <= b.coulomb:
+            return math.inf
+        dt = run.settings.step * _REST_FRACTION
+        older, old_t = math.inf, begin
+        for i in range(1, math.ceil((goal - begin) / dt) + 1):
+            now_t = min(begin + i * dt, goal)
+            now = hold(run, ball, side, now_t, angle)
+            low, high = old_t, now_t
+            if now >= 0.0:
+                # The parabola through three samples tells how deep a dip between them can be.
+                dips = i > 1 and older >= old <= now and older + now > 2.0 * old
+                if dips:
+                    bottom = old - 0.125 * (now - older) ** 2 / (older - 2.0 * old + now)
+                    dips = bottom <= 0.02 * (now + older)
+                if dips:
+                    low = old_t - dt
+                    high = bottom_of(run, ball, side, angle, low, now_t)
+                    dips = hold(run, ball, side, high, angle) < 0.0
+                if not dips:
+                    older, old, old_t = old, now, now_t
+                    continue
+            for _ in range(200):  # bisection to neighbouring doubles
+                middle = 0.5 * (low + high)
+                if middle <= low or middle >= high:
+                    break
+                if hold(run, ball, side, middle, angle) < 0.0:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        return math.inf
+
+    @part
+    def note_slack(run: Any, ball: int, angle: float) -> None:
+        """Add the slack of a step without motion.
+
+        On a wall and where friction holds the ball, the tension has the sign of
+        ``(g + y0'') cos(angle)``; it is sampled four times a step.
+        """
+        gravity, side = run.settings.gravity, cosine(angle)
+        if run.settings.pivot_bound < gravity and side > 0.0:
+            return
+        dt = run.settings.step * _REST_FRACTION
+        left = (gravity + pivot_acceleration(run.t, run.stretch)) * side
+        for i in range(math.ceil((run.t_end - run.t) / dt)):
+            begin, end = run.t + i * dt, min(run.t + (i + 1) * dt, run.t_end)
+            right = (gravity + pivot_acceleration(end, run.stretch)) * side
+            add_slack(run.state, ball, left, right, begin, end)
+            left = right
+
+    return Held(release_time, note_slack)

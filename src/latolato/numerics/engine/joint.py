@@ -1,0 +1,204 @@
+"""Lasting contact: two balls swing as one body, until the contact force would pull.
+
+The body is an equivalent pendulum of its own, see `latolato.physics.pair.joint_coupling`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from latolato.numerics.contact_time import MOST_TRIALS
+from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.held import add_slack
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.modes import Mode
+from latolato.numerics.engine.record import JOINT, JOINT_ROW, NOTHING, RELEASE, TURN
+from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed, tension_at
+from latolato.numerics.tangent import write_joint_matrix
+from latolato.physics.pair import contact_torque, radial_push
+
+_TABLE = ANY_LENGTH + JOINT_ROW
+
+
+def make_joint(
+    swing: Swing, balls: Balls, look: Look, laws: Laws, compile_part: Part | None = None
+) -> Mode:
+    """Return the mode of two balls in lasting contact."""
+    part = compile_part or as_it_stands
+    pivot_acceleration = laws.pivot_acceleration
+
+    @part
+    def body_of(run: Any) -> int:
+        """Return which body the balls form."""
+        return 2 if run.state.side < 0.0 else 3
+
+    @part
+    def gap_of(run: Any) -> float:
+        """Return their separation [rad]."""
+        settings = run.settings
+        return settings.low if run.state.side < 0.0 else settings.high
+
+    @part
+    def join(run: Any, points: Any) -> None:
+        """Make the point of both as one from those of the balls."""
+        settings, one = run.settings, points[JOINT_ROW]
+        offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
+        one.angle, one.velocity = points[1].angle + offset, points[1].velocity
+
+    @part
+    def split(run: Any, points: Any) -> None:
+        """Make the points of the balls from that of both as one."""
+        settings, one = run.settings, points[JOINT_ROW]
+        offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
+        points[1].angle = one.angle - offset
+        points[0].angle = points[1].angle + gap_of(run)
+        points[0].velocity = points[1].velocity = one.velocity
+
+    @part
+    def swing_by(run: Any, length: float, points: Any) -> None:
+        """Take a step of any length of both as one."""
+        begin, end = run.now[JOINT_ROW], points[JOINT_ROW]
+        swing.step_by(run, body_of(run), _TABLE, length, begin, end)
+
+    @part
+    def margin(run: Any, length: float) -> float:
+        """Return how far the motion is from its end, that far into the step; negative beyond it.
+
+        It ends when the balls would part, or when friction no longer holds both at once.
+        """
+        swing_by(run, length, run.inside)
+        one = run.inside[JOINT_ROW]
+        # A velocity beyond its zero belongs to the frozen sign only: friction sees it as zero.
+        if one.velocity * one.sign < 0.0:
+            one.velocity = 0.0
+        split(run, run.inside)
+        pressed = -balls.parting(run, run.state.side, run.t + length, run.inside)
+        if one.sign == 0.0:
+            body = body_of(run)
+            slip = abs(swing.free(run, body, run.t + length, one.angle))
+            pressed = min(pressed, run.bodies[body].coulomb - slip)
+        return pressed
+
+    @part
+    def dip(run: Any, length: float, last: float) -> float:
+        """Return when the margin is negative though it is not at the ends, or the length.
+
+        The parabola through both ends and the middle tells whether the bottom is worth a look.
+        """
+        first, middle = margin(run, 0.0), margin(run, 0.5 * length)
+        bend, lowest = first - 2.0 * middle + last, middle
+        if bend > 0.0 and abs(last - first) < 2.0 * bend:
+            lowest = middle - 0.125 * (last - first) ** 2 / bend
+        if lowest > 0.02 * (first + last):
+            return length
+        begin, end = 0.0, length
+        for _ in range(80):  # golden section
+            left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
+            if margin(run, left) < margin(run, right):
+                end = right
+            else:
+                begin = left
+        s = 0.5 * (begin + end)
+        return s if margin(run, s) < 0.0 else length
+
+    @part
+    def part_at(run: Any, end: float) -> float:
+        """Return when, before `end`, the balls part, by bisection."""
+        begin = 0.0
+        for _ in range(MOST_TRIALS):
+            s = 0.5 * (begin + end)
+            if s <= begin or s >= end:
+                break
+            if margin(run, s) < 0.0:
+                end = s
+            else:
+                begin = s
+        return end
+
+    @part
+    def plan(run: Any) -> None:
+        """Swing as one, up to the release, a turning point or the goal."""
+        state = run.state
+        balls.plan_length(run)
+        join(run, run.now)
+        one, end = run.now[JOINT_ROW], run.end[JOINT_ROW]
+        swing.settle(run, body_of(run), run.t, one)
+        if run.t < state.held_until < run.t_end:
+            balls.shorten(run, state.held_until - run.t)
+        swing_by(run, run.length, run.end)
+        if run.is_rough != 0 and end.velocity * one.sign < 0.0:
+            s = swing.turn(run, body_of(run), _TABLE, run.length, one, end)
+            balls.shorten(run, max(s, SHORTEST * run.t))
+            run.event = TURN
+        if run.t >= state.held_until:
+            last = margin(run, run.length)
+            until = run.length if last < 0.0 else dip(run, run.length, last)
+            if last < 0.0 or until < run.length:
+                balls.shorten(run, part_at(run, until))
+                run.event = RELEASE
+        swing_by(run, run.length, run.end)
+        inertia = run.bodies[body_of(run)].inertia
+        run.work, run.loss = inertia * end.work, inertia * end.loss
+        if run.event == TURN:
+            end.velocity = 0.0
+        split(run, run.end)
+        # Friction may have let go of both together: then they move on as one.
+        let_go = run.event == RELEASE and one.sign == 0.0
+        if let_go and balls.parting(run, state.side, run.t_end, run.end) <= 0.0:
+            run.event = NOTHING
+
+    @part
+    def look_inside(run: Any, length: float) -> None:
+        """Swing a part of the step."""
+        swing_by(run, length, run.inside)
+        split(run, run.inside)
+        inertia, one = run.bodies[body_of(run)].inertia, run.inside[JOINT_ROW]
+        run.work_inside, run.loss_inside = inertia * one.work, inertia * one.loss
+
+    @part
+    def find_tensions(run: Any, t: float, points: Any) -> None:
+        """Write both tensions, each over mass and length: the contact pushes along the rods."""
+        settings, gap = run.settings, gap_of(run)
+        one, two = run.bodies[0], run.bodies[1]
+        lift = pivot_acceleration(t, run.stretch)
+        torque = contact_torque(
+            freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),
+            freed(swing.free(run, 1, t, points[1].angle), points[1].velocity, two),
+            one.inertia,
+            two.inertia,
+        )
+        for i in range(2):
+            point, b = points[i], run.bodies[i]
+            length, other = 1.0 / b.coupling, 1.0 / run.bodies[1 - i].coupling
+            push = radial_push(torque, length, other, gap) * length / b.inertia
+            point.tension = push + tension_at(
+                point.angle, point.velocity, lift, settings.gravity, b.coupling
+            )
+
+    @part
+    def note(run: Any, eyes: Eyes) -> None:
+        """Note slack, and show the observables the step of each ball and the common matrix."""
+        body = body_of(run)
+        begin, end = run.now[JOINT_ROW], run.end[JOINT_ROW]
+        if run.settings.follows_tension != 0:
+            find_tensions(run, run.t, run.now)
+            find_tensions(run, run.t_end, run.end)
+        for i in range(2):
+            if run.settings.follows_tension != 0:
+                left, right = run.now[i].tension, run.end[i].tension
+                add_slack(run.state, i, left, right, run.t, run.t_end)
+            a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])
+            look.step(run, eyes, i, a0, a1, 1.0)
+        if look.sees_matrices:
+            share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
+            swing.prepare(run, body, _TABLE, run.length)
+            matrix = swing.tangent(run, body, _TABLE, begin)
+            write_joint_matrix(run.jacobian, share, matrix)
+            look.matrix(run, eyes, 4, run.length, -math.inf)
+
+    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
+    return Mode(JOINT, *functions)

@@ -1,0 +1,92 @@
+"""The laws that the engine is made of: drive, restoring force, and what a mode adds to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.physics.pendulum import (
+    SLOPES,
+    potential_linear,
+    potential_sine,
+    restoring_linear,
+    restoring_sine,
+    slope_linear,
+    slope_sine,
+)
+from latolato.scalar import formula
+
+Formula = Callable[..., float]
+
+
+class Laws(NamedTuple):
+    """Formulas of the equation of motion.
+
+    Attributes
+    ----------
+    pivot_acceleration : formula ``(t, stretch)``
+        Of the drive [m/s^2].
+    restoring, slope, potential : formulas ``(angle, run)``
+        The restoring factor, its slope and its potential.
+    push, push_slope, push_potential : formulas ``(angle, run)``
+        What a mode adds to the acceleration [rad/s^2], its slope and its potential [1/s^2].
+    """
+
+    pivot_acceleration: Formula
+    restoring: Formula
+    slope: Formula
+    potential: Formula
+    push: Formula
+    push_slope: Formula
+    push_potential: Formula
+
+
+@formula
+def no_push(angle: float, run: Any) -> float:
+    """Return 0."""
+    return 0.0
+
+
+@formula
+def _restoring(angle: float, run: Any) -> float:
+    """Return the restoring factor of the system that the settings name."""
+    return restoring_linear(angle) if run.settings.is_linear != 0 else restoring_sine(angle)
+
+
+@formula
+def _slope(angle: float, run: Any) -> float:
+    """Return the slope of `_restoring`."""
+    return slope_linear(angle) if run.settings.is_linear != 0 else slope_sine(angle)
+
+
+@formula
+def _potential(angle: float, run: Any) -> float:
+    """Return the potential of `_restoring`."""
+    return potential_linear(angle) if run.settings.is_linear != 0 else potential_sine(angle)
+
+
+def laws_of(
+    pivot_acceleration: Formula,
+    restoring: Formula = restoring_sine,
+    potential: Formula = potential_sine,
+    compile_part: Part | None = None,
+) -> Laws:
+    """Return the laws of a system under a drive; those of the package share all compiled code."""
+    if restoring in (restoring_sine, restoring_linear):
+        return Laws(pivot_acceleration, _restoring, _slope, _potential, no_push, no_push, no_push)
+    part, own_slope = compile_part or as_it_stands, SLOPES[restoring]
+
+    @part
+    def own_restoring(angle: float, run: Any) -> float:
+        return restoring(angle)
+
+    @part
+    def slope(angle: float, run: Any) -> float:
+        return own_slope(angle)
+
+    @part
+    def own_potential(angle: float, run: Any) -> float:
+        return potential(angle)
+
+    return Laws(pivot_acceleration, own_restoring, slope, own_potential, no_push, no_push, no_push)

@@ -1,0 +1,311 @@
+"""The loop: a mode plans a step, the step is noted and taken, the event at its end is applied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from latolato.numerics.engine.balls import Balls, make_balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.events import Event, Output, make_events
+from latolato.numerics.engine.eyes import Eyes, Look, make_look
+from latolato.numerics.engine.flight import make_flight
+from latolato.numerics.engine.held import make_held
+from latolato.numerics.engine.joint import make_joint
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.modes import Mode
+from latolato.numerics.engine.record import CONTACT, FLIGHT, NOTHING, RELEASE, UNSETTLED
+from latolato.numerics.engine.rest import make_rest
+from latolato.numerics.engine.swing import Swing, make_swing
+from latolato.numerics.records import (
+    S_CAPTURED,
+    S_DAMPED,
+    S_IMPACT,
+    S_MODE,
+    S_NOISE,
+    S_WORK,
+)
+from latolato.numerics.tangent import clear_matrix, write_matrix
+from latolato.numerics.watch import Watch
+from latolato.physics.pendulum import swung
+
+# How far from a contact balls may be that touch [rad]: separations of two balls are rounded.
+_TOUCH = 1e-12
+
+
+class Timetable(NamedTuple):
+    """When the drive or a kick changes something: arrays of shape (stretch,) or (kick,)."""
+
+    stretches: Any
+    starts: Any
+    jumps: Any  # of the pivot's velocity [m/s]
+    kick_times: Any
+    kick_sizes: Any  # rad/s, shape (ball, kick)
+
+
+class Kit(NamedTuple):
+    """What modes and events are built from; see `make_engine`."""
+
+    swing: Swing
+    balls: Balls
+    look: Look
+    laws: Laws
+    balls_count: int
+    compile_part: Part | None
+
+
+def usual_modes(kit: Kit) -> tuple[Mode, ...]:
+    """Return the modes of exact contact."""
+    swing, balls, look, laws, count, part = kit
+    held = make_held(swing, laws, part)
+    flight = make_flight(swing, balls, held, look, laws, count, part)
+    if count == 2:
+        return flight, make_joint(swing, balls, look, laws, part)
+    return flight, make_rest(held, look, part)
+
+
+def usual_events(kit: Kit) -> tuple[Event, ...]:
+    """Return the events of exact contact."""
+    return make_events(kit.swing, kit.balls, kit.look, kit.balls_count, kit.compile_part)
+
+
+def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]:
+    """Return the function that calls what the present mode has under this name."""
+    first, *others = modes
+    function, number = getattr(first, what), first.number
+    if not others:
+        return function
+    otherwise = by_mode(others, what, part)
+
+    @part
+    def chosen(run: Any, *rest: Any) -> None:
+        if run.state.mode == number:
+            function(run, *rest)
+        else:
+            otherwise(run, *rest)
+
+    return chosen
+
+
+def by_event(events: Sequence[Event], part: Part) -> Callable[..., None]:
+    """Return the function that applies the present event."""
+    first, *others = events
+    function, number = first.apply, first.number
+    otherwise = by_event(others, part) if others else None
+
+    @part
+    def chosen(run: Any, output: Output, eyes: Eyes) -> None:
+        if run.event == number:
+            function(run, output, eyes)
+        elif otherwise is not None:
+            otherwise(run, output, eyes)
+
+    return chosen
+
+
+def make_engine(
+    laws: Laws,
+    count: int,
+    watch: Watch,
+    *,
+    sees_steps: bool = True,
+    sees_matrices: bool = True,
+    make_modes: Callable[[Kit], tuple[Mode, ...]] = usual_modes,
+    make_all_events: Callable[[Kit], tuple[Event, ...]] = usual_events,
+    compile_part: Part | None = None,
+) -> Callable[..., int]:
+    """Return the function that carries the motion of `count` balls on.
+
+    ``carry_on(run, timetable, output, eyes, stop, most_steps)`` begins where ``run.state`` is and
+    stops at `stop` [s], after `most_steps` steps or when the contact table is full; it returns the
+    rows written there and can be called again to go on.
+    """
+    part = compile_part or as_it_stands
+    two = count == 2
+    swing = make_swing(laws, compile_part)
+    balls = make_balls(swing, laws, count, compile_part)
+    look = make_look(
+        laws, watch, sees_steps=sees_steps, sees_matrices=sees_matrices, compile_part=compile_part
+    )
+    kit = Kit(swing, balls, look, laws, count, compile_part)
+    modes, events = make_modes(kit), make_all_events(kit)
+    plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
+    look_inside, apply = by_mode(modes, "look_inside", part), by_event(events, part)
+    meet = next(event.apply for event in events if event.number == CONTACT)
+    release = next(event.apply for event in events if event.number == RELEASE)
+    restoring, slope = laws.restoring, laws.slope
+
+    @part
+    def begin(run: Any, timetable: Timetable) -> None:
+        """Make everything of the step from the state."""
+        state, h = run.state, run.settings.step
+        run.stretch = timetable.stretches[state.stretch]
+        run.t = state.t_base + state.steps * h
+        run.rows = run.done = run.is_rough = 0
+        for i in range(count):
+            b = run.bodies[i]
+            swing.prepare(run, i, i, h)
+            if b.quadratic > 0.0 or b.coulomb > 0.0:
+                run.is_rough = 1
+            run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
+        balls.settle(run)
+
+    @part
+    def settle_contact(run: Any, output: Output, eyes: Eyes) -> None:
+        """Find out at time zero whether the balls touch, and whether they rest or strike then."""
+        state, settings = run.state, run.settings
+        state.mode = FLIGHT
+        state.first_energy = state.largest_energy = balls.energy(run)
+        gap, slack = balls.gap(run.now), _TOUCH if two else 0.0
+        if gap <= settings.low + slack or gap >= settings.high - slack:
+            state.touch = state.side = -1.0 if gap <= settings.low + slack else 1.0
+            if balls.rate(run.now) * state.side >= 0.0:
+                run.side = state.side
+                meet(run, output, eyes)
+
+    @part
+    def aim(run: Any, timetable: Timetable, stop: float) -> None:
+        """Find the next instant at which a step must end; nothing is known to happen before."""
+        state = run.state
+        run.goal, run.event, run.keeps_touch = stop, NOTHING, 0
+        if state.stretch + 1 < len(timetable.starts):
+            run.goal = min(run.goal, timetable.starts[state.stretch + 1])
+        if state.kick < len(timetable.kick_times):
+            run.goal = min(run.goal, timetable.kick_times[state.kick])
+
+    @part
+    def write_sample(run: Any, output: Output, points: Any, work: float, loss: float) -> None:
+        """Write the next sample: the state of the balls, then the ledger."""
+        state, k, samples = run.state, run.state.sample, output.samples
+        for i in range(count):
+            samples[2 * i, k], samples[2 * i + 1, k] = points[i].angle, points[i].velocity
+        samples[S_WORK, k], samples[S_DAMPED, k] = (
+            state.drive_work + work,
+            state.damping_loss + loss,
+        )
+        samples[S_IMPACT, k], samples[S_CAPTURED, k] = state.impact_loss, state.capture_loss
+        samples[S_NOISE, k], samples[S_MODE, k] = state.noise_work, state.mode
+        state.sample += 1
+
+    @part
+    def write_samples(run: Any, output: Output) -> None:
+        """Write the samples that fall into the step."""
+        times, state = output.sample_times, run.state
+        while state.sample < len(times) and times[state.sample] < run.t_end:
+            look_inside(run, times[state.sample] - run.t)
+            write_sample(run, output, run.inside, run.work_inside, run.loss_inside)
+
+    @part
+    def follow_ledger(run: Any) -> None:
+        """Note the largest energy and the largest error of the ledger at the end of a step."""
+        state = run.state
+        energy = balls.energy(run)
+        state.largest_energy = max(state.largest_energy, energy)
+        gained = state.drive_work + state.noise_work - state.damping_loss
+        gained -= state.impact_loss + state.capture_loss
+        error = abs(energy - state.first_energy - gained)
+        state.ledger_error = max(state.ledger_error, error)
+
+    @part
+    def take(run: Any) -> None:
+        """Go to the end of the step."""
+        state = run.state
+        for i in range(count):
+            run.now[i] = run.end[i]
+        if two and run.settings.mirrored != 0:  # an unstable symmetry would be lost to roundings
+            one, other = run.now[0], run.now[1]
+            one.angle = 0.5 * (one.angle - other.angle)
+            one.velocity = 0.5 * (one.velocity - other.velocity)
+            other.angle, other.velocity = -one.angle, -one.velocity
+        state.drive_work += run.work
+        state.damping_loss += run.loss
+        if run.is_whole != 0:
+            state.steps += 1
+        else:
+            state.t_base, state.steps = run.t_end, 0
+        run.t = run.t_end
+        if run.keeps_touch == 0:
+            state.touch = 0.0
+        if run.settings.follows_ledger != 0:
+            follow_ledger(run)
+
+    @part
+    def shove(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
+        """Let a jump of the pivot's velocity and a kick change velocities; return if they do."""
+        state, given = run.state, False
+        jump = timetable.jumps[state.stretch + 1] if is_jump else 0.0
+        for i in range(count):
+            b, point = run.bodies[i], run.now[i]
+            pushed = swung(jump, b.coupling, restoring(point.angle, run))
+            thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
+            state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
+            state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
+            point.velocity += pushed + thrown
+            given = given or pushed + thrown != 0.0
+        return given
+
+    @part
+    def change(run: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
+        """Do what is due: the drive's next stretch, a kick."""
+        state, starts, kick_times = run.state, timetable.starts, timetable.kick_times
+        is_jump = state.stretch + 1 < len(starts) and starts[state.stretch + 1] <= run.t
+        is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
+        if not (is_jump or is_kick):
+            return
+        given = shove(run, timetable, is_jump, is_kick)
+        if is_jump:
+            state.stretch += 1
+            run.stretch = timetable.stretches[state.stretch]
+            clear_matrix(run.jacobian, 4)
+            for i in range(count):
+                jump, coupling = timetable.jumps[state.stretch], run.bodies[i].coupling
+                bend = swung(jump, coupling, slope(run.now[i].angle, run))
+                write_matrix(run.jacobian, i, (1.0, 0.0, bend, 1.0))
+            look.matrix(run, eyes, 2 * count, 0.0, 0.0)
+        if is_kick:
+            state.kick += 1
+        balls.settle(run)
+        state.t_base, state.steps = run.t, 0
+        if given:
+            closing = balls.rate(run.now) * state.side
+            touches = state.mode != FLIGHT or state.touch != 0.0
+            if touches and closing > 0.0:
+                run.side = state.side
+                meet(run, output, eyes)
+            elif state.mode != FLIGHT and closing < 0.0:
+                release(run, output, eyes)
+
+    @part
+    def finish(run: Any, output: Output, stop: float) -> None:
+        """Write the last samples, and the state back."""
+        state, times = run.state, output.sample_times
+        while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
+            write_sample(run, output, run.now, 0.0, 0.0)
+        for i in range(count):
+            state.angle[i], state.velocity[i] = run.now[i].angle, run.now[i].velocity
+        state.contacts += run.rows
+        state.total_steps += run.done
+
+    def carry_on(
+        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
+    ) -> int:
+        begin(run, timetable)
+        room = len(output.contact_times) - 4
+        if run.state.mode == UNSETTLED:
+            settle_contact(run, output, eyes)
+        while run.t < stop and run.done < most_steps and run.rows < room:
+            run.done += 1
+            aim(run, timetable, stop)
+            if run.goal > run.t:
+                plan(run)
+                write_samples(run, output)
+                note(run, eyes)
+                take(run)
+                apply(run, output, eyes)
+            if run.t >= run.goal:
+                change(run, timetable, output, eyes)
+        finish(run, output, stop)
+        rows: int = run.rows
+        return rows
+
+    return carry_on

@@ -1,0 +1,27 @@
+"""What a mode of motion is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Mode(NamedTuple):
+    """A mode of motion: how it steps, and what is seen of a step.
+
+    Attributes
+    ----------
+    number : int
+        What ``run.state.mode`` is then.
+    plan : callable ``(run)``
+        Fill ``run.end`` for a step from ``run.t``, up to the goal or to the first event in it.
+    look_inside : callable ``(run, length)``
+        Fill ``run.inside``, with works and losses, for that part of the planned step [s].
+    note : callable ``(run, eyes)``
+        Note slack, and show the observables the step and its matrix.
+    """
+
+    number: int
+    plan: Callable[..., None]
+    look_inside: Callable[..., None]
+    note: Callable[..., None]

@@ -1,0 +1,166 @@
+"""The record of a trajectory under way: what the engine reads and writes, by name.
+
+Compiled code sees NumPy records, plain Python objects with the same attributes: see `as_objects`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics.records import BODY, stretch_dtype
+
+# The largest stepper has so many drifts; its table has one kick more.
+MOST_STAGES = 12
+
+# Modes of motion.
+UNSETTLED, FLIGHT, REST, JOINT = -1, 0, 1, 2
+# Events at the end of a step.
+NOTHING, TURN, CONTACT, SETTLE, RELEASE = 0, 1, 2, 3, 4
+# Which motion a row belongs to: two balls in lasting contact swing as a third body.
+JOINT_ROW = 2
+
+SETTINGS = np.dtype(
+    [
+        ("gravity", "f8"),  # m/s^2
+        ("low", "f8"),  # contacts: angle of one ball, or separation of two [rad]
+        ("high", "f8"),
+        ("restitution", "f8"),
+        ("rest_speed", "f8"),  # rad/s
+        ("step", "f8"),  # s
+        ("pivot_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
+        ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
+        ("offset_high", "f8"),
+        ("sag", "f8"),  # relative dip of the tension within a step that is looked for
+        ("follows_tension", "i8"),
+        ("follows_ledger", "i8"),
+        ("mirrored", "i8"),  # keep two equal balls mirror images of each other
+        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
+    ],
+    align=True,
+)
+
+# What is kept of a trajectory from one call of the engine to the next.
+STATE = np.dtype(
+    [
+        ("t_base", "f8"),  # the time is t_base + steps * step [s]
+        ("steps", "i8"),
+        ("mode", "i8"),
+        ("side", "f8"),  # of the contact that lasts or was left last: -1 bottom, 1 top
+        ("touch", "f8"),  # the side that balls in flight have just left; 0 away from contacts
+        ("held_until", "f8"),  # lasting contact is not questioned before [s]
+        ("stretch", "i8"),  # which stretch of the drive, which kick, which sample comes next
+        ("kick", "i8"),
+        ("sample", "i8"),
+        ("contacts", "i8"),  # rows written
+        ("grazes", "i8"),
+        ("total_steps", "i8"),
+        ("angle", "f8", (2,)),  # rad, of each ball
+        ("velocity", "f8", (2,)),  # rad/s
+        ("drive_work", "f8"),  # J, as all that follow
+        ("damping_loss", "f8"),
+        ("impact_loss", "f8"),
+        ("capture_loss", "f8"),
+        ("noise_work", "f8"),
+        ("slack_start", "f8", (2,)),  # s, NaN before
+        ("slack_time", "f8", (2,)),  # s
+        ("first_energy", "f8"),  # J; these three tell how well the ledger closes
+        ("largest_energy", "f8"),
+        ("ledger_error", "f8"),
+    ],
+    align=True,
+)
+
+# A point of the motion of one ball, or of two as one body, and what the step to it did.
+POINT = np.dtype(
+    [
+        ("angle", "f8"),  # rad
+        ("velocity", "f8"),  # rad/s
+        ("sign", "f8"),  # of the velocity, or of the motion that begins; 0 where friction holds
+        ("acceleration", "f8"),  # of a kick: without drag that depends on the speed [rad/s^2]
+        ("driven", "f8"),  # the drive's part of it [rad/s^2]
+        ("pivot_acceleration", "f8"),  # m/s^2
+        ("tension", "f8"),  # over mass and length [1/s^2]
+        ("work", "f8"),  # of the drive in the step, over the moment of inertia [1/s^2]
+        ("loss", "f8"),  # by drag, likewise
+    ],
+    align=True,
+)
+
+
+def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
+    """Return the layout of `run`; `stretch` is that of the drive's stretches."""
+    return np.dtype(
+        [
+            ("state", STATE),
+            ("settings", SETTINGS),
+            ("stretch", stretch or stretch_dtype()),
+            # Ball 1, ball 2, and the bodies that both form in contact at the bottom and at the top.
+            ("bodies", BODY, (4,)),
+            # The step: where it begins, where it ends, and a third set for looking inside.
+            ("now", POINT, (3,)),
+            ("end", POINT, (3,)),
+            ("inside", POINT, (3,)),
+            ("t", "f8"),  # s
+            ("goal", "f8"),  # the next instant at which a step must end [s]
+            ("length", "f8"),  # s
+            ("t_end", "f8"),  # s
+            ("is_whole", "i8"),  # whether the step is a full one
+            ("event", "i8"),
+            ("side", "f8"),  # of the contact that is met: -1 bottom, 1 top
+            ("ball", "i8"),  # which one turns
+            ("work", "f8"),  # of the drive in the step, and the loss by drag [J]
+            ("loss", "f8"),
+            ("work_inside", "f8"),  # the same up to the point inside
+            ("loss_inside", "f8"),
+            ("keeps_touch", "i8"),  # whether the balls touch still at the end
+            ("rows", "i8"),  # of the contact table, written in this call
+            ("done", "i8"),  # steps taken in this call
+            ("is_rough", "i8"),  # whether any drag is not smooth where the velocity is zero
+            # The stepper's weights, and tables of what steps need: kicks, reaches, offsets.
+            ("stages", "i8"),
+            ("kicks", "f8", (MOST_STAGES + 1,)),
+            ("drifts", "f8", (MOST_STAGES,)),
+            ("nodes", "f8", (MOST_STAGES,)),
+            ("tables", "f8", (5, 3, MOST_STAGES + 1)),
+            ("jacobian", "f8", (4, 7)),
+        ],
+        align=True,
+    )
+
+
+def as_objects(records: NDArray[Any]) -> list[Any]:
+    """Return records as objects of plain Python, which reads these a hundred times faster."""
+    return _Rows(_as_object(record) for record in records)
+
+
+class _Rows(list[Any]):
+    """Objects into which others are copied when they are assigned, as records are."""
+
+    def __setitem__(self, index: Any, value: Any) -> None:
+        self[index].__dict__.update(value.__dict__)
+
+
+def _as_object(record: Any) -> Any:
+    found = SimpleNamespace()
+    for name in record.dtype.names:
+        value = record[name]
+        if isinstance(value, np.void):
+            value = _as_object(value)
+        elif isinstance(value, np.ndarray):
+            value = as_objects(value) if value.dtype.names else value.copy()
+        else:
+            value = value.item()
+        setattr(found, name, value)
+    return found
+
+
+def write_back(objects: Iterable[Any], records: NDArray[Any]) -> None:
+    """Write objects of `as_objects` without nested ones into records."""
+    for found, record in zip(objects, records, strict=True):
+        for name in records.dtype.names or ():
+            record[name] = getattr(found, name)
