@@ -20,9 +20,7 @@ from typing import Any
 import llvmlite
 import numba
 from numba.core.caching import _Cache
-from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompileResult
-from numba.core.compiler_lock import global_compiler_lock
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.extending import register_jitable
@@ -57,71 +55,6 @@ def sources_hash() -> str:
             digest.update(file.read_bytes())
     digest.update(f"{numba.__version__} {llvmlite.__version__} {sys.version}".encode())
     return digest.hexdigest()[:24]
-
-
-class _PartLibrary(JITCodeLibrary):
-    """The code of a part of a kernel, which only the kernel links.
-
-    numba optimises every function that it compiles together with all that it calls, and makes
-    machine code of it. Parts lie several calls deep: the same code would be gone through at every
-    level. What a part needs is linked into it; the kernel is optimised once, as a whole.
-    """
-
-    @property
-    def codegen(self) -> Any:
-        """Code generation without environments: no part is called from Python."""
-        return _WithoutEnvironments(self._codegen)
-
-    def finalize(self) -> None:
-        """Link what the part calls."""
-        self._raise_if_finalized()  # type: ignore[no-untyped-call]
-        for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-        self._finalized = True
-
-    def get_pointer_to_function(self, name: str) -> int:
-        """Return 0: there is no machine code."""
-        return 0
-
-    def _optimize_functions(self, module: Any) -> None:
-        module.data_layout = self._codegen._data_layout
-
-
-class _WithoutEnvironments:
-    """A code generator that does not look for a function's environment."""
-
-    def __init__(self, codegen: Any) -> None:
-        self._codegen = codegen
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._codegen, name)
-
-    def set_env(self, name: str, environment: Any) -> None:
-        """Do nothing."""
-
-
-def _optimise_once(dispatcher: Any) -> None:
-    """Let a kernel's parts be optimised with the kernel only."""
-    plain = dispatcher.compile
-    kernel = dispatcher.py_func.__qualname__
-
-    def library(codegen: Any, name: str) -> Any:
-        kind: Any = JITCodeLibrary if name == kernel else _PartLibrary
-        return kind(codegen, name)
-
-    library._unserialize = JITCodeLibrary._unserialize  # type: ignore[attr-defined]
-
-    def compile(signature: Any) -> Any:
-        with global_compiler_lock:
-            codegen = dispatcher.targetctx.codegen()
-            codegen._library_class = library
-            try:
-                return plain(signature)
-            finally:
-                del codegen._library_class
-
-    dispatcher.compile = compile
 
 
 class _KernelCache(_Cache):
@@ -243,6 +176,5 @@ def compile_kernel(
     rename(function)
     dispatcher = numba.njit(**_OPTIONS)(function)
     dispatcher._cache = _KernelCache(function.__name__, key)
-    _optimise_once(dispatcher)
     compiled: Callable[..., Any] = dispatcher
     return compiled
