@@ -12,6 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.engine.swing import KICK, OFFSET, REACH, tension_at
 from latolato.numerics.records import (
     FIRST_ENERGY,
     LARGEST_ENERGY,
@@ -24,31 +25,16 @@ from latolato.numerics.records import (
     S_WORK,
 )
 from latolato.physics.damping import decay_time, drift
-from latolato.scalar import cosine, formula
+from latolato.scalar import formula
 
 Part = Callable[..., Callable[..., Any]]
 
-# Rows of a step's table.
-KICK, REACH, OFFSET = 0, 1, 2
-
-# The shortest step that changes the time, per time: an event ends a step at a later instant.
-SHORTEST = 2.3e-16
 # The shortest rest, per step, after a release that leads nowhere; without a limit the times before
 # a stop would become shorter and shorter.
 SHORTEST_REST = 1e-3
 
 # What a search looks for.
 ANGLE, VELOCITY = 0, 1
-
-
-@formula
-def slack_share(left: float, right: float) -> float:
-    """Return the share of a short interval in which a nearly linear tension is negative."""
-    if left < 0.0 and right < 0.0:
-        return 1.0
-    if left >= 0.0 and right >= 0.0:
-        return 0.0
-    return min(left, right) / (min(left, right) - max(left, right))
 
 
 class Point(NamedTuple):
@@ -131,12 +117,6 @@ def write_contact(
     values[0, row] = before
     values[1, row] = after
     return row + 1
-
-
-@formula
-def pull_at(angle: float, velocity: float, lift: float, gravity: float, coupling: float) -> float:
-    """Return the tension in flight over mass and length [1/s^2]."""
-    return velocity * velocity + (gravity + lift) * coupling * cosine(angle)
 
 
 class Flight(NamedTuple):
@@ -315,10 +295,10 @@ def make_flight(
         an end is below what the tension can dip within a step.
         """
         g, k = law.gravity, law.body.coupling
-        begin_pull = pull_at(point.angle, point.velocity, point.lift, g, k)
+        begin_pull = tension_at(point.angle, point.velocity, point.lift, g, k)
         half = 0.5 * h
         x, v, _, _, _, _, lift = step_by(half, point, sign, method, law)
-        middle_pull = pull_at(x, v, lift, g, k)
+        middle_pull = tension_at(x, v, lift, g, k)
         if begin_pull < 0.0 and math.isnan(first):
             first = point.t
         for piece in range(2):
@@ -334,7 +314,7 @@ def make_flight(
                     if not b0 < s < b1:
                         break
                     x, v, _, _, _, _, lift = step_by(s, point, sign, method, law)
-                    now = pull_at(x, v, lift, g, k)
+                    now = tension_at(x, v, lift, g, k)
                     moved, root = abs(s - root), s
                     if (now < 0.0) == (left < 0.0):
                         b0, f0 = s, now

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.bounce import hop, meet_wall
+from latolato.numerics.engine.swing import SHORTEST, tension_at
 from latolato.numerics.flight import (
     ANGLE,
-    SHORTEST,
     SHORTEST_REST,
     Law,
     Method,
@@ -23,7 +23,6 @@ from latolato.numerics.flight import (
     follow_ledger,
     make_flight,
     prepare,
-    pull_at,
     write_contact,
     write_ledger,
 )
@@ -172,7 +171,7 @@ def make_trajectory(
             elif velocity == 0.0:
                 sign = math.copysign(1.0, free)
             a, driven, lift = force(t, angle, sign, law)
-        pull = pull_at(angle, velocity, lift, gravity, body.coupling)
+        pull = tension_at(angle, velocity, lift, gravity, body.coupling)
 
         while t < stop and done < most_steps and rows < room:
             done += 1
@@ -212,7 +211,7 @@ def make_trajectory(
                         rows = write_contact(*table_of_contacts, rows, t, RELEASE, 0.0, 0.0)
                     mode = FLIGHT
                     a, driven, lift = force(t, angle, sign, law)
-                    pull = pull_at(angle, velocity, lift, gravity, body.coupling)
+                    pull = tension_at(angle, velocity, lift, gravity, body.coupling)
             elif goal > t:
                 point = Point(t, angle, velocity, a, driven, lift)
                 hs, whole = h, True
@@ -307,7 +306,7 @@ def make_trajectory(
                     sample += 1
 
                 if follows_tension:
-                    end_pull = pull_at(x, v, lift1, gravity, body.coupling)
+                    end_pull = tension_at(x, v, lift1, gravity, body.coupling)
                     margin = sag * (velocity * velocity + v * v + strongest)
                     if max(pull, end_pull) < -margin:
                         state[SLACK_TOTAL] += t_new - t
@@ -384,7 +383,7 @@ def make_trajectory(
                     before = a1 - drag(v, sign, body.rate, body.quadratic, 0.0)
                     sign = -far
                     a, driven, lift = force(t, angle, sign, law)
-                    pull = pull_at(angle, velocity, lift, gravity, body.coupling)
+                    pull = tension_at(angle, velocity, lift, gravity, body.coupling)
                     if follows_tangent:
                         clear_matrix(jacobian, 2)
                         spread = -math.inf
@@ -455,7 +454,7 @@ def make_trajectory(
                             write_matrix(jacobian, 0, matrix)
                             spread = 2.0 * math.log(settings.restitution)
                         watch_tangent(acc, column, columns, 2, 0.0, spread, jacobian)
-                pull = pull_at(angle, velocity, lift, gravity, body.coupling)
+                pull = tension_at(angle, velocity, lift, gravity, body.coupling)
                 t_base, n = t, 0
 
         if t >= stop:

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.bounce import hop
+from latolato.numerics.engine.swing import SHORTEST, tension_at
 from latolato.numerics.flight import (
     ANGLE,
-    SHORTEST,
     SHORTEST_REST,
     VELOCITY,
     Method,
@@ -22,7 +22,6 @@ from latolato.numerics.flight import (
     follow_ledger,
     make_flight,
     prepare,
-    pull_at,
     write_ledger,
 )
 from latolato.numerics.pair_flight import (
@@ -423,8 +422,8 @@ def make_pair_trajectory(
 
                 for i in range(2):
                     k = bodies[i].coupling
-                    end_pull = pull_at(r[i, X], r[i, V], r[i, LIFT], g, k)
-                    smaller = min(end_pull, pull_at(q[i, X], q[i, V], q[i, LIFT], g, k))
+                    end_pull = tension_at(r[i, X], r[i, V], r[i, LIFT], g, k)
+                    smaller = min(end_pull, tension_at(q[i, X], q[i, V], q[i, LIFT], g, k))
                     largest = q[i, V] ** 2 + r[i, V] ** 2 + (g + settings.lift_bound) * k
                     if signs[i] == STUCK or smaller < settings.sag * largest:
                         note_slack(

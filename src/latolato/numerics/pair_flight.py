@@ -7,6 +7,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.engine.held import slack_share
+from latolato.numerics.engine.swing import STILL, freed, tension_at
 from latolato.numerics.flight import (
     ANGLE,
     Flight,
@@ -15,12 +17,9 @@ from latolato.numerics.flight import (
     Part,
     Point,
     prepare,
-    pull_at,
-    slack_share,
 )
 from latolato.numerics.records import SLACK_FIRST, SLACK_TOTAL
 from latolato.physics.contacts import pair_impact
-from latolato.physics.damping import drag
 from latolato.physics.pair import contact_torque, radial_push
 from latolato.scalar import formula
 
@@ -28,19 +27,6 @@ from latolato.scalar import formula
 X, V, FORCE, DRIVEN, LIFT, GAIN, LOSS = range(7)
 JOINT = 2
 STUCK = 0.0
-# Below this speed dry friction stops a ball at once [rad/s]: far less than any tolerance.
-STILL = 1e-13
-
-
-@formula
-def freed(free: float, velocity: float, body: Any) -> float:
-    """Return the angular acceleration of a ball with all its drag, static friction included."""
-    if velocity == 0.0:
-        if abs(free) <= body.coulomb:
-            return 0.0
-        return free - math.copysign(body.coulomb, free)
-    sign = math.copysign(1.0, velocity)
-    return free - drag(velocity, sign, body.rate, body.quadratic, body.coulomb)
 
 
 @formula
@@ -301,8 +287,8 @@ def make_pair_flight(
         push_1 = radial_push(torque, l1, l2, gap) * l1 / one.body.inertia
         push_2 = radial_push(torque, l2, l1, gap) * l2 / two.body.inertia
         return (
-            pull_at(q[0, X], q[0, V], lift, one.gravity, one.body.coupling) + push_1,
-            pull_at(q[1, X], q[1, V], lift, two.gravity, two.body.coupling) + push_2,
+            tension_at(q[0, X], q[0, V], lift, one.gravity, one.body.coupling) + push_1,
+            tension_at(q[1, X], q[1, V], lift, two.gravity, two.body.coupling) + push_2,
         )
 
     @part

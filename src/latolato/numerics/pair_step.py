@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS
-from latolato.numerics.flight import SHORTEST, Flight, Law, Method, Part, pull_at, write_ledger
+from latolato.numerics.engine.swing import SHORTEST, tension_at
+from latolato.numerics.flight import Flight, Law, Method, Part, write_ledger
 from latolato.numerics.pair_flight import (
     GAIN,
     JOINT,
@@ -214,8 +215,8 @@ def make_pair_step(
         if sign == STUCK:
             g, k = law.gravity, law.body.coupling
             lift = acceleration(t_new, law.p)
-            begin_pull = pull_at(q[i, X], 0.0, q[i, LIFT], g, k)
-            end_pull = pull_at(q[i, X], 0.0, lift, g, k)
+            begin_pull = tension_at(q[i, X], 0.0, q[i, LIFT], g, k)
+            end_pull = tension_at(q[i, X], 0.0, lift, g, k)
             r[i, LIFT] = lift
             add_slack(state, i, begin_pull, end_pull, t, t_new)
         else:

@@ -10,8 +10,9 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.numerics.engine.swing import freed
 from latolato.numerics.flight import Law, Method, Part, prepare
-from latolato.numerics.pair_flight import FORCE, JOINT, STUCK, Pair, V, X, freed, point_of
+from latolato.numerics.pair_flight import FORCE, JOINT, STUCK, Pair, V, X, point_of
 from latolato.numerics.tangent import (
     UNCHANGED,
     Matrix,

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from latolato.numerics.flight import Law, Part, slack_share
+from latolato.numerics.engine.held import slack_share
+from latolato.numerics.flight import Law, Part
 from latolato.numerics.records import REST_HIGH, REST_LOW, STUCK
 from latolato.scalar import cosine
 

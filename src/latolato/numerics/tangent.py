@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.flight import KICK, OFFSET, REACH, Law, Part, Point
+from latolato.numerics.engine.swing import KICK, OFFSET, REACH
+from latolato.numerics.flight import Law, Part, Point
 from latolato.physics.damping import drift, drift_slopes
 from latolato.physics.pendulum import SLOPES
 from latolato.scalar import formula
