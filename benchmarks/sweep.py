@@ -86,14 +86,14 @@ def own(plan: Plan, runner: Any = run_fastest, repeats: int = 3) -> tuple[float,
     def run_points(plan: Plan, batch: Any, stepper: Any, order: Any, progress: Any) -> None:
         nonlocal best, contacts, warm
         if not warm:  # compile, or load what was compiled
-            state, counters = progress.state.copy(), progress.counters.copy()
+            states = progress.states.copy()
             runner(plan, batch, stepper, order[-1:], progress)
-            progress.state[:], progress.counters[:] = state, counters
+            progress.states[:] = states
             warm = True
         begin = time.process_time()
         runner(plan, batch, stepper, order, progress)
         best = min(best, time.process_time() - begin)
-        contacts = int(progress.counters[:, 3].sum())
+        contacts = int(progress.states["contacts"].sum())
 
     for _ in range(repeats):
         values, _ = run_chunk(plan, 0, run_points)

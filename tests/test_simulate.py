@@ -37,7 +37,6 @@ def run():
 
 @pytest.fixture(scope="module")
 def pair_run():
-    pytest.importorskip("latolato.numerics.fold_pair")
     return ll.simulate(pair(), DRIVE, initial_angle=(0.7, -0.6), duration=10.0)
 
 

@@ -19,7 +19,7 @@ from latolato.numerics.integrate import (
     choose_step,
     choose_stepper,
     integrate,
-    kernel,
+    observer_of,
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
 from latolato.physics.contacts import Clamp, Exact, NoContact
@@ -246,14 +246,14 @@ def _recorded(
         )
         seen = _observe(system, drive, trajectory, instants, end, frame == "both")
         state = trajectory.state
-        residual, largest = float(state[records.RESIDUAL]), float(state[records.LARGEST_ENERGY])
+        residual, largest = float(state.ledger_error), float(state.largest_energy)
         largest = max(largest, np.finfo(float).tiny)
-        gone = float(state[[records.DAMPED, records.IMPACT, records.CAPTURED]].sum())
+        gone = float(state.damping_loss + state.impact_loss + state.capture_loss)
         allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * largest
         allowed = max(allowed, _ROUNDING_OF_SUMS * gone)
         if clamped or residual <= allowed or trajectory.status != "complete":
             break
-        steps = int(trajectory.counters[records.TOTAL_STEPS])
+        steps = int(state.total_steps)
         if halvings == _MOST_HALVINGS or steps > _MOST_STEPS_TO_REPEAT:
             warnings.warn(
                 f"the energy ledger closes to {residual:.3g} J only, {residual / largest:.2g} of "
@@ -287,13 +287,12 @@ def _recorded(
         step=trajectory.step,
         stepper="classical Runge-Kutta" if clamped else stepper.name,
         step_halvings=halvings,
-        grazing_contacts=int(trajectory.counters[records.GRAZES]),
+        grazing_contacts=int(state.grazes),
         contacts=len(trajectory.contact_times),
     )
     found = record_of(system, trajectory, seen, instants, frame, attrs)
     if "tension" in found:
-        first = trajectory.state[[records.SLACK_FIRST, records.SLACK_FIRST_2]]
-        total = trajectory.state[[records.SLACK_TOTAL, records.SLACK_TOTAL_2]]
+        first, total = state.slack_start, state.slack_time
         share = total / trajectory.reached
         two = system.angles == 2
         attrs["slack_time"] = first if two else float(first[0])
@@ -359,8 +358,7 @@ def _observe(
     balls = ball_records(system.balls)
     pivot = np.empty((len(PIVOT_ROWS), len(times)))
     out = np.empty((len(balls), len(BALL_ROWS), len(times)))
-    observe = kernel(
-        "observe",
+    observe = observer_of(
         drive.height,
         drive.velocity,
         drive.acceleration,
@@ -381,7 +379,7 @@ def _observe(
 
 def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
     """Return the largest error of the closed ledger at the samples [J]."""
-    first = trajectory.state[records.FIRST_ENERGY]
+    first = trajectory.state.first_energy
     rows = trajectory.samples
     total = seen["total_energy"].sum(axis=0)
     gained = rows[records.S_WORK] + rows[records.S_NOISE]

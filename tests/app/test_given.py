@@ -11,6 +11,7 @@ from latolato.app.given import Asked, TooLargeError, check_size, options_of
 from latolato.app.lines import command_line, python_line
 from latolato.app.runs import run_block, simulate_asked, strobes_of
 from latolato.numerics import records
+from latolato.numerics.engine.record import as_objects
 from latolato.physics.drives import Chirp, FrequencySchedule, Harmonic, Static
 from latolato.scenario import scenarios
 
@@ -103,7 +104,7 @@ def test_the_registry_names_units_and_ranges_of_every_number():
 def height_of(drive, t):
     """Return the height of the pivot by the drive's own formula [m]."""
     found, starts = records.stretch_records(drive, 10.0)
-    stretch = records.python_view(found)[np.searchsorted(starts, t, side="right") - 1]
+    stretch = as_objects(found)[np.searchsorted(starts, t, side="right") - 1]
     return drive.height(t, stretch)
 
 

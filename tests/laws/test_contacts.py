@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import latolato as ll
 from latolato.errors import InputError
-from latolato.numerics.fold import meet_wall
+from latolato.numerics.bounce import meet_wall
 from latolato.physics.contacts import contact_separation, pair_impact, wall_impact
 
 speeds = st.floats(-30.0, 30.0)

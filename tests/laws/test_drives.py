@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.numerics.records import python_view, stretch_records
+from latolato.numerics.engine.record import as_objects
+from latolato.numerics.records import stretch_records
 from latolato.physics.drives import drives
 
 END = 10.0
@@ -23,7 +24,7 @@ def pieces(drive, end=END):
     edges = [*starts, end]
     return [
         (max(a, 0.0), b, p)
-        for a, b, p in zip(edges, edges[1:], python_view(records), strict=False)
+        for a, b, p in zip(edges, edges[1:], as_objects(records), strict=False)
         if b > max(a, 0.0)
     ]
 

@@ -8,7 +8,7 @@ import pytest
 import latolato as ll
 from latolato.errors import InputError
 from latolato.numerics.integrate import choose_step
-from latolato.numerics.records import ANGLE_1, AT_REST, CONVERGED, EVENT_LIMIT, INVALID
+from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID
 from latolato.observables import Stroboscope
 from latolato.simulate import simulate
 from latolato.start import checked_start
@@ -192,8 +192,7 @@ def test_columns_and_objects_give_the_same_bytes(name, follows):
     for field in ("starts", "jumps"):
         one, other = getattr(fast.points, field)[firsts], getattr(slow.points, field)
         np.testing.assert_array_equal(one, other)
-    assert_same_bytes(fast.state[good], slow.state[good], "state")
-    assert_same_bytes(fast.counters[good], slow.counters[good], "counters")
+    assert_same_bytes(fast.states[good], slow.states[good], "states")
 
 
 def test_points_step_like_single_runs():
@@ -368,10 +367,10 @@ def test_the_arguments_of_a_point_simulate_that_point(name):
     except ValueError:
         assert not make_batch(plan, np.array([number]), stepper_of(plan)).valid[0]
         return
-    wanted = make_batch(plan, np.array([number]), stepper_of(plan)).state[0]
+    wanted = make_batch(plan, np.array([number]), stepper_of(plan)).states[0]
     run = simulate(**found | {"duration": 1e-3})
     angle = np.atleast_2d(run["angle"].values)[:, 0]
-    assert angle[0] == wanted[ANGLE_1]
+    assert angle[0] == wanted["angle"][0]
     assert found["duration"] == asked.get("duration", 4.0)
     place = dict(zip(plan.dims, np.unravel_index(number, plan.shape), strict=True))
     for axis in plan.axes:

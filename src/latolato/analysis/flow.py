@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
 from latolato.errors import InputError
-from latolato.numerics import records
 from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.deviations import STATE, Deviations
@@ -147,14 +146,14 @@ class Flow:
             watched=_WATCHED,
         )
         return Passage(
-            found.state[records.ANGLE_1 : records.ANGLE_1 + self.size].copy(),
+            np.array([found.state.angle, found.state.velocity]).T.ravel()[: self.size],
             found.slots[: STATE * STATE, 0].reshape(STATE, STATE)[: self.size, : self.size],
             float(found.slots[STATE * STATE, 0]),
             float(found.slots[-1, 0]),
             found.contact_times,
             found.contact_kinds,
             found.contact_values,
-            int(found.counters[records.GRAZES]),
+            int(found.state.grazes),
             found.status == "complete",
         )
 

@@ -15,17 +15,24 @@ from latolato.app.session import TICKS_PER_SECOND
 from latolato.app.steering import checked_state, cosine_of, limits_of
 from latolato.errors import InputError
 from latolato.numerics import records
+from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.record import FLIGHT, run_dtype
 from latolato.numerics.integrate import (
     Floats,
     body_rows,
     choose_stepper,
-    initial_state,
-    kernel,
+    engine_of,
+    initial_states,
+    laws_key,
+    observer_of,
     rate_of,
     settings_values,
     step_for,
+    write_stepper,
 )
 from latolato.numerics.observe import BALL_ROWS, KINETIC, PIVOT_ROWS, POTENTIAL, ball_records
+from latolato.numerics.watch import Eyes
 from latolato.physics.contacts import BOTTOM, TOP, NoContact
 from latolato.physics.drives.stages import moved
 from latolato.physics.drives.stretch import (
@@ -35,7 +42,7 @@ from latolato.physics.drives.stretch import (
     pivot_height,
     pivot_velocity,
 )
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import checked_number, suggest
 from latolato.scenario import Scenario
@@ -101,17 +108,16 @@ class Toy:
             raise InputError("initial_angular_velocity is too fast for Live")
 
         self._stepper = choose_stepper(system)
-        kind = "pair" if system.angles == 2 else "one"
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
-        self._carry_on = kernel(kind, pivot_acceleration, system.restoring, system.potential)
-        self._observe = kernel("observe", *drive_laws, system.restoring, system.potential)
-        states, counters = initial_state(start.angles, start.velocities)
-        self._state, self._counters = states[0], counters[0]
+        self._carry_on = engine_of(system.angles, pivot_acceleration, *laws_key(system))
+        self._observe = observer_of(*drive_laws, system.restoring, system.potential)
+        self._runs = np.zeros(1, dtype=run_dtype()).view(np.recarray)
+        write_stepper(self._runs, self._stepper)
+        self._runs["state"] = initial_states(start.angles, start.velocities)
+        self._state = self._runs[0].state
         self.ticks = round(time * TICKS_PER_SECOND)
-        self._state[records.T_BASE] = self.time
-        stages = 6 if system.angles == 2 else 2
-        self._tables = np.zeros((stages, 3, len(self._stepper.kicks)))
-        self._space, self._acc = np.zeros(records.SPACE), np.zeros(1)
+        self._state.t_base = self.time
+        self._eyes = Eyes(np.zeros(1), 0, system.angles)
         self._buffers = np.empty(_ROOM), np.empty(_ROOM, dtype=np.int64), np.zeros((4, _ROOM))
         self._no_kick = np.empty(0), np.empty((system.angles, 0))
         balls = len(system.balls)
@@ -143,12 +149,12 @@ class Toy:
     @property
     def angles(self) -> tuple[float, ...]:
         """The angles [rad], right ball first."""
-        return tuple(map(float, self._state[_ANGLES][: self.system.angles]))
+        return tuple(map(float, self._state.angle[: self.system.angles]))
 
     @property
     def velocities(self) -> tuple[float, ...]:
         """The angular velocities [rad/s], right ball first."""
-        return tuple(map(float, self._state[_VELOCITIES][: self.system.angles]))
+        return tuple(map(float, self._state.velocity[: self.system.angles]))
 
     def set(self, values: Mapping[str, Any]) -> None:
         """Take new values of controls, which the next tick begins to show.
@@ -238,7 +244,7 @@ class Toy:
         speed = max(map(abs, self.velocities)) + max(map(abs, kick), default=0.0)
         if speed > self._speed:
             self._prepare(speed)
-        state, counters = self._state, self._counters
+        state = self._state
         before, self.ticks = self.time, self.ticks + 1
         stop = self.time
         count = _RECORDED if self.recording is not None else 1
@@ -250,23 +256,20 @@ class Toy:
             given = np.array([before]), np.ascontiguousarray(kick[:, None])
             if self.recording is not None:
                 self.recording.by_hand = True
-        counters[records.SAMPLE] = counters[records.KICKED] = 0
+        state.sample = state.kick = 0
+        timetable = Timetable(self._stretches, self._starts, self._jumps, *given)
+        output = Output(instants, samples, *self._buffers)
         for _ in range(_CALLS):
-            rows = self._carry_on(
-                state, counters, self._settings, self._bodies, self._stretches, self._starts,
-                self._jumps, *given, self._tables, self._space, self._stepper.kicks,
-                self._stepper.drifts, self._stepper.nodes, instants, samples, *self._buffers,
-                stop, 10_000, self._acc, 0, self.system.angles,
-            )  # fmt: skip
+            rows = self._carry_on(self._runs[0], timetable, output, self._eyes, stop, 10_000)
             if rows:
                 self._note_contacts(rows)
-            if state[records.T_BASE] + counters[records.STEPS] * self._step >= stop:
+            if state.t_base + state.steps * self._step >= stop:
                 break
         else:
             raise InputError("the motion cannot be followed in real time")
-        if not np.all(np.isfinite(state[records.ANGLE_1 : records.VELOCITY_2 + 1])):
+        if not np.all(np.isfinite([state.angle, state.velocity])):
             raise InputError("the motion left the range of numbers")
-        state[records.T_BASE], counters[records.STEPS] = stop, 0
+        state.t_base, state.steps = stop, 0
         self._look_at(instants)
         if self.recording is not None:
             self.recording.add(instants, *self._seen[count])
@@ -319,23 +322,23 @@ class Toy:
             for ball, row in zip(system.balls, rows, strict=False)
         )
         self._step = float(step_for(rate, TOLERANCE, self._stepper))
-        self._bodies = records.bodies(*rows)
-        self._settings = np.zeros(1, dtype=records.SETTINGS)
-        self._settings[0] = settings_values(
+        self._runs["bodies"][0, : len(rows)] = records.bodies(*rows)
+        self._runs["settings"][0] = settings_values(
             gravity=system.gravity,
             walls=self.walls,
             restitution=getattr(system, "restitution", 1.0),
             rest_speed=self._rest_speed,
             step=self._step,
-            lift_bound=bound,
+            pivot_bound=bound,
             rate=rate,
             offsets=offsets,
             follows_tension=False,
+            is_linear=system.restoring is restoring_linear,
         )
         self._stretches = np.array(list(map(tuple, stages)), dtype=_STRETCH)
         self._starts = np.array([stage.start for stage in stages])
         self._jumps = np.zeros(len(stages))
-        self._counters[records.STRETCH] = 0
+        self._state.stretch = 0
         self._balls = ball_records(system.balls)
 
     def _kick(self) -> Floats:
@@ -347,8 +350,7 @@ class Toy:
         ball, target = self._held
         angle, velocity = self.angles[ball], self.velocities[ball]
         away = target - angle
-        mode = self._counters[records.MODE]
-        if mode in (records.REST_LOW, records.REST_HIGH) and abs(away) < _HELD_STILL:
+        if self._state.mode > FLIGHT and abs(away) < _HELD_STILL:
             return kick
         body, now = self.system.balls[ball], self.stages[0].at(self.time)
         lift = pivot_acceleration(self.time, now)
@@ -404,11 +406,10 @@ class Toy:
         self.recording = Recording(self.system, self.time, now, run)
         samples, pivot, out = self._seen[1]
         self._look_at(np.array([self.time]), start_only=True)
-        self._state[list(_LEDGER)] = 0.0
+        for name in _LEDGER:
+            self._state[name] = 0.0
         self.recording.add(np.array([self.time]), samples, pivot, out)
 
 
-_ANGLES = [records.ANGLE_1, records.ANGLE_2]
-_VELOCITIES = [records.VELOCITY_1, records.VELOCITY_2]
-_LEDGER = (records.WORK, records.DAMPED, records.IMPACT, records.CAPTURED, records.NOISE)
+_LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work")
 _STRETCH = records.stretch_dtype()

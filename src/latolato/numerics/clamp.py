@@ -9,151 +9,130 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.flight import Part, follow_ledger, write_contact, write_ledger
-from latolato.numerics.records import (
-    ANGLE_1,
-    CONTACT,
-    DAMPED,
-    FIRST_ENERGY,
-    FLIGHT,
-    IMPACT,
-    LARGEST_ENERGY,
-    MODE,
-    SAMPLE,
-    STEPS,
-    STRETCH,
-    TOTAL_STEPS,
-    UNSETTLED,
-    VELOCITY_1,
-    WORK,
-)
-from latolato.numerics.watch import BLIND, Hooks, make_watch
+from latolato.numerics.engine.book import follow_ledger, write_sample
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.record import FLIGHT, UNSETTLED
+from latolato.numerics.watch import ON_STEP, Eyes, Watch
 from latolato.observables import Segment
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact
 from latolato.physics.damping import drag
+from latolato.physics.pendulum import swung
 
 
-def make_clamped(
-    acceleration: Callable[..., float],
-    restoring: Callable[..., float],
-    potential: Callable[..., float],
-    compile_part: Part | None = None,
-    hooks: tuple[Hooks, ...] = BLIND,
-) -> Callable[..., int]:
-    """Return the clamped trajectory function, with the arguments of `fold.make_trajectory`."""
-    part: Part = compile_part or (lambda function: function)
-    watch_step = make_watch(hooks, compile_part).step
-    watches = bool(hooks[0])
+def make_clamped(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Callable[..., int]:
+    """Return the function of the clamp, with the arguments of `engine.loop.make_engine`'s."""
+    part = compile_part or as_it_stands
+    pivot_acceleration, restoring, potential = (
+        laws.pivot_acceleration, laws.restoring, laws.potential
+    )  # fmt: skip
+    watch_step, sees = watch.step, watch.sees
 
     @part
-    def slopes(
-        t: float, x: float, v: float, gravity: float, body: Any, p: Any
-    ) -> tuple[float, float, float]:
+    def slopes(run: Any, t: float, x: float, v: float) -> tuple[float, float, float]:
         """Return acceleration, drive power and damping power per inertia."""
-        lift = acceleration(t, p)
-        pull = body.coupling * restoring(x)
+        b, gravity = run.bodies[0], run.settings.gravity
+        restored = restoring(x, run.settings.is_linear)
+        driven = swung(pivot_acceleration(t, run.stretch), b.coupling, restored)
         sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
-        lost = drag(v, sign, body.rate, body.quadratic, body.coulomb)
-        return -(gravity + lift) * pull - lost, -lift * pull * v, lost * v
+        slowing = drag(v, sign, b.rate, b.quadratic, b.coulomb)
+        a = driven + swung(gravity, b.coupling, restored) - slowing
+        return a, driven * v, slowing * v
 
-    def trajectory(
-        state: Any,
-        counters: Any,
-        settings_row: Any,
-        bodies: Any,
-        stretches: Any,
-        starts: Any,
-        jumps: Any,
-        kick_times: Any,
-        kicks_given: Any,
-        tables: Any,
-        space: Any,
-        kicks: Any,
-        drifts: Any,
-        nodes: Any,
-        sample_times: Any,
-        samples: Any,
-        contact_times: Any,
-        contact_kinds: Any,
-        contact_values: Any,
-        stop: float,
-        most_steps: int,
-        acc: Any,
-        column: int,
-        columns: int,
+    @part
+    def step(run: Any) -> None:
+        """Take a step of classical Runge-Kutta."""
+        t, h, x, v = run.t, run.length, run.now[0].angle, run.now[0].velocity
+        a1, w1, d1 = slopes(run, t, x, v)
+        v2 = v + 0.5 * h * a1
+        a2, w2, d2 = slopes(run, t + 0.5 * h, x + 0.5 * h * v, v2)
+        v3 = v + 0.5 * h * a2
+        a3, w3, d3 = slopes(run, t + 0.5 * h, x + 0.5 * h * v2, v3)
+        v4 = v + h * a3
+        a4, w4, d4 = slopes(run, t + h, x + h * v3, v4)
+        end, inertia = run.end[0], run.bodies[0].inertia
+        end.angle = x + h * (v + 2.0 * (v2 + v3) + v4) / 6.0
+        end.velocity = v + h * (a1 + 2.0 * (a2 + a3) + a4) / 6.0
+        run.work = inertia * h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
+        run.loss = inertia * h * (d1 + 2.0 * (d2 + d3) + d4) / 6.0
+
+    @part
+    def energy(run: Any, x: float, v: float) -> float:
+        """Return the energy over the moment of inertia [1/s^2]."""
+        stiffness = run.settings.gravity * run.bodies[0].coupling
+        return 0.5 * v * v + stiffness * potential(x, run.settings.is_linear)
+
+    @part
+    def show(run: Any, eyes: Eyes) -> None:
+        """Show the observables a step."""
+        x0, v0 = run.now[0].angle, run.now[0].velocity
+        x1, v1 = run.end[0].angle, run.end[0].velocity
+        a0, w0, d0 = slopes(run, run.t, x0, v0)
+        a1, w1, d1 = slopes(run, run.t_end, x1, v1)
+        segment = Segment(
+            run.t, run.t_end, x0, x1, v0, v1, a0, a1, energy(run, x0, v0), energy(run, x1, v1),
+            w0 - d0, w1 - d1, 0.0,
+        )  # fmt: skip
+        watch_step(run, eyes, 0, segment)
+
+    @part
+    def put_back(run: Any, output: Output) -> None:
+        """Put a ball that is found beyond a wall back onto it, with its velocity reflected."""
+        settings, point, row = run.settings, run.now[0], run.rows
+        if settings.low <= point.angle <= settings.high:
+            return
+        kind, before = BOTTOM if point.angle < settings.low else TOP, point.velocity
+        point.angle = settings.low if kind == BOTTOM else settings.high
+        point.velocity = wall_impact(before, settings.restitution)
+        output.contact_times[row], output.contact_kinds[row] = run.t, kind
+        output.contact_values[0, row], output.contact_values[1, row] = before, point.velocity
+        run.rows += 1
+        lost = 0.5 * (before * before - point.velocity * point.velocity)
+        run.state.impact_loss += run.bodies[0].inertia * lost
+
+    def carry_on(
+        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:
-        settings = settings_row[0]
-        body = bodies[0]
-        g, h = settings.gravity, settings.step
-        x, v = state[ANGLE_1], state[VELOCITY_1]
-        work, damped, lost = state[WORK], state[DAMPED], state[IMPACT]
-        n, stretch, sample = counters[STEPS], counters[STRETCH], counters[SAMPLE]
-        rows, room, done = 0, len(contact_times) - 1, 0
-        inertia = body.inertia
-        stiffness = g * body.coupling
-        if counters[MODE] == UNSETTLED:
-            energy = inertia * (0.5 * v * v + stiffness * potential(x))
-            state[FIRST_ENERGY] = state[LARGEST_ENERGY] = energy
-        while n * h < stop and done < most_steps and rows < room:
-            done += 1
-            t = n * h
-            while stretch + 1 < len(starts) and starts[stretch + 1] <= t:
-                stretch += 1
-            p = stretches[stretch]
-            a1, w1, d1 = slopes(t, x, v, g, body, p)
-            v2 = v + 0.5 * h * a1
-            a2, w2, d2 = slopes(t + 0.5 * h, x + 0.5 * h * v, v2, g, body, p)
-            v3 = v + 0.5 * h * a2
-            a3, w3, d3 = slopes(t + 0.5 * h, x + 0.5 * h * v2, v3, g, body, p)
-            v4 = v + h * a3
-            a4, w4, d4 = slopes(t + h, x + h * v3, v4, g, body, p)
-            new_x = x + h * (v + 2.0 * (v2 + v3) + v4) / 6.0
-            new_v = v + h * (a1 + 2.0 * (a2 + a3) + a4) / 6.0
-            new_work = work + inertia * h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
-            new_damped = damped + inertia * h * (d1 + 2.0 * (d2 + d3) + d4) / 6.0
-            while sample < len(sample_times) and sample_times[sample] < t + h:
-                s = (sample_times[sample] - t) / h
-                samples[0, sample] = x + s * (new_x - x)
-                samples[1, sample] = v + s * (new_v - v)
-                write_ledger(
-                    samples, sample, work + s * (new_work - work),
-                    damped + s * (new_damped - damped), lost, 0.0, 0.0, FLIGHT,
-                )  # fmt: skip
-                sample += 1
-            if watches:
-                end_a, end_w, end_d = slopes(t + h, new_x, new_v, g, body, p)
-                segment = Segment(
-                    t, t + h, x, new_x, v, new_v, a1, end_a,
-                    0.5 * v * v + stiffness * potential(x),
-                    0.5 * new_v * new_v + stiffness * potential(new_x),
-                    w1 - d1, end_w - end_d, 0.0,
-                )  # fmt: skip
-                watch_step(acc, column, columns, segment)
-            x, v, work, damped = new_x, new_v, new_work, new_damped
-            if x < settings.low or x > settings.high:
-                kind = BOTTOM if x < settings.low else TOP
-                x = settings.low if kind == BOTTOM else settings.high
-                after = wall_impact(v, settings.restitution)
-                rows = write_contact(
-                    contact_times, contact_kinds, contact_values, rows, t + h, kind, v, after
-                )
-                lost += 0.5 * inertia * (v * v - after * after)
-                v = after
-            if settings.follows_ledger != 0:
-                energy = inertia * (0.5 * v * v + stiffness * potential(x))
-                follow_ledger(state, energy, work - damped - lost)
-            n += 1
-        if n * h >= stop:
-            while sample < len(sample_times) and sample_times[sample] <= stop:
-                samples[0, sample], samples[1, sample] = x, v
-                write_ledger(samples, sample, work, damped, lost, 0.0, 0.0, FLIGHT)
-                sample += 1
-        state[ANGLE_1], state[VELOCITY_1] = x, v
-        state[WORK], state[DAMPED], state[IMPACT] = work, damped, lost
-        counters[STEPS], counters[STRETCH], counters[SAMPLE] = n, stretch, sample
-        counters[MODE] = FLIGHT
-        counters[CONTACT] += rows
-        counters[TOTAL_STEPS] += done
+        state, starts, times = run.state, timetable.starts, output.sample_times
+        h, inertia, point = run.settings.step, run.bodies[0].inertia, run.now[0]
+        run.rows = run.done = 0
+        run.length, run.t = h, state.steps * h
+        point.angle, point.velocity = state.angle[0], state.velocity[0]
+        if state.mode == UNSETTLED:
+            state.mode = FLIGHT
+            state.first_energy = inertia * energy(run, point.angle, point.velocity)
+            state.largest_energy = state.first_energy
+        while run.t < stop and run.done < most_steps and run.rows < len(output.contact_times) - 1:
+            run.done += 1
+            while state.stretch + 1 < len(starts) and starts[state.stretch + 1] <= run.t:
+                state.stretch += 1
+            run.stretch = timetable.stretches[state.stretch]
+            run.t_end = (state.steps + 1) * h
+            step(run)
+            while state.sample < len(times) and times[state.sample] < run.t_end:
+                share = (times[state.sample] - run.t) / h
+                inside = run.inside[0]
+                inside.angle = point.angle + share * (run.end[0].angle - point.angle)
+                inside.velocity = point.velocity + share * (run.end[0].velocity - point.velocity)
+                write_sample(run, output, run.inside, 1, share * run.work, share * run.loss)
+            if sees(run, ON_STEP):
+                show(run, eyes)
+            point.angle, point.velocity = run.end[0].angle, run.end[0].velocity
+            state.drive_work += run.work
+            state.damping_loss += run.loss
+            state.steps += 1
+            run.t = run.t_end
+            put_back(run, output)
+            if run.settings.follows_ledger != 0:
+                follow_ledger(state, inertia * energy(run, point.angle, point.velocity))
+        while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
+            write_sample(run, output, run.now, 1, 0.0, 0.0)
+        state.angle[0], state.velocity[0] = point.angle, point.velocity
+        state.contacts += run.rows
+        state.total_steps += run.done
+        rows: int = run.rows
         return rows
 
-    return trajectory
+    return carry_on

@@ -11,22 +11,23 @@ import functools
 import hashlib
 import pickle
 import sys
+import threading
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite
 import numba
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
-from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.extending import register_jitable
 
 from latolato import cache
 from latolato.numerics.compiler import tell_it_is_there
+from latolato.numerics.linking import link_once
 from latolato.scalar import for_each_formula
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
@@ -73,9 +74,7 @@ class _KernelCache(_Cache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Load a kernel without what only compiling needs: 0.2 s of imports, half of them SciPy."""
-        # What compiled code may call lies in these two.
-        rtsys.initialize(target_context)
-        import_module("numba.cpython.hashing")
+        import_module("numba.cpython.hashing")  # compiled code may call what lies in it
         try:
             path = self._path(sig, target_context.codegen())
             reduced = pickle.loads(cache.read(path))
@@ -144,37 +143,80 @@ def law_key(*laws: Callable[..., Any]) -> str:
     return "+".join(parts)
 
 
-def hooks_key(hooks: Iterable[Iterable[tuple[int, Callable[..., Any]]]]) -> str:
-    """Return a text that identifies observables' formulas and slots."""
-    return ";".join("+".join(f"{at}@{law_key(f)}" for at, f in hook) for hook in hooks)
-
-
 # Multiply-adds may be fused: faster and rounded once less, but not to the bits of plain Python.
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 
 
+class Piece(NamedTuple):
+    """A compiled piece: its address for other pieces, and what calls it from Python.
+
+    Its code stays where it is as long as there is a reference to `call`.
+    """
+
+    address: int
+    call: Callable[..., Any]
+
+
+_compiling = threading.RLock()
+
+
+def compiled_once(function: Callable[..., Piece]) -> Callable[..., Piece]:
+    """Remember the pieces that a function returns; threads that want the same one wait for it."""
+    remembered = functools.lru_cache(maxsize=256)(function)
+
+    @functools.wraps(function)
+    def piece(*args: Any, **kwargs: Any) -> Piece:
+        with _compiling:
+            return remembered(*args, **kwargs)
+
+    return piece
+
+
+def compile_piece(
+    make: Callable[..., Callable[..., Any]], name: str, kind: Any, *laws: Callable[..., Any]
+) -> Piece:
+    """Return a piece whose signature in numba's types is `kind`; the rest as in `compile_kernel`.
+
+    It takes numbers and addresses and allocates nothing; see `latolato.numerics.pieces`.
+    """
+    kernel: Any = compile_kernel(make, name, *laws, allocates=False)
+    kernel.compile(kind.args)
+    found = kernel.overloads[kind.args]
+    address = found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name)
+    return Piece(address, kernel)
+
+
 def compile_kernel(
-    make: Callable[..., Callable[..., Any]], name: str, *laws: Callable[..., Any]
+    make: Callable[..., Callable[..., Any]],
+    name: str,
+    *laws: Callable[..., Any],
+    allocates: bool = True,
 ) -> Callable[..., Any]:
     """Return the kernel that `make` folds from laws, compiled, with a disk cache.
 
     ``make(*laws, compile_part)`` compiles its parts by the function it is given. Every part gets a
     name of its own kernel: libraries that two processes compiled may be loaded by a third, and
-    parts of one name would be taken for each other there.
+    parts of one name would be taken for each other there. A kernel that does not allocate arrays is
+    faster if it says so: then nobody counts references to those it is given.
     """
+    options = _OPTIONS if allocates else {**_OPTIONS, "_nrt": False}
     key = f"{name}:{law_key(*laws)}"
     suffix = hashlib.sha256(key.encode()).hexdigest()[:16]
 
     def rename(function: Callable[..., Any]) -> None:
         function.__qualname__ = f"{function.__qualname__}_{suffix}"
 
+    parts: list[Any] = []
+
     def compile_part(function: Callable[..., Any], *, inline: bool = False) -> Any:
         rename(function)
-        return numba.njit(**_OPTIONS, **_PART, forceinline=inline)(function)
+        parts.append(numba.njit(**options, **_PART, forceinline=inline)(function))
+        return parts[-1]
 
     function = make(*laws, compile_part)
     rename(function)
-    dispatcher = numba.njit(**_OPTIONS)(function)
+    dispatcher = numba.njit(**options)(function)
     dispatcher._cache = _KernelCache(function.__name__, key)
+    link_once(dispatcher, parts)
     compiled: Callable[..., Any] = dispatcher
     return compiled

@@ -5,34 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import records
-from latolato.numerics.records import (
-    ANGLE_1,
-    ANGLE_2,
-    MODE,
-    SETTINGS,
-    SIGN_1,
-    SIGN_2,
-    SLACK_FIRST,
-    SPACE,
-    STEPS,
-    T_BASE,
-    VELOCITY_1,
-    VELOCITY_2,
-)
+from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
-from latolato.numerics.watch import BLIND, Hooks, hooks_of
+from latolato.numerics.trajectory import make_trajectory
+from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
 from latolato.observables import Observable
 from latolato.physics.drives import Drive
-from latolato.physics.pendulum import System, restoring_linear
+from latolato.physics.pendulum import (
+    System,
+    potential_sine,
+    restoring_linear,
+    restoring_sine,
+)
 
 Floats = NDArray[np.float64]
+Law = Callable[..., float]
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
 # benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
@@ -67,6 +63,8 @@ class Trajectory:
     ----------
     samples : ndarray, shape (SAMPLE_ROWS, time)
         Rows as laid down in `latolato.numerics.records`.
+    state : record of `latolato.numerics.engine.record.STATE`
+        The motion at the end.
     contact_values : ndarray, shape (4, contact)
         Angular velocities before (one row a ball) and after.
     slots : ndarray, shape (slot, ball)
@@ -77,8 +75,7 @@ class Trajectory:
     contact_times: Floats
     contact_kinds: NDArray[np.int64]
     contact_values: Floats
-    state: Floats
-    counters: NDArray[np.int64]
+    state: Any
     reached: float
     step: float
     stepper: Stepper
@@ -148,18 +145,19 @@ def settings_values(
     restitution: Any,
     rest_speed: Any,
     step: Any,
-    lift_bound: Any,
+    pivot_bound: Any,
     rate: Any,
     offsets: tuple[float, float] = (0.0, 0.0),
     follows_tension: bool,
     follows_ledger: bool = False,
     mirrored: bool = False,
+    is_linear: bool = False,
 ) -> tuple[Any, ...]:
     """Return the content of a `SETTINGS` record, numbers or arrays."""
     sag = 0.5 * (step * rate) ** 2
     return (
-        gravity, *walls, restitution, rest_speed, step, lift_bound, *offsets, sag,
-        int(follows_tension), int(follows_ledger), int(mirrored),
+        gravity, *walls, restitution, rest_speed, step, pivot_bound, *offsets, sag,
+        int(follows_tension), int(follows_ledger), int(mirrored), int(is_linear),
     )  # fmt: skip
 
 
@@ -176,44 +174,91 @@ def body_rows(
     return [*rows, *(record for record, _ in joint)], (joint[0][1], joint[1][1])
 
 
-def maker_of(name: str) -> Callable[..., Callable[..., Any]]:
-    """Return the factory of a kernel; imported on use, so that start-up pays for one only."""
-    if name == "clamp":
-        from latolato.numerics.clamp import make_clamped
+def laws_key(system: System) -> tuple[Law, Law]:
+    """Return the restoring law and the potential that name the kernels of a system.
 
-        return make_clamped
-    if name == "pair":
-        from latolato.numerics.fold_pair import make_pair_trajectory
+    Those of the package are told apart by a number, so one pair stands for all.
+    """
+    if system.restoring in (restoring_sine, restoring_linear):
+        return restoring_sine, potential_sine
+    return system.restoring, system.potential
 
-        return make_pair_trajectory
-    if name == "observe":
-        from latolato.numerics.observe import make_observer
 
-        return make_observer
-    from latolato.numerics.fold import make_trajectory
+def engine_of(
+    count: int,
+    *laws: Law,
+    stretch: np.dtype[Any] | None = None,
+    clamped: bool = False,
+    compiled: bool = True,
+    hooks: tuple[Hooks, ...] = BLIND,
+) -> Callable[..., int]:
+    """Return the engine as Python calls it, compiled or as plain Python.
 
-    return make_trajectory
+    Its arguments are those of `engine.loop.make_engine`; a compiled one wants records of an array
+    of `numpy.recarray`, and `stretch` if the drive's stretches are of another layout.
+    """
+    if not compiled:
+        return make_trajectory(*laws, count=count, watch=make_watch(hooks), clamped=clamped)
+    from latolato.numerics.entry import engine_piece, write_memory
+    from latolato.numerics.hooks import hook_table, pieces_of
+
+    piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, clamped=clamped)
+    looking = pieces_of(hooks)
+    table = hook_table(looking)
+
+    def carry_on(
+        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
+    ) -> int:
+        assert looking is not None  # the code of the pieces must not go while they are called
+        write_memory(run.memory, timetable, output, eyes)
+        run.memory.hooks = table.ctypes.data
+        rows: int = piece.call(run.__array_interface__["data"][0], stop, most_steps)
+        return rows
+
+    return carry_on
 
 
 @lru_cache(maxsize=64)
-def kernel(
-    name: str,
-    *laws: Callable[..., float],
-    compiled: bool = True,
-    hooks: tuple[Hooks, ...] = BLIND,
-) -> Callable[..., Any]:
-    """Return a kernel made of these laws, compiled (and kept on disk) or as plain Python.
+def observer_of(*laws: Law) -> Callable[..., None]:
+    """Return the compiled kernel of `latolato.numerics.observe`."""
+    from latolato.numerics.compiled import compile_kernel
+    from latolato.numerics.observe import make_observer
 
-    `name` is ``one``, ``pair``, ``clamp`` or ``observe``; the last has no hooks.
+    return compile_kernel(make_observer, "observe", *laws)
+
+
+def make_runs(
+    system: System,
+    start: Start,
+    walls: tuple[float, float],
+    stepper: Stepper,
+    settings: tuple[Any, ...],
+    stretch: np.dtype[Any] | None = None,
+) -> NDArray[Any]:
+    """Return the record of a trajectory at time zero, of shape (1,).
+
+    Parameters
+    ----------
+    settings : tuple
+        What `settings_values` returned.
+    stretch : dtype, optional
+        The layout of the drive's stretches, if it is not the usual one.
     """
-    make = maker_of(name)
-    if hooks != BLIND:
-        make = partial(make, hooks=hooks)
-    if not compiled:
-        return make(*laws)
-    from latolato.numerics.compiled import compile_kernel, hooks_key
+    runs = np.zeros(1, dtype=run_dtype(stretch))
+    rows, _ = body_rows(system, walls)
+    runs["bodies"][0, : len(rows)] = records.bodies(*rows)
+    runs["settings"][0] = settings
+    write_stepper(runs, stepper)
+    runs["state"] = initial_states(start.angles, start.velocities)
+    return runs
 
-    return compile_kernel(make, name if hooks == BLIND else f"{name} {hooks_key(hooks)}", *laws)
+
+def write_stepper(runs: NDArray[Any], stepper: Stepper) -> None:
+    """Write a stepper's weights into runs."""
+    stages = len(stepper.drifts)
+    runs["stages"] = stages
+    runs["kicks"][..., : stages + 1] = stepper.kicks
+    runs["drifts"][..., :stages], runs["nodes"][..., :stages] = stepper.drifts, stepper.nodes
 
 
 def integrate(
@@ -253,60 +298,60 @@ def integrate(
     """
     stepper = choose_stepper(system)
     angles = system.angles
-    name = "clamp" if clamped else ("pair" if angles == 2 else "one")
-    laws = (drive.acceleration, system.restoring, system.potential)
-    carry_on = kernel(name, *laws, compiled=compiled, hooks=hooks_of(watched))
-    states, all_counters = initial_state(start.angles, start.velocities)
-    state, counters = states[0], all_counters[0]
-    rows, offsets = body_rows(system, walls)
-    bodies = records.bodies(*rows)
-    settings = np.zeros(1, dtype=SETTINGS)
-    settings[0] = settings_values(
+    _, offsets = body_rows(system, walls)
+    settings = settings_values(
         gravity=system.gravity,
         walls=walls,
         restitution=getattr(system, "restitution", 1.0),
         rest_speed=rest_speed,
         step=step,
-        lift_bound=drive.largest_acceleration,
+        pivot_bound=drive.largest_acceleration,
         rate=fastest_rate(system, drive, start),
         offsets=offsets,
         follows_tension=system.restoring is not restoring_linear,
         follows_ledger=True,
+        is_linear=system.restoring is restoring_linear,
     )
     stretches, starts = records.stretch_records(drive, duration)
-    jumps = np.array(drive.velocity_jumps(duration))
-    kick_times = np.empty(0) if kick_times is None else kick_times
-    kick_sizes = np.empty((angles, 0)) if kick_sizes is None else kick_sizes
-    tables = np.zeros((6 if angles == 2 else 2, 3, len(stepper.kicks)))
+    carry_on = engine_of(
+        angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype, clamped=clamped,
+        compiled=compiled, hooks=hooks_of(watched),
+    )  # fmt: skip
+    runs = make_runs(system, start, walls, stepper, settings, stretches.dtype).view(np.recarray)
+    state = runs[0].state
+    timetable = Timetable(
+        stretches if compiled else as_objects(stretches),
+        starts,
+        np.array(drive.velocity_jumps(duration)),
+        np.empty(0) if kick_times is None else kick_times,
+        np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
+    )
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
-    space = np.zeros(SPACE)
     columns = [[v for o in watched for v in o.initial(np.array(x))] for x in start.angles]
     acc = np.array(columns, dtype=np.float64).T.ravel() if watched else np.zeros(1)
+    run = runs[0] if compiled else as_objects(runs)[0]
     room = 256
     kinds, times, values = [], [], []
     count = 0
-    if not compiled:
-        settings, bodies, stretches = map(records.python_view, (settings, bodies, stretches))
     status, reached = "complete", -1.0
     while True:
         size = min(room, contact_limit - count) + 4  # an event may need several rows
         buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
-        written = carry_on(
-            state, counters, settings, bodies, stretches, starts, jumps, kick_times, kick_sizes,
-            tables, space, stepper.kicks, stepper.drifts, stepper.nodes, sample_times, samples,
-            *buffers, duration, _STEPS_PER_CALL, acc, 0, angles,
-        )  # fmt: skip
+        output = Output(sample_times, samples, *buffers)
+        written = carry_on(run, timetable, output, Eyes(acc, 0, angles), duration, _STEPS_PER_CALL)
+        if not compiled:
+            write_back([run.state], runs["state"])
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
         values.append(buffers[2][:, :written])
         count += written
-        before, reached = reached, state[T_BASE] + counters[STEPS] * step
+        before, reached = reached, float(state.t_base + state.steps * step)
         # A fault: the steps that are admitted are far above the spacing of floats at their end.
         if reached <= before and not written and math.isfinite(reached):
             raise RuntimeError(f"the integration came to a halt at t = {reached:.17g} s")
         if progress is not None:
             progress(min(reached / duration, 1.0))
-        if not np.all(abs(state[ANGLE_1 : VELOCITY_2 + 1]) <= _LARGEST):
+        if not np.all(abs(np.array([state.angle, state.velocity])) <= _LARGEST):
             lost = ~(np.max(abs(samples[: 2 * angles]), axis=0) <= _LARGEST)
             reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
@@ -320,22 +365,15 @@ def integrate(
         room = min(max(room, 2 * written), 65536)
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
-        state, counters, float(min(reached, duration)), step, stepper, status,
+        state, float(min(reached, duration)), step, stepper, status,
         acc.reshape(-1, angles) if watched else np.zeros((0, angles)),
     )  # fmt: skip
 
 
-def initial_state(
-    angles: Sequence[Any], velocities: Sequence[Any], count: int = 1
-) -> tuple[Floats, NDArray[np.int64]]:
-    """Return states (point, slot) and counters at time zero; kernels settle the modes."""
-    state = np.zeros((count, records.STATE_SIZE))
-    counters = np.zeros((count, records.COUNTERS_SIZE), dtype=np.int64)
-    state[:, [SLACK_FIRST, records.SLACK_FIRST_2]] = np.nan
+def initial_states(angles: Sequence[Any], velocities: Sequence[Any], count: int = 1) -> Any:
+    """Return states at time zero, of shape (count,); the engine settles their modes."""
+    states = np.zeros(count, dtype=STATE)
+    states["mode"], states["slack_start"] = UNSETTLED, np.nan
     for ball, (angle, velocity) in enumerate(zip(angles, velocities, strict=True)):
-        state[:, (ANGLE_1, ANGLE_2)[ball]] = angle
-        state[:, (VELOCITY_1, VELOCITY_2)[ball]] = velocity
-    counters[:, MODE] = records.UNSETTLED
-    counters[:, SIGN_1] = np.where(np.less(velocities[0], 0.0), -1, 1)
-    counters[:, SIGN_2] = np.where(np.less(velocities[-1], 0.0), -1, 1)
-    return state, counters
+        states["angle"][:, ball], states["velocity"][:, ball] = angle, velocity
+    return states

@@ -1,4 +1,4 @@
-"""What all lanes do together: a full step, its judgement, and showing it to observables.
+"""What all lanes do together, as compiled pieces: a full step, and showing it to an observable.
 
 Loops run over all lanes without branches, so that they become vector instructions.
 """
@@ -6,46 +6,77 @@ Loops run over all lanes without branches, so that they become vector instructio
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
+
+from numba import types
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.flight import Part
-from latolato.numerics.tangent import write_matrix
-from latolato.numerics.watch import Watch
+from latolato.numerics.compiled import Piece, compile_piece, compiled_once
+from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.laws import restoring_laws
+from latolato.numerics.engine.record import MATRIX_SHAPE
+from latolato.numerics.matrices import write_matrix
+from latolato.numerics.pieces import array_at, table_at
+from latolato.numerics.watch import Hooks
 from latolato.observables import Segment
 from latolato.physics.pendulum import SLOPES
 
+Law = Callable[..., float]
 
-class LaneFlight(NamedTuple):
-    """The functions of all lanes; see `make_lane_flight`."""
-
-    advance_all: Callable[..., None]
-    judge_all: Callable[..., float]
-    put_back: Callable[..., None]
-    count_all: Callable[..., None]
-    watch_all: Callable[..., None]
-    follow_all: Callable[..., None]
+# ``lanes that wait(workspace, table, kicks, drifts of a step)``
+FLY = types.float64(*[types.int64] * 4)
+# ``(slots, workspace, matrix, number of the restoring law)``
+SHOW = types.void(*[types.int64] * 4)
+_ANY_SIZE = 1 << 40
 
 
-def make_lane_flight(
-    restoring: Callable[..., float],
-    potential: Callable[..., float],
-    watch: Watch,
-    compile_part: Part | None = None,
-    *,
-    damped: bool,
-    walled: bool,
-    works: bool,
-    tangents: bool,
-) -> LaneFlight:
-    """Return the functions of all lanes; the arguments are those of `lanes.make_lanes`."""
-    part: Part = compile_part or (lambda function: function)
-    copied = 7 if works else 5
-    watch_step, watch_tangent, slope = watch.step, watch.tangent, SLOPES[restoring]
+@compiled_once
+def fly_piece(restoring: Law, *, damped: bool, walled: bool, works: bool, tangents: bool) -> Piece:
+    """Return the step of all lanes.
+
+    Parameters
+    ----------
+    damped, walled, works, tangents : bool
+        Whether any point has drag, whether any has walls, whether works and matrices are asked for.
+    """
+    make = partial(make_fly, damped=damped, walled=walled, works=works, tangents=tangents)
+    return compile_piece(make, f"fly {damped} {walled} {works} {tangents}", FLY, restoring)
+
+
+@compiled_once
+def show_piece(formula: Callable[..., None], restoring: Law, potential: Law) -> Piece:
+    """Return what shows an observable the step of every lane."""
+    return compile_piece(make_show, "show", SHOW, formula, restoring, potential)
+
+
+@compiled_once
+def follow_piece(formula: Callable[..., None]) -> Piece:
+    """Return what shows an observable the matrix of every step."""
+    return compile_piece(make_follow, "follow", SHOW, formula)
+
+
+def lane_pieces(
+    hooks: tuple[Hooks, Hooks], restoring: Law, potential: Law
+) -> list[list[tuple[int, Piece]]]:
+    """Return the pieces that show steps and matrices, with the first slots of `watch.hooks_of`."""
+    steps, tangents = hooks
+    return [
+        [(first, show_piece(formula, restoring, potential)) for first, formula in steps],
+        [(first, follow_piece(formula)) for first, formula in tangents],
+    ]
+
+
+def make_fly(
+    restoring: Law, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
+) -> Callable[..., float]:
+    """Return what takes a step in every lane and puts those back that must not take it."""
+    copied, slope = 7 if works else 5, SLOPES[restoring]
     first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
+    numbers_at = array_at()
 
     @part
-    def advance_all(w: Any, table: Any, kicks: Any) -> None:
+    def advance(w: Any, table: Any, kicks: Any, stages: int) -> None:
         """Take a full step in every lane, keeping what was before."""
         L = r.LANES
         for row in range(copied):
@@ -55,41 +86,40 @@ def make_lane_flight(
             for j in range(L):
                 w[first * L + j] = w[(second + 1) * L + j] = 1.0
                 w[(first + 1) * L + j] = w[second * L + j] = 0.0
-        stages = table.shape[0] - 1
         for i in range(stages):
-            b = kicks[i]
-            reach, left = table[i, r.REACH], table[i, r.LEFT]
-            cos, sin = table[i, r.COS], table[i, r.SIN]
+            b, at = kicks[i], i * r.TABLE_ROWS * L
             for j in range(L):
-                driven = w[r.C * L + j] * cos[j] - w[r.D * L + j] * sin[j]
+                cos, sin = table[at + r.COS * L + j], table[at + r.SIN * L + j]
+                reach, left = table[at + r.REACH * L + j], table[at + r.LEFT * L + j]
+                driven = w[r.C * L + j] * cos - w[r.D * L + j] * sin
                 v, s = w[r.V * L + j], w[r.S * L + j]
                 change = b * (w[r.G * L + j] + driven) * s
                 if works:
                     w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
                 if tangents:
                     bend = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
-                    kept = left[j] if damped else 1.0
+                    kept = left if damped else 1.0
                     v1 = w[(first + 1) * L + j] + bend * w[first * L + j]
                     v2 = w[(second + 1) * L + j] + bend * w[second * L + j]
-                    w[first * L + j] += v1 * reach[j]
-                    w[second * L + j] += v2 * reach[j]
+                    w[first * L + j] += v1 * reach
+                    w[second * L + j] += v2 * reach
                     w[(first + 1) * L + j] = v1 * kept
                     w[(second + 1) * L + j] = v2 * kept
                 v += change
-                x = w[r.X * L + j] + v * reach[j]
+                x = w[r.X * L + j] + v * reach
                 w[r.X * L + j] = x
                 w[r.S * L + j] = restoring(x)
                 if damped:
-                    slowed = v * left[j]
+                    slowed = v * left
                     if works:
                         w[r.LOSS * L + j] += 0.5 * (v - slowed) * (v + slowed)
                     v = slowed
                 w[r.V * L + j] = v
-        b = kicks[stages]
-        cos, sin = table[stages, r.COS], table[stages, r.SIN]
+        b, at = kicks[stages], stages * r.TABLE_ROWS * L
         for j in range(L):
-            driven = w[r.C * L + j] * cos[j] - w[r.D * L + j] * sin[j]
-            w[r.D * L + j] = w[r.D * L + j] * cos[j] + w[r.C * L + j] * sin[j]
+            cos, sin = table[at + r.COS * L + j], table[at + r.SIN * L + j]
+            driven = w[r.C * L + j] * cos - w[r.D * L + j] * sin
+            w[r.D * L + j] = w[r.D * L + j] * cos + w[r.C * L + j] * sin
             w[r.C * L + j] = driven
             v, s = w[r.V * L + j], w[r.S * L + j]
             change = b * (w[r.G * L + j] + driven) * s
@@ -102,7 +132,7 @@ def make_lane_flight(
                 w[(second + 1) * L + j] += bend * w[second * L + j]
 
     @part
-    def judge_all(w: Any) -> float:
+    def judge(w: Any) -> float:
         """Find the lanes whose full step must not be taken, and return how many they are.
 
         That is at a halt, where the end lies beyond a wall, and beside a wall where the force
@@ -146,15 +176,27 @@ def make_lane_flight(
                 now, before = w[row * L + j], w[(row + r.COPY) * L + j]
                 w[row * L + j] = now if w[r.TAKEN * L + j] > 0.0 else before
 
-    @part
-    def count_all(w: Any) -> None:
-        """Count the steps that were taken."""
-        for j in range(r.LANES):
-            w[r.N * r.LANES + j] += w[r.TAKEN * r.LANES + j]
+    def fly(workspace: int, table: int, kicks: int, stages: int) -> float:
+        w = numbers_at(workspace, r.ROWS * r.LANES)
+        weights, rows = numbers_at(kicks, stages + 1), (stages + 1) * r.TABLE_ROWS * r.LANES
+        advance(w, numbers_at(table, rows), weights, stages)
+        waiting: float = judge(w)
+        if waiting > 0.0:
+            put_back(w)
+        return waiting
 
-    @part
-    def watch_all(w: Any, acc: Any) -> None:
-        """Show the observables the step of every lane; one put back shows a step of no length."""
+    return fly
+
+
+def make_show(
+    formula: Callable[..., None], restoring: Law, potential_of: Law, part: Part
+) -> Callable[..., None]:
+    """Return what shows an observable the step of every lane; one put back has no length."""
+    potential = restoring_laws(restoring, potential_of, part).potential
+    numbers_at = array_at()
+
+    def show(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+        acc, w = numbers_at(slots, _ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         L = r.LANES
         for j in range(L):
             h = w[r.H * L + j]
@@ -170,25 +212,34 @@ def make_lane_flight(
             stiffness = -g * per_h2
             segment = Segment(
                 t0, t0 + w[r.TAKEN * L + j] * h, x0, x1, v0, v1, a0, a1,
-                0.5 * v0 * v0 + stiffness * potential(x0),
-                0.5 * v1 * v1 + stiffness * potential(x1),
+                0.5 * v0 * v0 + stiffness * potential(x0, is_linear),
+                0.5 * v1 * v1 + stiffness * potential(x1, is_linear),
                 v0 * (a0 + stiffness * s0), v1 * (a1 + stiffness * s1), 0.0,
             )  # fmt: skip
-            watch_step(acc, j, L, segment)
+            formula(acc, j, L, segment)
 
-    @part
-    def follow_all(w: Any, acc: Any, jacobian: Any) -> None:
-        """Show the observables the matrix of every step that was taken."""
+    return show
+
+
+def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]:
+    """Return what shows an observable the matrix of every step that was taken."""
+    first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
+    numbers_at = array_at()
+
+    def follow(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+        acc, w = numbers_at(slots, _ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
+        rows, columns = MATRIX_SHAPE
+        jacobian = table_at(matrix, rows, columns, 8 * columns)
         L = r.LANES
         for j in range(L):
             if w[r.TAKEN * L + j] == 0.0:
                 continue
             h = w[r.H * L + j]
-            matrix = (
+            step = (
                 w[first * L + j], w[second * L + j] * h,
                 w[(first + 1) * L + j] * w[r.PER_H * L + j], w[(second + 1) * L + j],
             )  # fmt: skip
-            write_matrix(jacobian, 0, matrix)
-            watch_tangent(acc, j, L, 2, h, -w[r.RATE * L + j] * h, jacobian)
+            write_matrix(jacobian, 0, step)
+            formula(acc, j, L, 2, h, -w[r.RATE * L + j] * h, jacobian)
 
-    return LaneFlight(advance_all, judge_all, put_back, count_all, watch_all, follow_all)
+    return follow

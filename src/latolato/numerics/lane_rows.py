@@ -30,3 +30,17 @@ TABLE_ROWS = 4
 
 # The halt of a lane that waits for its impact to be located.
 WAITS = -1.0
+
+# Impacts are gathered until so many can be located together.
+IMPACTS = 16
+# Rows of the impacts' workspace, in units of the step: both ends of the full step, its quintic's
+# coefficients, the wall, laws and the drive's phase.
+IX0, IV0, IA0, IX1, IV1, IA1 = 0, 1, 2, 3, 4, 5
+IB, IC2, IC3, IC4, IC5 = 6, 7, 8, 9, 10
+IWALL, IFAR, IG, ISCALE, IPHASE, ITURN, IDRAG, INEAR = 11, 12, 13, 14, 15, 16, 17, 18
+# The search: bracket and share of the step; then the motion at that share, and what is missing.
+ILOW, IHIGH, IU = 19, 20, 21
+IX, IV, IS, IF, IDRIVEN, IWORK, ILOSS, IMISS, DONE = 22, 23, 24, 25, 26, 27, 28, 29, 30
+IMPACT_ROWS = 31
+# What is noted of an impact; the rest is found.
+NOTED_ROWS = INEAR + 1

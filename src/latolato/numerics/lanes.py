@@ -15,59 +15,101 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.flight import Part, make_flight
-from latolato.numerics.lane_flight import make_lane_flight
-from latolato.numerics.lane_impacts import (
-    DONE,
-    IMPACT_ROWS,
-    IMPACTS,
-    NOTED_ROWS,
-    make_lane_impacts,
-)
+from latolato.numerics.compiled import compile_kernel
+from latolato.numerics.engine.compiling import Part, inlined
+from latolato.numerics.engine.laws import laws_of
+from latolato.numerics.engine.record import FLIGHT
+from latolato.numerics.engine.swing import make_swing
+from latolato.numerics.entry import make_caller
+from latolato.numerics.hooks import make_calling_watch
+from latolato.numerics.lane_flight import FLY, SHOW
+from latolato.numerics.lane_impacts import make_lane_impacts
+from latolato.numerics.lane_locate import LOCATE
 from latolato.numerics.many import Points, Progress, Scratch, Weights, make_steering
-from latolato.numerics.records import (
-    ANGLE_1,
-    CONTACT,
-    DAMPED,
-    FLIGHT,
-    MATRIX,
-    MODE,
-    STEPS,
-    T_BASE,
-    VELOCITY_1,
-    WORK,
-)
-from latolato.numerics.tangent import make_tangent
-from latolato.numerics.watch import Hooks, make_watch
+from latolato.numerics.pieces import address_of, caller_of
+from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
 from latolato.scalar import cosine, sine
+
+Law = Callable[..., float]
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
 _RESYNC = 256.0
 
 # With so few lanes still flying none waits for the impacts of others.
-_FEW = 3 * IMPACTS
+_FEW = 3 * r.IMPACTS
+
+
+# What is shown to observables, in the table of `LaneSpace`.
+_STEPS, _MATRICES = 0, 1
+
+
+class LaneSpace(NamedTuple):
+    """The memory of lanes, and the addresses of their pieces; see `make_lane_space`."""
+
+    w: Any  # rows of `lane_rows`, each LANES wide
+    z: Any  # rows of noted impacts
+    table: Any  # rows of a step's table
+    acc: Any  # (slot * LANES,)
+    point: Any  # (LANES,): which point a lane carries, -1 for none
+    index: Any  # (LANES,): its next stop
+    lane: Any  # (IMPACTS,): whose impact is noted
+    fly: Any
+    locate: Any
+    hooks: Any  # see `hooks.hook_table`
+
+
+class Task(NamedTuple):
+    """What lanes work on."""
+
+    points: Points
+    weights: Weights
+    scratch: Scratch
+    progress: Progress
+    space: LaneSpace
+
+
+def make_lane_space(
+    stages: int, slots: int, fly: int, locate: int, hooks: NDArray[np.int64]
+) -> LaneSpace:
+    """Return the memory of lanes whose step has so many stages, for observables with so many slots.
+
+    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `hooks` the
+    table of what shows steps and matrices.
+    """
+    return LaneSpace(
+        np.zeros(r.ROWS * r.LANES),
+        np.zeros(r.IMPACT_ROWS * r.IMPACTS),
+        np.zeros((stages + 1) * r.TABLE_ROWS * r.LANES),
+        np.zeros(r.LANES * slots),
+        np.full(r.LANES, -1),
+        np.zeros(r.LANES, dtype=np.int64),
+        np.zeros(r.IMPACTS, dtype=np.int64),
+        fly,
+        locate,
+        hooks,
+    )
+
+
+@lru_cache(maxsize=64)
+def lanes_kernel(*laws: Law) -> Callable[..., None]:
+    """Return the compiled kernel of `make_lanes`."""
+    return compile_kernel(make_lanes, "lanes", *laws, allocates=False)
 
 
 def make_lanes(
-    acceleration: Callable[..., float],
-    restoring: Callable[..., float],
-    potential: Callable[..., float],
+    acceleration: Law,
+    restoring_of: Law,
+    potential_of: Law,
     rotation: Callable[..., tuple[float, float, float]],
-    compile_part: Part | None = None,
-    *,
-    make: Callable[..., Callable[..., int]],
-    hooks: tuple[Hooks, ...],
-    damped: bool,
-    walled: bool,
-    works: bool,
+    compile_part: Part,
 ) -> Callable[..., None]:
     """Return the function that runs the points of `order` in lanes.
 
@@ -75,21 +117,33 @@ def make_lanes(
     ----------
     rotation : formula of a stretch
         Strength [m/s^2], frequency [rad/s] and phase of the drive's acceleration.
-    damped, walled, works : bool
-        Whether any point has drag, whether any has walls, whether works are asked for.
     """
-    part: Part = compile_part or (lambda function: function)
     # What every impact needs: passing the arrays of all points to a call costs more than the rest.
-    inlined: Part = partial(compile_part, inline=True) if compile_part else part
-    laws = (acceleration, restoring, potential)
-    carry_to, is_over, arrive, time_of = make_steering(make, laws, compile_part, hooks)
-    watch, watches, tangents = make_watch(hooks, compile_part), bool(hooks[0]), bool(hooks[4])
-    advance_all, judge_all, put_back, count_all, watch_all, follow_all = make_lane_flight(
-        restoring, potential, watch, compile_part,
-        damped=damped, walled=walled, works=works, tangents=tangents,
-    )  # fmt: skip
+    part, inline = compile_part, inlined(compile_part)
+    watch = make_calling_watch(compile_part)
+    steering = make_steering(make_caller(compile_part), watch, compile_part)
+    carry_to, is_over, arrive, time_of = steering
+    laws = laws_of(acceleration, restoring_of, potential_of, compile_part)
+    restoring = laws.restoring
+    call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
 
-    @inlined
+    @part
+    def show_all(occasion: int, run: Any, space: LaneSpace) -> None:
+        """Show the observables the step of every lane, or its matrix."""
+        hooks, slots, w = space.hooks, address_of(space.acc), address_of(space.w)
+        matrix, row = address_of(run.jacobian), 8 * r.LANES
+        at = hooks[occasion]
+        while hooks[at] != 0:
+            call_show(hooks[at], (slots + row * hooks[at + 1], w, matrix, run.settings.is_linear))
+            at += 2
+
+    @part
+    def count_all(w: Any) -> None:
+        """Count the steps that were taken."""
+        for j in range(r.LANES):
+            w[r.N * r.LANES + j] += w[r.TAKEN * r.LANES + j]
+
+    @inline
     def turn_phase(j: int, k: int, w: Any, points: Points) -> None:
         """Compute the drive's phase of a lane afresh."""
         L = r.LANES
@@ -100,84 +154,79 @@ def make_lanes(
         w[r.C * L + j] = scale * cosine(turn)
         w[r.D * L + j] = scale * sine(turn)
 
-    @inlined
+    @inline
     def last_step(j: int, stop: float, w: Any) -> float:
         """Return how many full steps a lane can take before a stop."""
         return (stop - w[r.T * r.LANES + j]) / w[r.H * r.LANES + j] - 1.0 - 1e-9
 
-    @inlined
+    @inline
     def set_halt(j: int, stop: float, w: Any) -> None:
         """Write after how many steps a lane must be looked at: before the stop, or to resync."""
         w[r.HALT * r.LANES + j] = min(last_step(j, stop, w), w[r.N * r.LANES + j] + _RESYNC)
 
-    @inlined
+    @inline
     def load(j: int, k: int, stop: float, w: Any, points: Points, progress: Progress) -> None:
         """Put the state of point k into lane j."""
         L = r.LANES
-        state = progress.state
+        state = progress.states[k]
         h = w[r.H * L + j]
-        w[r.X * L + j] = state[k, ANGLE_1]
-        w[r.V * L + j] = state[k, VELOCITY_1] * h
-        w[r.S * L + j] = restoring(state[k, ANGLE_1])
-        w[r.T * L + j] = state[k, T_BASE]
-        w[r.N * L + j] = float(progress.counters[k, STEPS])
+        w[r.X * L + j] = state.angle[0]
+        w[r.V * L + j] = state.velocity[0] * h
+        w[r.S * L + j] = restoring(state.angle[0], points.settings[k].is_linear)
+        w[r.T * L + j] = state.t_base
+        w[r.N * L + j] = float(state.steps)
         w[r.WORK * L + j] = 0.0
         w[r.LOSS * L + j] = 0.0
         turn_phase(j, k, w, points)
         set_halt(j, stop, w)
 
-    @inlined
+    @inline
     def store(j: int, k: int, w: Any, points: Points, progress: Progress) -> None:
         """Write the state of lane j back to point k."""
         L = r.LANES
-        state, counters = progress.state, progress.counters
+        state = progress.states[k]
         per_h = w[r.PER_H * L + j]
         scale = points.bodies[k, 0].inertia * per_h * per_h
-        state[k, ANGLE_1] = w[r.X * L + j]
-        state[k, VELOCITY_1] = w[r.V * L + j] * per_h
-        state[k, T_BASE] = w[r.T * L + j]
-        counters[k, STEPS] = int(w[r.N * L + j])
-        counters[k, MODE] = FLIGHT
-        if works:
-            state[k, WORK] += scale * w[r.WORK * L + j]
-            state[k, DAMPED] += scale * w[r.LOSS * L + j]
+        x = w[r.X * L + j]
+        state.touch = -1.0 if x <= w[r.LOW * L + j] else (1.0 if x >= w[r.HIGH * L + j] else 0.0)
+        state.angle[0] = x
+        state.velocity[0] = w[r.V * L + j] * per_h
+        state.t_base = w[r.T * L + j]
+        state.steps = int(w[r.N * L + j])
+        state.mode = FLIGHT
+        state.drive_work += scale * w[r.WORK * L + j]
+        state.damping_loss += scale * w[r.LOSS * L + j]
 
-    is_impact, note_impact, locate_all, rebound = make_lane_impacts(
-        restoring,
-        potential,
-        rotation,
-        make_flight(acceleration, restoring, compile_part).force,
-        store,
-        make_tangent(acceleration, restoring, compile_part),
-        watch,
-        compile_part,
-        damped=damped,
-        works=works,
-        watches=watches,
-        tangents=tangents,
+    is_impact, note_impact, rebound = make_lane_impacts(
+        laws, rotation, make_swing(laws, compile_part), store, watch, compile_part
     )
 
     @part
-    def take_up(
-        j: int, k: int, w: Any, table: Any, acc: Any, points: Points, weights: Weights,
-        progress: Progress,
-    ) -> None:  # fmt: skip
+    def take_up(j: int, k: int, task: Task) -> None:
         """Give lane j the laws and the accumulators of point k."""
-        L = r.LANES
+        L, points, weights, progress, space = (
+            r.LANES,
+            task.points,
+            task.weights,
+            task.progress,
+            task.space,
+        )
+        w, table, acc = space.w, space.table, space.acc
         settings, body = points.settings[k], points.bodies[k, 0]
         h = settings.step
         w[r.H * L + j], w[r.PER_H * L + j], w[r.RATE * L + j] = h, 1.0 / h, body.rate
         w[r.G * L + j] = -h * h * settings.gravity * body.coupling
         w[r.LOW * L + j], w[r.HIGH * L + j] = settings.low, settings.high
         _, frequency, _ = rotation(points.stretches[points.firsts[k]])
-        table[0, r.COS, j], table[0, r.SIN, j] = 1.0, 0.0
-        for i in range(table.shape[0] - 1):
+        table[r.COS * L + j], table[r.SIN * L + j] = 1.0, 0.0
+        for i in range(len(weights.drifts)):
+            at, following = i * r.TABLE_ROWS * L + j, (i + 1) * r.TABLE_ROWS * L + j
             reach = decay_time(body.rate, weights.drifts[i] * h)
             turn = frequency * h * weights.nodes[i]
-            table[i, r.REACH, j] = reach / h
-            table[i, r.LEFT, j] = 1.0 - body.rate * reach
-            table[i + 1, r.COS, j] = cosine(turn)
-            table[i + 1, r.SIN, j] = sine(turn)
+            table[at + r.REACH * L] = reach / h
+            table[at + r.LEFT * L] = 1.0 - body.rate * reach
+            table[following + r.COS * L] = cosine(turn)
+            table[following + r.SIN * L] = sine(turn)
         columns = len(progress.status)
         for slot in range(len(acc) // L):
             acc[slot * L + j] = progress.acc[slot * columns + k]
@@ -192,95 +241,91 @@ def make_lanes(
         w[r.PER_H * L + j] = 1.0
 
     @part
-    def lay_down(j: int, k: int, w: Any, acc: Any, progress: Progress) -> None:
+    def lay_down(j: int, k: int, space: LaneSpace, progress: Progress) -> None:
         """Take the accumulators of a finished point out of lane j and leave the lane idle."""
         columns = len(progress.status)
-        for slot in range(len(acc) // r.LANES):
-            progress.acc[slot * columns + k] = acc[slot * r.LANES + j]
-        make_idle(j, w)
+        for slot in range(len(space.acc) // r.LANES):
+            progress.acc[slot * columns + k] = space.acc[slot * r.LANES + j]
+        make_idle(j, space.w)
 
     @part
-    def go_on(
-        j: int, k: int, index: int, w: Any, acc: Any, points: Points, weights: Weights,
-        scratch: Scratch, progress: Progress,
-    ) -> int:  # fmt: skip
+    def go_on(j: int, k: int, index: int, task: Task) -> int:
         """Carry the stored point k on by single steps until it flies; return its next stop.
 
         The number of stops says that the point is finished.
         """
+        points, _, scratch, progress, space = task
         stops = points.stops.shape[1]
         carried = False
         while True:
             t = time_of(k, points, progress)
             while index < stops and not points.stops[k, index] > t:  # reached, or none (NaN)
                 if not math.isnan(points.stops[k, index]):
-                    arrive(index, k, points, progress, acc, j, r.LANES)
+                    arrive(index, k, points, scratch, progress, space.acc, j, r.LANES)
                 index += 1
-            if index == stops or (carried and progress.counters[k, MODE] == FLIGHT):
+            if index == stops or (carried and progress.states[k].mode == FLIGHT):
                 return index
-            carry_to(
-                points.stops[k, index], 1, k, points, weights, scratch, progress, acc, j, r.LANES
-            )
+            carry_to(points.stops[k, index], 1, k, points, scratch, progress, space.acc, j, r.LANES)
             carried = True
             if is_over(k, points, progress):
                 return stops
 
     @part
-    def refill(
-        j: int, taken: int, point: Any, index: Any, order: Any, w: Any, table: Any, acc: Any,
-        points: Points, weights: Weights, scratch: Scratch, progress: Progress,
-    ) -> int:  # fmt: skip
+    def refill(j: int, taken: int, order: Any, task: Task) -> int:
         """Give lane j the next point that does not end at once; return how many were taken up."""
+        points, progress, space = task.points, task.progress, task.space
         stops = points.stops.shape[1]
-        point[j] = -1
+        space.point[j] = -1
         while taken < len(order):
             k = order[taken]
             taken += 1
-            take_up(j, k, w, table, acc, points, weights, progress)
-            index[j] = go_on(j, k, 0, w, acc, points, weights, scratch, progress)
-            if index[j] < stops:
-                point[j] = k
-                load(j, k, points.stops[k, index[j]], w, points, progress)
+            take_up(j, k, task)
+            space.index[j] = go_on(j, k, 0, task)
+            if space.index[j] < stops:
+                space.point[j] = k
+                load(j, k, points.stops[k, space.index[j]], space.w, points, progress)
                 return taken
-            lay_down(j, k, w, acc, progress)
+            lay_down(j, k, space, progress)
         return taken
 
     @part
-    def carry(
-        j: int, k: int, index: int, w: Any, acc: Any, points: Points, weights: Weights,
-        scratch: Scratch, progress: Progress,
-    ) -> int:  # fmt: skip
-        """Carry the stored point k on by itself and load it again; return its next stop."""
-        index = go_on(j, k, index, w, acc, points, weights, scratch, progress)
-        if index < points.stops.shape[1]:
-            load(j, k, points.stops[k, index], w, points, progress)
-        return index
+    def carry(j: int, k: int, task: Task) -> None:
+        """Carry the stored point k on by itself and load it again."""
+        points, index = task.points, task.space.index
+        index[j] = go_on(j, k, index[j], task)
+        if index[j] < points.stops.shape[1]:
+            load(j, k, points.stops[k, index[j]], task.space.w, points, task.progress)
 
     @part
-    def settle_impacts(
-        noted: int, lane: Any, point: Any, index: Any, w: Any, z: Any, acc: Any, points: Points,
-        weights: Weights, scratch: Scratch, progress: Progress,
-    ) -> None:  # fmt: skip
+    def settle_impacts(noted: int, task: Task) -> None:
         """Locate the noted impacts together and let each lane go on behind its own."""
-        E = IMPACTS
+        points, weights, scratch, progress, space = task
+        E, z, w = r.IMPACTS, space.z, space.w
         for e in range(noted, E):  # idle columns repeat the first
-            for row in range(NOTED_ROWS):
+            for row in range(r.NOTED_ROWS):
                 z[row * E + e] = z[row * E]
-        locate_all(z, weights)
+        call_locate(
+            space.locate,
+            (
+                address_of(z), address_of(weights.kicks), address_of(weights.drifts),
+                address_of(weights.nodes), len(weights.drifts),
+            ),
+        )  # fmt: skip
         for e in range(noted):
-            j = lane[e]
-            k = point[j]
+            j = space.lane[e]
+            k = space.point[j]
             w[r.TAKEN * r.LANES + j] = 1.0  # seen to, for this turn
-            if z[DONE * E + e] > 0.0:
-                stop = points.stops[k, index[j]]
-                rebound(e, j, k, stop, w, z, acc, points, weights, scratch, progress)
-                flies = progress.counters[k, MODE] == FLIGHT
-                if flies and progress.counters[k, CONTACT] < points.contact_limit:
+            if z[r.DONE * E + e] > 0.0:
+                stop = points.stops[k, space.index[j]]
+                eyes = Eyes(space.acc, j, r.LANES)
+                rebound(e, j, k, stop, w, z, eyes, points, scratch, progress)
+                state = progress.states[k]
+                if state.mode == FLIGHT and state.contacts < points.contact_limit:
                     load(j, k, stop, w, points, progress)
                     continue
             else:
                 store(j, k, w, points, progress)
-            index[j] = carry(j, k, index[j], w, acc, points, weights, scratch, progress)
+            carry(j, k, task)
 
     def lanes(
         order: NDArray[np.int64],
@@ -288,72 +333,58 @@ def make_lanes(
         weights: Weights,
         scratch: Scratch,
         progress: Progress,
+        space: LaneSpace,
         cancel: NDArray[np.int64],
     ) -> None:
-        w, z = np.zeros(r.ROWS * r.LANES), np.zeros(IMPACT_ROWS * IMPACTS)
-        table = np.zeros((len(weights.drifts) + 1, r.TABLE_ROWS, r.LANES))
-        acc = np.zeros(r.LANES * (len(progress.acc) // len(progress.status)))
-        point, index = np.full(r.LANES, -1), np.zeros(r.LANES, dtype=np.int64)
-        lane = np.zeros(IMPACTS, dtype=np.int64)
+        task, run = Task(points, weights, scratch, progress, space), scratch.runs[0]
+        w, z, point, index, L = space.w, space.z, space.point, space.index, r.LANES
+        step = (
+            address_of(w), address_of(space.table), address_of(weights.kicks), len(weights.drifts)
+        )  # fmt: skip
         stops = points.stops.shape[1]
         taken, busy, turns, noted = 0, 0, 0, 0
-        for j in range(r.LANES):
+        for j in range(L):
             make_idle(j, w)
-            taken = refill(
-                j, taken, point, index, order, w, table, acc, points, weights, scratch, progress
-            )
+            taken = refill(j, taken, order, task)
             busy += 1 if point[j] >= 0 else 0
         while busy > 0:
             turns += 1
             if turns % 1024 == 0 and cancel[0] != 0:
                 return
-            advance_all(w, table, weights.kicks)
-            some = judge_all(w) > 0.0
-            if some:
-                put_back(w)
-            if watches:
-                watch_all(w, acc)
-            if tangents:
-                follow_all(w, acc, scratch.space[MATRIX])
+            some = call_fly(space.fly, step) > 0.0
+            show_all(_STEPS, run, space)
+            show_all(_MATRICES, run, space)
             count_all(w)
             if not some:
                 continue
-            for j in range(r.LANES):
-                if w[r.TAKEN * r.LANES + j] > 0.0 or w[r.HALT * r.LANES + j] == r.WAITS:
+            for j in range(L):
+                if w[r.TAKEN * L + j] > 0.0 or w[r.HALT * L + j] == r.WAITS:
                     continue
                 k = point[j]
-                if w[r.N * r.LANES + j] >= w[r.HALT * r.LANES + j]:
+                if w[r.N * L + j] >= w[r.HALT * L + j]:
                     stop = points.stops[k, index[j]]
-                    if w[r.N * r.LANES + j] < last_step(j, stop, w):
+                    if w[r.N * L + j] < last_step(j, stop, w):
                         turn_phase(j, k, w, points)
                         set_halt(j, stop, w)
                         continue
-                elif walled and is_impact(j, w):
+                elif is_impact(j, w):
                     note_impact(noted, j, k, w, z, points)
-                    lane[noted] = j
+                    space.lane[noted] = j
                     noted += 1
-                    w[r.HALT * r.LANES + j] = r.WAITS
-                    if noted == IMPACTS:
-                        settle_impacts(
-                            noted, lane, point, index, w, z, acc, points, weights, scratch,
-                            progress,
-                        )  # fmt: skip
+                    w[r.HALT * L + j] = r.WAITS
+                    if noted == r.IMPACTS:
+                        settle_impacts(noted, task)
                         noted = 0
                     continue
                 store(j, k, w, points, progress)
-                index[j] = carry(j, k, index[j], w, acc, points, weights, scratch, progress)
+                carry(j, k, task)
             if noted > 0 and noted >= busy - _FEW:
-                settle_impacts(
-                    noted, lane, point, index, w, z, acc, points, weights, scratch, progress
-                )
+                settle_impacts(noted, task)
                 noted = 0
-            for j in range(r.LANES):
+            for j in range(L):
                 if point[j] >= 0 and index[j] == stops:
-                    lay_down(j, point[j], w, acc, progress)
-                    taken = refill(
-                        j, taken, point, index, order, w, table, acc, points, weights, scratch,
-                        progress,
-                    )  # fmt: skip
+                    lay_down(j, point[j], space, progress)
+                    taken = refill(j, taken, order, task)
                     busy -= 1 if point[j] < 0 else 0
 
     return lanes

@@ -18,7 +18,8 @@ BODY = np.dtype(
         ("quadratic", "f8"),  # quadratic_damping/(mass length) [1]
         ("coulomb", "f8"),  # coulomb_damping/(mass length) [rad/s^2]
         ("inertia", "f8"),  # mass length^2 [kg m^2]
-    ]
+    ],
+    align=True,
 )
 
 
@@ -64,53 +65,28 @@ def stretch_records(drive: Drive, duration: float) -> tuple[NDArray[Any], NDArra
 
 def stretch_dtype(kind: type[Any] = Stretch) -> np.dtype[Any]:
     """Return the layout of records of a kind of stretch."""
-    return np.dtype([(name, "f8") for name in kind._fields])
-
-
-def python_view(records: NDArray[Any]) -> NDArray[Any]:
-    """Return records whose rows plain Python reads by attribute."""
-    return records.view(np.recarray)
+    return np.dtype([(name, "f8") for name in kind._fields], align=True)
 
 
 SETTINGS = np.dtype(
     [
-        ("gravity", "f8"),
-        ("low", "f8"),  # walls: angle of one ball, or separation of two [rad]
+        ("gravity", "f8"),  # m/s^2
+        ("low", "f8"),  # contacts: angle of one ball, or separation of two [rad]
         ("high", "f8"),
         ("restitution", "f8"),
         ("rest_speed", "f8"),  # rad/s
         ("step", "f8"),  # s
-        ("lift_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
+        ("pivot_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
         ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
         ("offset_high", "f8"),
         ("sag", "f8"),  # relative dip of the tension within a step that is looked for
         ("follows_tension", "i8"),
         ("follows_ledger", "i8"),
         ("mirrored", "i8"),  # keep two equal balls mirror images of each other
-    ]
+        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
+    ],
+    align=True,
 )
-
-# Slots of a trajectory's float state; balls follow each other in the first pairs.
-T_BASE, ANGLE_1, VELOCITY_1, ANGLE_2, VELOCITY_2 = 0, 1, 2, 3, 4
-WORK, DAMPED, IMPACT, CAPTURED, NOISE = 5, 6, 7, 8, 9
-SLACK_FIRST, SLACK_TOTAL, SLACK_FIRST_2, SLACK_TOTAL_2 = 10, 11, 12, 13
-# The ledger at the ends of steps, where it is followed: the first and the largest energy and the
-# largest error [J].
-FIRST_ENERGY, LARGEST_ENERGY, RESIDUAL = 14, 15, 16
-STATE_SIZE = 17
-
-# Slots of its counters.
-MODE, STRETCH, SAMPLE, CONTACT, KICKED, STEPS, SIGN_1, SIGN_2, GRAZES, TOTAL_STEPS = range(10)
-COUNTERS_SIZE = 10
-
-# Scratch: three sets of points of two balls' motion, the signs of their velocities, and the matrix
-# of small deviations.
-SPACE = (5, 4, 7)
-MATRIX = 4
-
-# Modes of motion. Two balls may also be in lasting contact, moving or stuck.
-FLIGHT, STUCK, REST_LOW, REST_HIGH = 0, 1, 2, 3
-UNSETTLED = -1  # before the first call of a kernel
 
 # Rows of the sample array: the states of the balls, then the ledger.
 S_WORK, S_DAMPED, S_IMPACT, S_CAPTURED, S_NOISE, S_MODE = 4, 5, 6, 7, 8, 9
@@ -119,6 +95,3 @@ SAMPLE_ROWS = 10
 # Status of one point of a sweep.
 CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID = range(6)
 STATUS_NAMES = ("converged", "grazing", "rest", "event_limit", "failed", "invalid")
-
-# What is noted when the transient ends: the ledger and the times of slack.
-BEGUN = (WORK, DAMPED, IMPACT, CAPTURED, SLACK_TOTAL, SLACK_TOTAL_2)

@@ -1,29 +1,55 @@
-"""Folds the formulas of several observables into one function for each occasion.
+"""How observables are shown what happens: steps, contacts, marks, restarts, matrices.
 
-Every observable owns a block of slots; the folded functions call each formula with the index of
-its own first slot. The column of a trajectory is its number, or that of its ball.
+Every observable owns a block of slots, and a trajectory, or its ball, a column of each. Plain
+Python and GPUs fold the formulas of all observables into one function for each occasion. Compiled
+code calls each by its address instead: see `latolato.numerics.hooks`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
-from latolato.numerics.flight import Part
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.observables import Observable
 
 Hooks = tuple[tuple[int, Callable[..., None]], ...]
 
+BLIND: tuple[Hooks, ...] = ((), (), (), (), ())
+OCCASIONS = ("step", "contact", "mark", "restart", "tangent")
+ON_STEP, ON_CONTACT, ON_MARK, ON_RESTART, ON_TANGENT = range(len(OCCASIONS))
+
+
+class Eyes(NamedTuple):
+    """Where observables keep what they see.
+
+    Attributes
+    ----------
+    acc : ndarray
+        Their slots, one after the other; each has `columns` columns.
+    column : int
+        The first column of this trajectory; those of further balls follow.
+    columns : int
+    """
+
+    acc: Any
+    column: int
+    columns: int
+
 
 class Watch(NamedTuple):
-    """What is called with ``(acc, column, n, ...)``; the rest as in `Observable`."""
+    """The functions that show observables something.
+
+    The first five are called with ``(run, eyes, ball, ...)`` and what an `Observable` is called
+    with behind its slots, `sees` with ``(run, occasion)``: whether anybody looks on then.
+    """
 
     step: Callable[..., None]
     contact: Callable[..., None]
     mark: Callable[..., None]
     restart: Callable[..., None]
     tangent: Callable[..., None]
+    sees: Callable[..., bool]
 
 
 class Slots(NamedTuple):
@@ -31,10 +57,6 @@ class Slots(NamedTuple):
 
     first: int
     size: int
-
-
-BLIND: tuple[Hooks, ...] = ((), (), (), (), ())
-_OCCASIONS = ("step", "contact", "mark", "restart", "tangent")
 
 
 def slots_of(watched: Sequence[Observable]) -> list[Slots]:
@@ -48,7 +70,7 @@ def slots_of(watched: Sequence[Observable]) -> list[Slots]:
 
 
 def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
-    """Return for each occasion the formulas to call with their first slots, for `make_watch`."""
+    """Return for each occasion the formulas to call with their first slots."""
     blocks = slots_of(watched)
     return tuple(
         tuple(
@@ -56,94 +78,37 @@ def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
             for observable, block in zip(watched, blocks, strict=True)
             if getattr(observable, occasion) is not None
         )
-        for occasion in _OCCASIONS
+        for occasion in OCCASIONS
     )
 
 
 def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Watch:
-    """Return the folded functions of `hooks_of`."""
-    # Lanes become vectors only if nothing in their loop is called.
-    part: Part = partial(compile_part, inline=True) if compile_part else (lambda function: function)
-    steps, contacts, marks, restarts, tangents = hooks
+    """Return functions into which the formulas of `hooks_of` are folded."""
+    part = inlined(compile_part or as_it_stands)
+    anybody = tuple(bool(found) for found in hooks)
 
     @part
-    def no_step(acc: Any, column: int, n: int, segment: Any) -> None:
+    def nobody(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
         """Do nothing."""
+
+    def link(first: int, formula: Any, rest: Any) -> Any:
+        @part
+        def show(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
+            formula(eyes.acc, first * eyes.columns + eyes.column + ball, eyes.columns, *shown)
+            rest(run, eyes, ball, *shown)
+
+        return show
 
     @part
-    def no_contact(
-        acc: Any, column: int, n: int, t: float, kind: int, v0: float, v1: float, closing: float
-    ) -> None:
-        """Do nothing."""
+    def sees(run: Any, occasion: int) -> bool:
+        """Return whether anybody looks on then."""
+        return anybody[occasion]
 
-    @part
-    def no_mark(acc: Any, column: int, n: int, number: int, t: float, x: float, v: float) -> None:
-        """Do nothing."""
+    def folded(found: Hooks) -> Any:
+        shows: Any = nobody
+        for first, formula in reversed(found):
+            shows = link(first, formula, shows)
+        return shows
 
-    @part
-    def no_restart(acc: Any, column: int, n: int, x: float, v: float) -> None:
-        """Do nothing."""
-
-    @part
-    def no_tangent(
-        acc: Any, column: int, n: int, size: int, time: float, spread: float, jacobian: Any
-    ) -> None:
-        """Do nothing."""
-
-    def on_step(first: int, formula: Any, rest: Any) -> Any:
-        @part
-        def step(acc: Any, column: int, n: int, segment: Any) -> None:
-            formula(acc, first * n + column, n, segment)
-            rest(acc, column, n, segment)
-
-        return step
-
-    def on_contact(first: int, formula: Any, rest: Any) -> Any:
-        @part
-        def contact(
-            acc: Any, column: int, n: int, t: float, kind: int, v0: float, v1: float, closing: float
-        ) -> None:
-            formula(acc, first * n + column, n, t, kind, v0, v1, closing)
-            rest(acc, column, n, t, kind, v0, v1, closing)
-
-        return contact
-
-    def on_mark(first: int, formula: Any, rest: Any) -> Any:
-        @part
-        def mark(acc: Any, column: int, n: int, number: int, t: float, x: float, v: float) -> None:
-            formula(acc, first * n + column, n, number, t, x, v)
-            rest(acc, column, n, number, t, x, v)
-
-        return mark
-
-    def on_restart(first: int, formula: Any, rest: Any) -> Any:
-        @part
-        def restart(acc: Any, column: int, n: int, x: float, v: float) -> None:
-            formula(acc, first * n + column, n, x, v)
-            rest(acc, column, n, x, v)
-
-        return restart
-
-    def on_tangent(first: int, formula: Any, rest: Any) -> Any:
-        @part
-        def tangent(
-            acc: Any, column: int, n: int, size: int, time: float, spread: float, jacobian: Any
-        ) -> None:
-            formula(acc, first * n + column, n, size, time, spread, jacobian)
-            rest(acc, column, n, size, time, spread, jacobian)
-
-        return tangent
-
-    def folded(hooks: Hooks, nothing: Any, link: Any) -> Any:
-        rest = nothing
-        for first, formula in reversed(hooks):
-            rest = link(first, formula, rest)
-        return rest
-
-    return Watch(
-        folded(steps, no_step, on_step),
-        folded(contacts, no_contact, on_contact),
-        folded(marks, no_mark, on_mark),
-        folded(restarts, no_restart, on_restart),
-        folded(tangents, no_tangent, on_tangent),
-    )
+    step, contact, mark, restart, tangent = (folded(found) for found in hooks)
+    return Watch(step, contact, mark, restart, tangent, sees)

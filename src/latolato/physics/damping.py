@@ -2,7 +2,7 @@
 
 The tangential force on a ball is ``-(C w + C2 w |w| + C0 sgn w)`` with w the angular velocity, so
 the deceleration is ``c1 w + c2 w |w| + c0 sgn w`` with ``c = C/(m l)`` each. Within a step the
-sign of the velocity is constant: a zero of the velocity ends the step (see `numerics.fold`), so
+sign of the velocity is constant: a zero of the velocity ends the step (see `numerics.engine`), so
 that each law keeps its full order there.
 """
 

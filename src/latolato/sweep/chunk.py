@@ -80,11 +80,11 @@ def _run(
     balls, count = plan.system.angles, len(index)
     blocks = slots_of(plan.observables)
     progress = make_progress(count, sum(b.size for b in blocks), balls)
-    progress.state[:], progress.counters[:] = batch.state, batch.counters
+    progress.states[:] = batch.states
     acc = progress.acc.reshape(-1, count, balls)
     for observable, block in zip(plan.observables, blocks, strict=True):
         for ball in range(balls):
-            angle = batch.state[:, (records.ANGLE_1, records.ANGLE_2)[ball]]
+            angle = batch.states["angle"][:, ball]
             for slot, content in enumerate(observable.initial(angle)):
                 acc[block.first + slot, :, ball] = content
     # Longest first: the last points of a worker then are short ones.
@@ -102,12 +102,10 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
     """Return the observables' variables, status and NaN where a point has no answer."""
     balls, count = plan.system.angles, len(batch.valid)
     acc = progress.acc.reshape(-1, count, balls)
-    state = progress.state
-    gained = state[:, list(records.BEGUN)] - progress.begun
-    works = {
-        name: gained[:, column]
-        for column, name in enumerate(("drive_work", "damping_loss", "impact_loss", "capture_loss"))
-    }
+    states, begun = progress.states, progress.begun
+    ledger = ("drive_work", "damping_loss", "impact_loss", "capture_loss")
+    works = {name: states[name] - begun[name] for name in ledger}
+    slack = states["slack_time"] - begun["slack_time"]
     observed = plan.duration - transient_of(plan, batch.columns)
     bad = progress.status >= records.EVENT_LIMIT
     values: Values = {}
@@ -115,12 +113,12 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
         found = []
         for ball in range(balls):
             outcome = Outcome(
-                angle=state[:, (records.ANGLE_1, records.ANGLE_2)[ball]],
-                velocity=state[:, (records.VELOCITY_1, records.VELOCITY_2)[ball]],
+                angle=states["angle"][:, ball],
+                velocity=states["velocity"][:, ball],
                 observed=observed,
                 inertia=batch.points.bodies["inertia"][:, ball],
                 works=works,
-                slack=gained[:, 4 + ball],
+                slack=slack[:, ball],
                 balls=balls,
             )
             slots = acc[block.first : block.first + block.size, :, ball]
@@ -143,9 +141,11 @@ def _ends(plan: Plan, batch: Batch, progress: Progress) -> Previous:
     """
     balls = plan.system.angles
     usable = progress.status < records.EVENT_LIMIT
-    columns = [(records.ANGLE_1, records.VELOCITY_1), (records.ANGLE_2, records.VELOCITY_2)][:balls]
-    angles = [np.where(usable, progress.state[:, a], batch.state[:, a]) for a, _ in columns]
-    velocities = [np.where(usable, progress.state[:, v], batch.state[:, v]) for _, v in columns]
+    ends, starts = progress.states, batch.states
+    angles, velocities = (
+        [np.where(usable, ends[name][:, i], starts[name][:, i]) for i in range(balls)]
+        for name in ("angle", "velocity")
+    )
     phase = None
     if plan.continuation and "drive_frequency" in batch.columns:
         turned = batch.columns["drive_frequency"] * plan.duration

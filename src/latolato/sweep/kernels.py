@@ -2,37 +2,87 @@
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.compiled import compile_kernel, hooks_key
-from latolato.numerics.integrate import maker_of
-from latolato.numerics.many import Points, Progress, Weights, make_many, make_scratch
-from latolato.numerics.records import python_view
+from latolato.numerics.compiled import compile_kernel
+from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.record import as_objects, write_back
+from latolato.numerics.entry import engine_piece, make_caller
+from latolato.numerics.hooks import hook_table, make_calling_watch, pieces_of
+from latolato.numerics.integrate import laws_key, write_stepper
+from latolato.numerics.lane_flight import fly_piece, lane_pieces
+from latolato.numerics.lane_locate import locate_piece
+from latolato.numerics.lanes import lanes_kernel, make_lane_space
+from latolato.numerics.many import Progress, Scratch, Weights, make_many, make_scratch
 from latolato.numerics.steppers import Stepper
-from latolato.numerics.watch import Hooks, hooks_of
+from latolato.numerics.trajectory import make_trajectory
+from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of, make_watch
 from latolato.physics.contacts import Clamp, NoContact
+from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch, is_arithmetic, is_smooth
 
 
-def trajectory_name(plan: Plan) -> str:
-    """Return which trajectory the plan's points follow, as `integrate.maker_of` names it."""
-    if isinstance(plan.contact, Clamp):
-        return "clamp"
-    return "pair" if plan.system.angles == 2 else "one"
+@lru_cache(maxsize=4)
+def _many(balls: int) -> Any:
+    """Return the compiled kernel that runs points one after the other, by calling pieces."""
+
+    def make(compile_part: Part) -> Any:
+        watch = make_calling_watch(compile_part)
+        return make_many(make_caller(compile_part), watch, compile_part, balls=balls)
+
+    return compile_kernel(make, f"many {balls}", allocates=False)
 
 
-@lru_cache(maxsize=64)
-def _many(name: str, balls: int, hooks: tuple[Hooks, ...], compiled: bool, *laws: Any) -> Any:
-    """Return the kernel that runs points one after the other."""
-    make = partial(make_many, make=maker_of(name), hooks=hooks, balls=balls)
-    if not compiled:
-        return make(*laws)
-    return compile_kernel(make, f"many {name} {balls} {hooks_key(hooks)}", *laws)
+@lru_cache(maxsize=16)
+def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
+    """Return the same as plain Python, with everything folded in."""
+    balls, clamped, hooks = plan_key
+    watch = make_watch(hooks)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, clamped=clamped)
+    return make_many(carry_on, watch, balls=balls)
+
+
+def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
+    """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
+    clamped = isinstance(plan.contact, Clamp)
+    stretch = batch.points.stretches.dtype
+    engine = engine_piece(
+        plan.system.angles, stretch, plan.drive.acceleration, *laws_key(plan.system),
+        clamped=clamped,
+    )  # fmt: skip
+    looking = pieces_of(hooks_of(plan.observables))
+    table = hook_table(looking)
+    scratch = make_scratch(stretch)
+    write_stepper(scratch.runs, stepper)
+    scratch.runs["settings"]["is_linear"] = plan.system.restoring is restoring_linear
+    scratch.runs["memory"]["engine"] = engine.address
+    scratch.runs["memory"]["hooks"] = table.ctypes.data
+    return scratch, (engine, looking, table)
+
+
+def run_reference(
+    plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
+) -> None:
+    """Run points one after the other as plain Python."""
+    key = plan.system.angles, isinstance(plan.contact, Clamp), hooks_of(plan.observables)
+    many = _reference(key, plan.drive.acceleration, *laws_key(plan.system))
+    scratch = make_scratch(batch.points.stretches.dtype)
+    write_stepper(scratch.runs, stepper)
+    points = batch.points._replace(
+        settings=as_objects(batch.points.settings), bodies=as_objects(batch.points.bodies),
+        stretches=as_objects(batch.points.stretches),
+    )  # fmt: skip
+    states = progress._replace(states=as_objects(progress.states), begun=as_objects(progress.begun))
+    with np.errstate(all="ignore"):
+        never = np.zeros(1, dtype=np.int64)
+        many(order, points, scratch._replace(runs=as_objects(scratch.runs)), states, never)
+    write_back(states.states, progress.states)
+    write_back(states.begun, progress.begun)
 
 
 def run_scalar(
@@ -42,27 +92,14 @@ def run_scalar(
     order: NDArray[np.int64],
     progress: Progress,
     *,
-    compiled: bool = True,
     cancel: NDArray[np.int64] | None = None,
 ) -> None:
-    """Run points one after the other, compiled or as plain Python."""
-    system, drive = plan.system, plan.drive
-    laws = (drive.acceleration, system.restoring, system.potential)
-    name = trajectory_name(plan)
-    many = _many(name, system.angles, hooks_of(plan.observables), compiled, *laws)
-    points: Points = batch.points
-    if not compiled:
-        settings, bodies, stretches = map(
-            python_view, (points.settings, points.bodies, points.stretches)
-        )
-        points = points._replace(settings=settings, bodies=bodies, stretches=stretches)
-    weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
+    """Run points one after the other, compiled."""
+    many = _many(plan.system.angles)
+    scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
-    with np.errstate(all="ignore"):
-        many(
-            order, points, weights, make_scratch(len(stepper.drifts)), progress,
-            never if cancel is None else cancel,
-        )  # fmt: skip
+    many(order, batch.points, scratch, progress, never if cancel is None else cancel)
+    del pieces  # until now their code was called
 
 
 def run_fastest(
@@ -78,24 +115,27 @@ def run_fastest(
     if not has_lanes(plan):
         run_scalar(plan, batch, stepper, order, progress, cancel=cancel)
         return
-    system, drive = plan.system, plan.drive
-    bodies = batch.points.bodies[order]
-    lanes = _lanes(
-        hooks_of(plan.observables),
-        bool(np.any(bodies["rate"] > 0.0)),
-        system.has_contacts and not isinstance(plan.contact, NoContact),
-        any("works" in o.needs for o in plan.observables),
-        drive.acceleration,
-        system.restoring,
-        system.potential,
-        drive.rotation,
-    )
+    system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
+    lanes = lanes_kernel(drive.acceleration, *laws_key(system), drive.rotation)
+    damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
+    works = any("works" in o.needs for o in plan.observables)
+    fly = fly_piece(
+        system.restoring, damped=damped,
+        walled=system.has_contacts and not isinstance(plan.contact, NoContact), works=works,
+        tangents=bool(hooks[ON_TANGENT]),
+    )  # fmt: skip
+    locate = locate_piece(system.restoring, damped=damped, works=works)
+    looking = lane_pieces((hooks[ON_STEP], hooks[ON_TANGENT]), *laws_key(system))
+    scratch, pieces = _prepared(plan, batch, stepper)
+    space = make_lane_space(
+        len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
+        locate.address, hook_table(looking),
+    )  # fmt: skip
     weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
     never = np.zeros(1, dtype=np.int64)
-    lanes(
-        order, batch.points, weights, make_scratch(len(stepper.drifts)), progress,
-        never if cancel is None else cancel,
-    )  # fmt: skip
+    stop = never if cancel is None else cancel
+    lanes(order, batch.points, weights, scratch, progress, space, stop)
+    del pieces, looking  # until now their code was called
 
 
 def has_lanes(plan: Plan) -> bool:
@@ -111,15 +151,3 @@ def has_lanes(plan: Plan) -> bool:
         and not isinstance(plan.contact, Clamp)
         and not any("slack" in o.needs for o in plan.observables)
     )
-
-
-@lru_cache(maxsize=64)
-def _lanes(hooks: tuple[Hooks, ...], damped: bool, walled: bool, works: bool, *laws: Any) -> Any:
-    """Return the kernel that runs points in lanes."""
-    from latolato.numerics.lanes import make_lanes
-
-    make = partial(
-        make_lanes, make=maker_of("one"), hooks=hooks, damped=damped, walled=walled, works=works
-    )
-    name = f"lanes {damped} {walled} {works} {hooks_key(hooks)}"
-    return compile_kernel(make, name, *laws)

@@ -23,7 +23,7 @@ from latolato.numerics.integrate import (
     choose_step,
     choose_stepper,
     fastest_rate,
-    initial_state,
+    initial_states,
     rate_of,
     settings_values,
     step_for,
@@ -56,8 +56,8 @@ class Batch:
     ----------
     columns : dict of ndarray, shape (point,)
         Every parameter by name.
-    state, counters : ndarray
-        As kernels want them at time zero, of shapes (point, slot).
+    states : ndarray, shape (point,)
+        Records of the motion at time zero.
     valid : ndarray of bool, shape (point,)
         False where the parameters contradict each other; such points do not run.
     reason : str
@@ -66,8 +66,7 @@ class Batch:
 
     columns: Columns
     points: Points
-    state: Floats
-    counters: NDArray[np.int64]
+    states: NDArray[Any]
     valid: NDArray[np.bool_]
     reason: str
 
@@ -252,9 +251,10 @@ def _from_columns(
         restitution=columns.get("restitution", 1.0),
         rest_speed=plan.rest_speed,
         step=np.where(valid, step, 0.0),
-        lift_bound=lift,
+        pivot_bound=lift,
         rate=np.where(valid, rate, 0.0),
         follows_tension=_follows_tension(plan),
+        is_linear=plan.system.restoring is restoring_linear,
     )
     for name, value in zip(SETTINGS.names or (), values, strict=True):
         settings[name] = value
@@ -273,11 +273,11 @@ def _from_columns(
         settings, bodies, stretches, zero, zero, each, np.zeros(0), np.zeros((1, 0)),
         np.zeros(count + 1, dtype=np.int64), stops, plan.contact_limit,
     )  # fmt: skip
-    state, counters = initial_state([angle], [velocity], count)
+    states = initial_states([angle], [velocity], count)
     reason = ""
     if not valid.all():
         reason = _reason(plan, columns, int(np.argmin(valid)), stepper)
-    return Batch(columns, points, state, counters, valid, reason)
+    return Batch(columns, points, states, valid, reason)
 
 
 def _reason(plan: Plan, columns: Columns, k: int, stepper: Stepper) -> str:
@@ -445,10 +445,11 @@ def _from_objects(
             restitution=getattr(system, "restitution", 1.0),
             rest_speed=plan.rest_speed,
             step=step,
-            lift_bound=drive.largest_acceleration,
+            pivot_bound=drive.largest_acceleration,
             rate=fastest_rate(system, drive, start),
             offsets=offsets,
             follows_tension=_follows_tension(plan),
+            is_linear=plan.system.restoring is restoring_linear,
             mirrored=any(o.mirrored for o in plan.observables),
         )
         x[:, k], v[:, k] = start.angles, start.velocities
@@ -474,5 +475,5 @@ def _from_objects(
         np.concatenate(kick_sizes, axis=1) if kick_sizes else np.zeros((angles, 0)),
         kick_firsts, stops, plan.contact_limit,
     )  # fmt: skip
-    state, counters = initial_state(list(x), list(v), count)
-    return Batch(columns, points, state, counters, valid, reason)
+    states = initial_states(list(x), list(v), count)
+    return Batch(columns, points, states, valid, reason)

@@ -75,7 +75,7 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
             points[0].angle += angle
             points[0].velocity += velocity
 
-    @part
+    @inlined(part)
     def fly(run: Any) -> None:
         """Take a full step of all balls."""
         for i in range(count):
@@ -151,18 +151,18 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
             apart += pulled if i == 0 else -pulled
         return -far * apart
 
-    @part
+    @inlined(part)
     def energy(run: Any) -> float:
         """Return the energy of all balls [J]."""
-        total = 0.0
+        total, settings = 0.0, run.settings
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
-            height = run.settings.gravity * b.coupling * potential(point.angle, run)
+            height = settings.gravity * b.coupling * potential(point.angle, settings.is_linear)
             held = push_potential(point.angle, run)
             total += b.inertia * (0.5 * point.velocity * point.velocity + height + held)
         return total
 
-    @part
+    @inlined(part)
     def plan_length(run: Any) -> None:
         """Plan a full step, or one that ends at the goal."""
         h = run.settings.step
@@ -171,7 +171,7 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
         if run.t_end >= run.goal - 1e-9 * h:
             run.length, run.t_end, run.is_whole = run.goal - run.t, run.goal, 0
 
-    @part
+    @inlined(part)
     def shorten(run: Any, length: float) -> None:
         """Let the step end earlier."""
         run.length, run.t_end, run.is_whole = length, run.t + length, 0

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from latolato.numerics.bounce import meet_wall
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
@@ -21,7 +21,8 @@ from latolato.numerics.engine.record import (
     TURN,
 )
 from latolato.numerics.engine.swing import SHORTEST, Swing, freed, slowed
-from latolato.numerics.tangent import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
+from latolato.numerics.matrices import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
+from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
 from latolato.physics.pair import write_pair_saltation
@@ -30,6 +31,9 @@ from latolato.scalar import formula
 # How long balls stay together that part too little to be seen: of the step, and of a full one;
 # without a limit the times before a stop would become shorter and shorter.
 _HOLD, _SHORTEST_REST = 0.25 / 16.0, 1e-3
+
+# What rounding can take from the difference of two velocities, per sum of their sizes.
+_ROUNDING = 2.3e-16
 
 
 class Output(NamedTuple):
@@ -145,9 +149,9 @@ def make_events(
         if captures:
             e = 0.0
         one.velocity, two.velocity = pair_impact(one.velocity, two.velocity, i1, i2, e)
-        joins = (
-            one.velocity - two.velocity
-        ) * side >= 0.0  # a tiny rebound may be lost in rounding
+        # A rebound of the last digits is none: it would repeat itself for ever.
+        lost = _ROUNDING * (abs(one.velocity) + abs(two.velocity))
+        joins = (one.velocity - two.velocity) * side >= -lost
         if joins:
             two.velocity = one.velocity  # equal to the last bit: they move as one from here on
         if captures:
@@ -177,7 +181,7 @@ def make_events(
         state.mode = lasting if rests else FLIGHT
         if rests:
             unite(run, eyes)
-        elif look.sees_matrices and closing != 0.0:
+        elif closing != 0.0 and look.sees_matrices(run):
             show_impact(run, eyes, v1, v2, a1, a2)
 
     @part

@@ -9,14 +9,15 @@ from typing import Any
 from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import GAP, RATE, Balls
-from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import Held, add_slack
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed, tension_at
-from latolato.numerics.tangent import clear_matrix, write_matrix
+from latolato.numerics.matrices import clear_matrix, write_matrix
+from latolato.numerics.watch import Eyes
 
 # A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
 # between is seen by one of its parts; and here when the balls begin to part from touch.
@@ -35,7 +36,7 @@ def make_flight(
     pivot_acceleration = laws.pivot_acceleration
     gap, rate, pull, fly_by = balls.gap, balls.rate, balls.pull, balls.fly_by
 
-    @part
+    @inlined(part)
     def plan(run: Any) -> None:
         """Fly a step, up to the first thing that happens in it."""
         balls.plan_length(run)
@@ -55,7 +56,7 @@ def make_flight(
             meet(run, side, soon)
         sum_up(run, run.end, run.t_end)
 
-    @part
+    @inlined(part)
     def hop_time(run: Any) -> float:
         """Return how long a rebound lasts that is too small for the angle's digits, 0 if larger."""
         touch, speed = run.state.touch, rate(run.now)
@@ -71,7 +72,7 @@ def make_flight(
         soon, _ = hop(speed, -balls.parting(run, touch, run.t, run.now), friction)
         return soon if soon < run.goal - run.t else 0.0
 
-    @part
+    @inlined(part)
     def cut_beside_contact(run: Any) -> None:
         """Shorten a step beside a contact within which the gap's acceleration changes its sign."""
         settings = run.settings
@@ -98,7 +99,7 @@ def make_flight(
                 run.event, run.ball = TURN, i
                 fly_by(run, run.length, run.end)
 
-    @part
+    @inlined(part)
     def contact_ahead(run: Any, soon: float) -> float:
         """Return the side of the contact that a step reaches or may dip into, 0 for none."""
         low, high = run.settings.low, run.settings.high
@@ -181,7 +182,7 @@ def make_flight(
                 run.end[i] = run.now[i]
                 run.end[i].work = run.end[i].loss = 0.0
 
-    @part
+    @inlined(part)
     def sum_up(run: Any, points: Any, t: float) -> None:
         """Add up work and loss of all balls, and find their tensions."""
         run.work, run.loss = 0.0, 0.0
@@ -272,7 +273,7 @@ def make_flight(
                 break
         return root
 
-    @part
+    @inlined(part)
     def note(run: Any, eyes: Eyes) -> None:
         """Note slack, and show the observables the step and its matrix."""
         for i in range(count):
@@ -280,7 +281,7 @@ def make_flight(
                 note_slack(run, i)
             a0, a1 = slowed(run.now[i], run.bodies[i]), slowed(run.end[i], run.bodies[i])
             look.step(run, eyes, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)
-        if look.sees_matrices:
+        if look.sees_matrices(run):
             note_matrix(run, eyes)
 
     @part

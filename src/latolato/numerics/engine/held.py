@@ -84,7 +84,8 @@ def make_held(swing: Swing, laws: Laws, compile_part: Part | None = None) -> Hel
         if side == -1.0 and bound <= gravity:
             return math.inf
         b = run.bodies[ball]
-        strongest = abs(swung(gravity + bound, b.coupling, restoring(angle, run)))
+        restored = restoring(angle, run.settings.is_linear)
+        strongest = abs(swung(gravity + bound, b.coupling, restored))
         if side == 0.0 and strongest <= b.coulomb:
             return math.inf
         dt = run.settings.step * _REST_FRACTION

@@ -12,13 +12,14 @@ from typing import Any
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import add_slack
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import JOINT, JOINT_ROW, NOTHING, RELEASE, TURN
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed, tension_at
-from latolato.numerics.tangent import write_joint_matrix
+from latolato.numerics.matrices import write_joint_matrix
+from latolato.numerics.watch import Eyes
 from latolato.physics.pair import contact_torque, radial_push
 
 _TABLE = ANY_LENGTH + JOINT_ROW
@@ -193,7 +194,7 @@ def make_joint(
                 add_slack(run.state, i, left, right, run.t, run.t_end)
             a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])
             look.step(run, eyes, i, a0, a1, 1.0)
-        if look.sees_matrices:
+        if look.sees_matrices(run):
             share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
             swing.prepare(run, body, _TABLE, run.length)
             matrix = swing.tangent(run, body, _TABLE, begin)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.physics.pendulum import (
     SLOPES,
     potential_linear,
@@ -27,8 +27,8 @@ class Laws(NamedTuple):
     ----------
     pivot_acceleration : formula ``(t, stretch)``
         Of the drive [m/s^2].
-    restoring, slope, potential : formulas ``(angle, run)``
-        The restoring factor, its slope and its potential.
+    restoring, slope, potential : formulas ``(angle, is_linear)``
+        The restoring factor, its slope and its potential; a number tells which of the package.
     push, push_slope, push_potential : formulas ``(angle, run)``
         What a mode adds to the acceleration [rad/s^2], its slope and its potential [1/s^2].
     """
@@ -49,44 +49,60 @@ def no_push(angle: float, run: Any) -> float:
 
 
 @formula
-def _restoring(angle: float, run: Any) -> float:
-    """Return the restoring factor of the system that the settings name."""
-    return restoring_linear(angle) if run.settings.is_linear != 0 else restoring_sine(angle)
+def _restoring(angle: float, is_linear: int) -> float:
+    """Return the restoring factor of a system of the package."""
+    return restoring_linear(angle) if is_linear != 0 else restoring_sine(angle)
 
 
 @formula
-def _slope(angle: float, run: Any) -> float:
+def _slope(angle: float, is_linear: int) -> float:
     """Return the slope of `_restoring`."""
-    return slope_linear(angle) if run.settings.is_linear != 0 else slope_sine(angle)
+    return slope_linear(angle) if is_linear != 0 else slope_sine(angle)
 
 
 @formula
-def _potential(angle: float, run: Any) -> float:
+def _potential(angle: float, is_linear: int) -> float:
     """Return the potential of `_restoring`."""
-    return potential_linear(angle) if run.settings.is_linear != 0 else potential_sine(angle)
+    return potential_linear(angle) if is_linear != 0 else potential_sine(angle)
+
+
+class RestoringLaws(NamedTuple):
+    """Restoring factor, its slope and its potential, as in `Laws`."""
+
+    restoring: Formula
+    slope: Formula
+    potential: Formula
+
+
+def restoring_laws(
+    restoring: Formula, potential: Formula, compile_part: Part | None = None
+) -> RestoringLaws:
+    """Return a restoring law with its slope and potential; those of the package share all code."""
+    if restoring in (restoring_sine, restoring_linear):
+        return RestoringLaws(_restoring, _slope, _potential)
+    part, own_slope = inlined(compile_part or as_it_stands), SLOPES[restoring]
+
+    @part
+    def own_restoring(angle: float, is_linear: int) -> float:
+        return restoring(angle)
+
+    @part
+    def slope(angle: float, is_linear: int) -> float:
+        return own_slope(angle)
+
+    @part
+    def own_potential(angle: float, is_linear: int) -> float:
+        return potential(angle)
+
+    return RestoringLaws(own_restoring, slope, own_potential)
 
 
 def laws_of(
     pivot_acceleration: Formula,
-    restoring: Formula = restoring_sine,
-    potential: Formula = potential_sine,
+    restoring: Formula,
+    potential: Formula,
     compile_part: Part | None = None,
 ) -> Laws:
-    """Return the laws of a system under a drive; those of the package share all compiled code."""
-    if restoring in (restoring_sine, restoring_linear):
-        return Laws(pivot_acceleration, _restoring, _slope, _potential, no_push, no_push, no_push)
-    part, own_slope = compile_part or as_it_stands, SLOPES[restoring]
-
-    @part
-    def own_restoring(angle: float, run: Any) -> float:
-        return restoring(angle)
-
-    @part
-    def slope(angle: float, run: Any) -> float:
-        return own_slope(angle)
-
-    @part
-    def own_potential(angle: float, run: Any) -> float:
-        return potential(angle)
-
-    return Laws(pivot_acceleration, own_restoring, slope, own_potential, no_push, no_push, no_push)
+    """Return the laws of a system under a drive."""
+    found = restoring_laws(restoring, potential, compile_part)
+    return Laws(pivot_acceleration, *found, no_push, no_push, no_push)

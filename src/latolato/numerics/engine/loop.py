@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from latolato.numerics.engine.balls import Balls, make_balls
-from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.book import follow_ledger, write_sample
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
-from latolato.numerics.engine.eyes import Eyes, Look, make_look
+from latolato.numerics.engine.eyes import Look, make_look
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.held import make_held
 from latolato.numerics.engine.joint import make_joint
@@ -17,16 +18,8 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, NOTHING, RELEASE, UNSETTLED
 from latolato.numerics.engine.rest import make_rest
 from latolato.numerics.engine.swing import Swing, make_swing
-from latolato.numerics.records import (
-    S_CAPTURED,
-    S_DAMPED,
-    S_IMPACT,
-    S_MODE,
-    S_NOISE,
-    S_WORK,
-)
-from latolato.numerics.tangent import clear_matrix, write_matrix
-from latolato.numerics.watch import Watch
+from latolato.numerics.matrices import clear_matrix, write_matrix
+from latolato.numerics.watch import Eyes, Watch
 from latolato.physics.pendulum import swung
 
 # How far from a contact balls may be that touch [rad]: separations of two balls are rounded.
@@ -108,8 +101,6 @@ def make_engine(
     count: int,
     watch: Watch,
     *,
-    sees_steps: bool = True,
-    sees_matrices: bool = True,
     make_modes: Callable[[Kit], tuple[Mode, ...]] = usual_modes,
     make_all_events: Callable[[Kit], tuple[Event, ...]] = usual_events,
     compile_part: Part | None = None,
@@ -124,9 +115,7 @@ def make_engine(
     two = count == 2
     swing = make_swing(laws, compile_part)
     balls = make_balls(swing, laws, count, compile_part)
-    look = make_look(
-        laws, watch, sees_steps=sees_steps, sees_matrices=sees_matrices, compile_part=compile_part
-    )
+    look = make_look(laws, watch, compile_part)
     kit = Kit(swing, balls, look, laws, count, compile_part)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
@@ -155,7 +144,8 @@ def make_engine(
         """Find out at time zero whether the balls touch, and whether they rest or strike then."""
         state, settings = run.state, run.settings
         state.mode = FLIGHT
-        state.first_energy = state.largest_energy = balls.energy(run)
+        if settings.follows_ledger != 0:
+            state.first_energy = state.largest_energy = balls.energy(run)
         gap, slack = balls.gap(run.now), _TOUCH if two else 0.0
         if gap <= settings.low + slack or gap >= settings.high - slack:
             state.touch = state.side = -1.0 if gap <= settings.low + slack else 1.0
@@ -163,7 +153,7 @@ def make_engine(
                 run.side = state.side
                 meet(run, output, eyes)
 
-    @part
+    @inlined(part)
     def aim(run: Any, timetable: Timetable, stop: float) -> None:
         """Find the next instant at which a step must end; nothing is known to happen before."""
         state = run.state
@@ -173,40 +163,15 @@ def make_engine(
         if state.kick < len(timetable.kick_times):
             run.goal = min(run.goal, timetable.kick_times[state.kick])
 
-    @part
-    def write_sample(run: Any, output: Output, points: Any, work: float, loss: float) -> None:
-        """Write the next sample: the state of the balls, then the ledger."""
-        state, k, samples = run.state, run.state.sample, output.samples
-        for i in range(count):
-            samples[2 * i, k], samples[2 * i + 1, k] = points[i].angle, points[i].velocity
-        samples[S_WORK, k], samples[S_DAMPED, k] = (
-            state.drive_work + work,
-            state.damping_loss + loss,
-        )
-        samples[S_IMPACT, k], samples[S_CAPTURED, k] = state.impact_loss, state.capture_loss
-        samples[S_NOISE, k], samples[S_MODE, k] = state.noise_work, state.mode
-        state.sample += 1
-
-    @part
+    @inlined(part)
     def write_samples(run: Any, output: Output) -> None:
         """Write the samples that fall into the step."""
         times, state = output.sample_times, run.state
         while state.sample < len(times) and times[state.sample] < run.t_end:
             look_inside(run, times[state.sample] - run.t)
-            write_sample(run, output, run.inside, run.work_inside, run.loss_inside)
+            write_sample(run, output, run.inside, count, run.work_inside, run.loss_inside)
 
-    @part
-    def follow_ledger(run: Any) -> None:
-        """Note the largest energy and the largest error of the ledger at the end of a step."""
-        state = run.state
-        energy = balls.energy(run)
-        state.largest_energy = max(state.largest_energy, energy)
-        gained = state.drive_work + state.noise_work - state.damping_loss
-        gained -= state.impact_loss + state.capture_loss
-        error = abs(energy - state.first_energy - gained)
-        state.ledger_error = max(state.ledger_error, error)
-
-    @part
+    @inlined(part)
     def take(run: Any) -> None:
         """Go to the end of the step."""
         state = run.state
@@ -227,7 +192,7 @@ def make_engine(
         if run.keeps_touch == 0:
             state.touch = 0.0
         if run.settings.follows_ledger != 0:
-            follow_ledger(run)
+            follow_ledger(state, balls.energy(run))
 
     @part
     def shove(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
@@ -236,7 +201,7 @@ def make_engine(
         jump = timetable.jumps[state.stretch + 1] if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
-            pushed = swung(jump, b.coupling, restoring(point.angle, run))
+            pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
             thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
             state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
             state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
@@ -259,7 +224,7 @@ def make_engine(
             clear_matrix(run.jacobian, 4)
             for i in range(count):
                 jump, coupling = timetable.jumps[state.stretch], run.bodies[i].coupling
-                bend = swung(jump, coupling, slope(run.now[i].angle, run))
+                bend = swung(jump, coupling, slope(run.now[i].angle, run.settings.is_linear))
                 write_matrix(run.jacobian, i, (1.0, 0.0, bend, 1.0))
             look.matrix(run, eyes, 2 * count, 0.0, 0.0)
         if is_kick:
@@ -280,9 +245,11 @@ def make_engine(
         """Write the last samples, and the state back."""
         state, times = run.state, output.sample_times
         while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
-            write_sample(run, output, run.now, 0.0, 0.0)
+            write_sample(run, output, run.now, count, 0.0, 0.0)
         for i in range(count):
             state.angle[i], state.velocity[i] = run.now[i].angle, run.now[i].velocity
+        held = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
+        state.rests = 1 if held or state.mode != FLIGHT else 0
         state.contacts += run.rows
         state.total_steps += run.done
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.records import BODY, stretch_dtype
+from latolato.numerics.records import BODY, SETTINGS, stretch_dtype
 
 # The largest stepper has so many drifts; its table has one kick more.
 MOST_STAGES = 12
@@ -23,26 +23,6 @@ UNSETTLED, FLIGHT, REST, JOINT = -1, 0, 1, 2
 NOTHING, TURN, CONTACT, SETTLE, RELEASE = 0, 1, 2, 3, 4
 # Which motion a row belongs to: two balls in lasting contact swing as a third body.
 JOINT_ROW = 2
-
-SETTINGS = np.dtype(
-    [
-        ("gravity", "f8"),  # m/s^2
-        ("low", "f8"),  # contacts: angle of one ball, or separation of two [rad]
-        ("high", "f8"),
-        ("restitution", "f8"),
-        ("rest_speed", "f8"),  # rad/s
-        ("step", "f8"),  # s
-        ("pivot_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
-        ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
-        ("offset_high", "f8"),
-        ("sag", "f8"),  # relative dip of the tension within a step that is looked for
-        ("follows_tension", "i8"),
-        ("follows_ledger", "i8"),
-        ("mirrored", "i8"),  # keep two equal balls mirror images of each other
-        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
-    ],
-    align=True,
-)
 
 # What is kept of a trajectory from one call of the engine to the next.
 STATE = np.dtype(
@@ -59,6 +39,7 @@ STATE = np.dtype(
         ("contacts", "i8"),  # rows written
         ("grazes", "i8"),
         ("total_steps", "i8"),
+        ("rests", "i8"),  # whether contact lasts or friction holds all balls, at the end of a call
         ("angle", "f8", (2,)),  # rad, of each ball
         ("velocity", "f8", (2,)),  # rad/s
         ("drive_work", "f8"),  # J, as all that follow
@@ -91,6 +72,23 @@ POINT = np.dtype(
     align=True,
 )
 
+# Rows are those of the state; the further columns are free for scratch.
+MATRIX_SHAPE = (4, 7)
+
+# Where the arrays lie that compiled code works on: addresses, and their sizes.
+MEMORY = np.dtype(
+    [
+        (name, "i8")
+        for name in (
+            "stretches", "starts", "jumps", "stretch_count", "kick_times", "kick_sizes",
+            "kick_stride", "kick_count", "sample_times", "samples", "sample_count",
+            "contact_times", "contact_kinds", "contact_values", "contact_count", "acc", "acc_size",
+            "column", "columns",
+            "engine", "hooks",  # of pieces; see `latolato.numerics.hooks`
+        )
+    ]
+)  # fmt: skip
+
 
 def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
     """Return the layout of `run`; `stretch` is that of the drive's stretches."""
@@ -98,7 +96,6 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
         [
             ("state", STATE),
             ("settings", SETTINGS),
-            ("stretch", stretch or stretch_dtype()),
             # Ball 1, ball 2, and the bodies that both form in contact at the bottom and at the top.
             ("bodies", BODY, (4,)),
             # The step: where it begins, where it ends, and a third set for looking inside.
@@ -127,7 +124,11 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("drifts", "f8", (MOST_STAGES,)),
             ("nodes", "f8", (MOST_STAGES,)),
             ("tables", "f8", (5, 3, MOST_STAGES + 1)),
-            ("jacobian", "f8", (4, 7)),
+            # What observables are shown: numbers, and a matrix of small deviations.
+            ("shown", "f8", (13,)),
+            ("jacobian", "f8", MATRIX_SHAPE),
+            ("memory", MEMORY),
+            ("stretch", stretch or stretch_dtype()),  # last: a drive may bring its own layout
         ],
         align=True,
     )
@@ -135,14 +136,24 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
 
 def as_objects(records: NDArray[Any]) -> list[Any]:
     """Return records as objects of plain Python, which reads these a hundred times faster."""
-    return _Rows(_as_object(record) for record in records)
+    return _Rows(as_objects(r) if isinstance(r, np.ndarray) else _as_object(r) for r in records)
 
 
 class _Rows(list[Any]):
     """Objects into which others are copied when they are assigned, as records are."""
 
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, tuple):
+            return self[index[0]][index[1]]
+        found = super().__getitem__(index)
+        return _Rows(found) if isinstance(index, slice) else found
+
     def __setitem__(self, index: Any, value: Any) -> None:
-        self[index].__dict__.update(value.__dict__)
+        found = {
+            name: held.copy() if isinstance(held, np.ndarray) else held
+            for name, held in value.__dict__.items()
+        }
+        self[index].__dict__.update(found)
 
 
 def _as_object(record: Any) -> Any:

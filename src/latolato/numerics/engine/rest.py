@@ -7,11 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Eyes, Look
+from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import Held
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import RELEASE, REST
-from latolato.numerics.tangent import clear_matrix
+from latolato.numerics.matrices import clear_matrix
+from latolato.numerics.watch import Eyes
 
 
 def make_rest(held: Held, look: Look, compile_part: Part | None = None) -> Mode:

@@ -80,9 +80,10 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
     @part
     def free(run: Any, body: int, t: float, angle: float) -> float:
         """Return the angular acceleration without drag [rad/s^2]."""
-        b = run.bodies[body]
-        lifted = run.settings.gravity + pivot_acceleration(t, run.stretch)
-        return swung(lifted, b.coupling, restoring(angle, run)) + push(angle, run)
+        b, settings = run.bodies[body], run.settings
+        lifted = settings.gravity + pivot_acceleration(t, run.stretch)
+        restored = restoring(angle, settings.is_linear)
+        return swung(lifted, b.coupling, restored) + push(angle, run)
 
     @part
     def feel(run: Any, body: int, t: float, point: Any) -> None:
@@ -92,7 +93,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
         point.pivot_acceleration = lift
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
-            restored = restoring(point.angle, run)
+            restored = restoring(point.angle, run.settings.is_linear)
             point.driven = swung(lift, b.coupling, restored)
             other = push(point.angle, run) - b.coulomb * point.sign
             point.acceleration = point.driven + swung(gravity, b.coupling, restored) + other
@@ -120,7 +121,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
         angle, velocity, sign = begin.angle, begin.velocity, begin.sign
         a, driven, lift = begin.acceleration, begin.driven, begin.pivot_acceleration
         work, loss, t = 0.0, 0.0, run.t
-        b, gravity = run.bodies[body], run.settings.gravity
+        b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
         coupling, rate, quadratic, friction = b.coupling, b.rate, b.quadratic, b.coulomb * sign
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
@@ -139,7 +140,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
             angle += travelled
             velocity = slower
             lift = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
-            restored = restoring(angle, run)
+            restored = restoring(angle, is_linear)
             driven = swung(lift, coupling, restored)
             a = driven + swung(gravity, coupling, restored) + (push(angle, run) - friction)
         h = run.tables[table, KICK, run.stages]
@@ -223,11 +224,13 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
         b, gravity = run.bodies[body], run.settings.gravity
         angle, velocity, a, t = begin.angle, begin.velocity, begin.acceleration, run.t
         lifted = gravity + begin.pivot_acceleration
+        is_linear = run.settings.is_linear
         # The columns of the matrix: what starts as a unit of angle, and of velocity.
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
         for i in range(run.stages):
             h = run.tables[table, KICK, i]
-            bend = h * (swung(lifted, b.coupling, slope(angle, run)) + push_slope(angle, run))
+            bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
+            bend *= h
             velocity += h * a
             v1 += bend * x1
             v2 += bend * x2
@@ -240,9 +243,9 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
             travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
             angle += travelled
             lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
-            a = swung(lifted, b.coupling, restoring(angle, run)) + push(angle, run)
+            a = swung(lifted, b.coupling, restoring(angle, is_linear)) + push(angle, run)
             a -= b.coulomb * sign
-        bend = swung(lifted, b.coupling, slope(angle, run)) + push_slope(angle, run)
+        bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
         bend *= run.tables[table, KICK, run.stages]
         return x1, x2, v1 + bend * x1, v2 + bend * x2
 

@@ -17,19 +17,23 @@ from numpy.typing import NDArray
 
 import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
 from latolato.errors import InputError, import_extra
-from latolato.numerics.integrate import maker_of
-from latolato.numerics.many import Points, Progress, Scratch, Weights, make_many, make_scratch
+from latolato.numerics.engine.record import STATE, as_objects, run_dtype, write_back
+from latolato.numerics.integrate import laws_key, write_stepper
+from latolato.numerics.many import Points, Progress, Scratch, make_many, make_scratch
+from latolato.numerics.records import stretch_dtype
 from latolato.numerics.steppers import Stepper
-from latolato.numerics.watch import hooks_of
+from latolato.numerics.trajectory import make_trajectory
+from latolato.numerics.watch import hooks_of, make_watch
+from latolato.physics.contacts import Clamp
 from latolato.registry import checked_count
 from latolato.sweep.chunk import Cancelled, Values, run_chunk
-from latolato.sweep.kernels import trajectory_name
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
 from latolato.sweep.pool import run_in_threads
 
 import_extra("numba_cuda", "cuda", "executor 'cuda'", way_out="use executor='threads'")
-from numba import cuda  # noqa: E402 - older releases of numba have it without the extra
+from numba import config, cuda  # noqa: E402 - older releases of numba have it without the extra
+from numba.np.numpy_support import from_dtype  # noqa: E402
 
 # A thread needs all registers that it may have (254), so that 256 of them fill a multiprocessor.
 _THREADS_PER_BLOCK = 128
@@ -106,18 +110,18 @@ def _execute(
 
 def kernel_of(plan: Plan, stepper: Stepper) -> Any:
     """Return the kernel for the laws and observables of a plan; it compiles when called."""
-    laws = (plan.drive.acceleration, plan.system.restoring, plan.system.potential)
     return _kernel(
-        trajectory_name(plan),
         plan.system.angles,
+        isinstance(plan.contact, Clamp),
         hooks_of(plan.observables),
-        len(stepper.drifts),
-        *laws,
+        stretch_dtype(type(plan.drive.stretches(plan.duration)[0])),
+        plan.drive.acceleration,
+        *laws_key(plan.system),
     )
 
 
 @lru_cache(maxsize=64)
-def _kernel(name: str, balls: int, hooks: Any, stages: int, *laws: Callable[..., Any]) -> Any:
+def _kernel(balls: int, clamped: bool, hooks: Any, stretch: Any, *laws: Callable[..., Any]) -> Any:
     """Return the kernel in which every thread carries one point to its end.
 
     Arguments are those of `kernel_arguments`. Arrays come one by one, since the simulator sees
@@ -128,63 +132,79 @@ def _kernel(name: str, balls: int, hooks: Any, stages: int, *laws: Callable[...,
     def part(function: Callable[..., Any], *, inline: bool = False) -> Any:
         return cuda.jit(device=True)(function)  # NVVM decides itself what it inlines
 
-    acceleration, restoring, potential = laws
-    many = part(
-        make_many(
-            acceleration, restoring, potential, part, make=maker_of(name), hooks=hooks, balls=balls
-        )
-    )
-    sizes = make_scratch(stages)
-    tables_shape, space_shape = sizes.tables.shape, sizes.space.shape
+    watch = make_watch(hooks, part)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, clamped=clamped, compile_part=part)
+    many = part(make_many(part(carry_on), watch, part, balls=balls))
+    sizes = make_scratch()
     rows, values_shape = len(sizes.contact_times), sizes.contact_values.shape
+    run_type = from_dtype(run_dtype(stretch))
 
     def kernel(
         order: Any, settings: Any, bodies: Any, stretches: Any, starts: Any, jumps: Any,
         firsts: Any, kick_times: Any, kick_sizes: Any, kick_firsts: Any, stops: Any,
-        contact_limit: int, kicks: Any, drifts: Any, nodes: Any, state: Any, counters: Any,
-        begun: Any, status: Any, acc: Any, cancel: Any,
+        contact_limit: int, template: Any, states: Any, begun: Any, status: Any, acc: Any,
+        cancel: Any,
     ) -> None:  # fmt: skip
         i = cuda.grid(1)
         if i >= len(order):
             return
         # Local memory lies interleaved: what threads read in step is read at once.
-        tables = cuda.local.array(tables_shape, np.float64)
-        space = cuda.local.array(space_shape, np.float64)
+        runs = cuda.local.array(1, run_type)
         times = cuda.local.array(rows, np.float64)
         kinds = cuda.local.array(rows, np.int64)
         values = cuda.local.array(values_shape, np.float64)
+        runs[0] = template[0]
         many(
             order[i : i + 1],
             Points(
                 settings, bodies, stretches, starts, jumps, firsts, kick_times, kick_sizes,
                 kick_firsts, stops, contact_limit,
             ),
-            Weights(kicks, drifts, nodes),
-            Scratch(tables, space, times, kinds, values, times[:0], values[:, :0]),
-            Progress(state, counters, begun, status, acc),
+            Scratch(runs, times, kinds, values, times[:0], values[:, :0]),
+            Progress(states, begun, status, acc),
             cancel,
         )  # fmt: skip
 
-    return cuda.jit(kernel)
+    return cuda.jit(_simulated(many) if config.ENABLE_CUDASIM else kernel)  # type: ignore[attr-defined]
+
+
+def _simulated(many: Callable[..., None]) -> Callable[..., None]:
+    """Return the kernel as numba's simulator runs it, whose records have no nested ones."""
+
+    def kernel(order: Any, settings: Any, bodies: Any, stretches: Any, *others: Any) -> None:
+        i = cuda.grid(1)
+        if i >= len(order):
+            return
+        *rest, template, states, begun, status, acc, cancel = others
+        scratch = make_scratch()._replace(runs=as_objects(template.copy_to_host()))
+        moved = as_objects(states.copy_to_host()), as_objects(begun.copy_to_host())
+        laws = (as_objects(a.copy_to_host()) for a in (settings, bodies, stretches))
+        points, progress = Points(*laws, *rest), Progress(*moved, status, acc)
+        many(order[i : i + 1], points, scratch, progress, cancel)
+        k, row = order[i], np.zeros(1, dtype=STATE)
+        for objects, records in zip(moved, (states, begun), strict=True):
+            write_back([objects[k]], row)
+            records[k] = row[0]
+
+    return kernel
 
 
 def kernel_arguments(
     batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> tuple[Any, ...]:
     """Return what a kernel is called with on the host, but the flag of cancelling, its last."""
-    weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
-    return (order, *map(_for_device, batch.points), *weights, *progress)
+    template = make_scratch(batch.points.stretches.dtype).runs
+    write_stepper(template, stepper)
+    return (order, *map(_for_device, batch.points), template, *progress)
 
 
 def _for_device(value: Any) -> Any:
-    """Return an array as a device wants it: records that are read whole, nothing empty.
+    """Return an array as a device wants it, nothing empty.
 
     Points find their own rows by number, so a row too many is not seen.
     """
     if not isinstance(value, np.ndarray):
         return value
-    if value.dtype.names:
-        value = value.view(np.dtype(value.dtype.descr, align=True))  # all fields have 8 bytes
     if not value.size:
         value = np.zeros([max(length, 1) for length in value.shape], dtype=value.dtype)
     return value

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from latolato.numerics.many import Progress
 from latolato.numerics.steppers import Stepper
 from latolato.sweep.chunk import Values, run_chunk
-from latolato.sweep.kernels import run_scalar
+from latolato.sweep.kernels import run_reference
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
 
@@ -25,4 +25,4 @@ def _run_points(
     plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> None:
     """Run points as plain Python."""
-    run_scalar(plan, batch, stepper, order, progress, compiled=False)
+    run_reference(plan, batch, stepper, order, progress)

@@ -1,0 +1,34 @@
+"""The books of a trajectory: samples and the energy ledger."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from latolato.numerics.records import S_CAPTURED, S_DAMPED, S_IMPACT, S_MODE, S_NOISE, S_WORK
+from latolato.scalar import formula
+
+
+@formula
+def write_sample(run: Any, output: Any, points: Any, count: int, work: float, loss: float) -> None:
+    """Write the next sample: the state of the balls, then the ledger.
+
+    Work and loss are those of the step up to the sample [J].
+    """
+    state, k, samples = run.state, run.state.sample, output.samples
+    for i in range(count):
+        samples[2 * i, k], samples[2 * i + 1, k] = points[i].angle, points[i].velocity
+    samples[S_WORK, k] = state.drive_work + work
+    samples[S_DAMPED, k] = state.damping_loss + loss
+    samples[S_IMPACT, k], samples[S_CAPTURED, k] = state.impact_loss, state.capture_loss
+    samples[S_NOISE, k], samples[S_MODE, k] = state.noise_work, state.mode
+    state.sample += 1
+
+
+@formula
+def follow_ledger(state: Any, energy: float) -> None:
+    """Note the largest energy and the largest error of the ledger at the end of a step [J]."""
+    state.largest_energy = max(state.largest_energy, energy)
+    gained = state.drive_work + state.noise_work - state.damping_loss
+    gained -= state.impact_loss + state.capture_loss
+    error = abs(energy - state.first_energy - gained)
+    state.ledger_error = max(state.ledger_error, error)

@@ -1,0 +1,167 @@
+"""Links and optimises a kernel once, with all its parts.
+
+numba optimises every function that it compiles together with all that it calls, and makes machine
+code of it. The parts of a kernel lie ten calls deep, so the same code would be gone through at
+every level: half of the time that compiling took. Here a part is left as numba lowered it; the
+kernel gathers what it calls, directly or not, and only then is anything optimised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from numba import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.runtime.nrt import rtsys
+
+
+class _Part(JITCodeLibrary):
+    """The code of a part, which has no machine code of its own."""
+
+    @property
+    def codegen(self) -> Any:
+        """Code generation without environments: no part is called from Python."""
+        return _WithoutEnvironments(self._codegen)
+
+    def finalize(self) -> None:
+        """Do nothing more."""
+        self._raise_if_finalized()  # type: ignore[no-untyped-call]
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0: there is no machine code."""
+        return 0
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code with all that it calls, for one of numba's own functions."""
+        found = super()._get_module_for_linking().clone()  # type: ignore[no-untyped-call]
+        for library in _called(self):
+            if library is not self:
+                found.link_in(_code_of(library), preserve=True)
+        return found
+
+
+class _Kernel(JITCodeLibrary):
+    """The code of a kernel, into which all parts are linked."""
+
+    def finalize(self) -> None:
+        """Link all that is called, directly or not, then optimise."""
+        for library in _called(self):
+            if library is not self:
+                self._reload_init.update(library._reload_init)
+                self._final_module.link_in(_code_of(library), preserve=True)
+        self._linking_libraries: list[Any] = []
+        super().finalize()  # type: ignore[no-untyped-call]
+
+
+class _WithoutEnvironments:
+    """A code generator that does not look for a function's environment."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing."""
+
+
+def _called(library: Any) -> list[Any]:
+    """Return a library and all that it calls, each once.
+
+    Libraries of numba's own functions already hold what these call.
+    """
+    found: dict[Any, None] = {}
+    waiting = [library]
+    while waiting:
+        now = waiting.pop()
+        if now not in found:
+            found[now] = None
+            if isinstance(now, (_Part, _Kernel)):
+                waiting += now._linking_libraries
+    return list(found)
+
+
+def _code_of(library: Any) -> Any:
+    """Return the code of one library, without that of parts which it calls."""
+    return JITCodeLibrary._get_module_for_linking(library)  # type: ignore[no-untyped-call]
+
+
+def link_once(dispatcher: Any, parts: list[Any]) -> None:
+    """Let a kernel be linked and optimised once; its parts are given back when it is compiled."""
+    plain, kernel = dispatcher.compile, dispatcher.py_func.__qualname__
+
+    def compile(signature: Any) -> Any:
+        codegen, typing = dispatcher.targetctx.codegen(), dispatcher.typingctx
+        rtsys.initialize(dispatcher.targetctx)  # numba's own code is linked as ever
+        with global_compiler_lock, _libraries(codegen, kernel), _remembered(typing):
+            entry = plain(signature)
+            for found in dispatcher.overloads.values():
+                found.library._linking_libraries.clear()
+            for part in parts:
+                part._make_finalizer()()
+                part._reset_overloads()
+        return entry
+
+    for part in parts:
+        _compile_directly(part)
+    dispatcher.compile = compile
+
+
+@contextmanager
+def _libraries(codegen: Any, kernel: str) -> Iterator[None]:
+    """Let numba keep the code of the kernel of that name and of its parts as above."""
+
+    def library(codegen: Any, name: str) -> Any:
+        return (_Kernel if name == kernel else _Part)(codegen, name)
+
+    library._unserialize = JITCodeLibrary._unserialize  # type: ignore[attr-defined]
+    codegen._library_class = library
+    try:
+        yield
+    finally:
+        del codegen._library_class
+
+
+@contextmanager
+def _remembered(typing: Any) -> Iterator[None]:
+    """Let numba find the types of a sum of two floats once, not at every plus sign."""
+    known: dict[Any, Any] = {}
+    plain = typing.resolve_function_type
+
+    def resolve(function: Any, args: Any, kws: Any) -> Any:
+        if not isinstance(function, types.Function):
+            return plain(function, args, kws)
+        key = function, tuple(args), tuple(kws.items())
+        if key not in known:
+            known[key] = plain(function, args, kws)
+        return known[key]
+
+    typing.resolve_function_type = resolve
+    try:
+        yield
+    finally:
+        del typing.resolve_function_type
+
+
+def _compile_directly(part: Any) -> None:
+    """Leave out what numba does around compiling a part: caches, timers that watch all others.
+
+    Numbers that stand in the code have the same types as others.
+    """
+
+    def compile(args: tuple[Any, ...]) -> None:
+        if args not in part.overloads:
+            part.add_overload(part._compiler.compile(args, None))
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        plain: Any = type(part).get_call_template
+        unliteral: Any = types.unliteral
+        named = {name: unliteral(kind) for name, kind in kws.items()}
+        return plain(part, tuple(map(unliteral, args)), named)
+
+    part.compile, part.get_call_template = compile, get_call_template
