@@ -111,10 +111,10 @@ class Toy:
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
         self._carry_on = engine_of(system.angles, pivot_acceleration, *laws_key(system))
         self._observe = observer_of(*drive_laws, system.restoring, system.potential)
-        self._runs = np.zeros(1, dtype=run_dtype()).view(np.recarray)
+        self._runs = np.zeros(1, dtype=run_dtype())
         write_stepper(self._runs, self._stepper)
         self._runs["state"] = initial_states(start.angles, start.velocities)
-        self._state = self._runs[0].state
+        self._state = self._runs["state"].view(np.recarray)[0]
         self.ticks = round(time * TICKS_PER_SECOND)
         self._state.t_base = self.time
         self._eyes = Eyes(np.zeros(1), 0, system.angles)
@@ -260,7 +260,7 @@ class Toy:
         timetable = Timetable(self._stretches, self._starts, self._jumps, *given)
         output = Output(instants, samples, *self._buffers)
         for _ in range(_CALLS):
-            rows = self._carry_on(self._runs[0], timetable, output, self._eyes, stop, 10_000)
+            rows = self._carry_on(self._runs, timetable, output, self._eyes, stop, 10_000)
             if rows:
                 self._note_contacts(rows)
             if state.t_base + state.steps * self._step >= stop:

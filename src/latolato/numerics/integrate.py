@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,14 @@ from numpy.typing import NDArray
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
+from latolato.numerics.engine.record import (
+    MEMORY,
+    STATE,
+    UNSETTLED,
+    as_objects,
+    run_dtype,
+    write_back,
+)
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
@@ -194,11 +202,19 @@ def engine_of(
 ) -> Callable[..., int]:
     """Return the engine as Python calls it, compiled or as plain Python.
 
-    Its arguments are those of `engine.loop.make_engine`; a compiled one wants records of an array
-    of `numpy.recarray`, and `stretch` if the drive's stretches are of another layout.
+    Its arguments are those of `engine.loop.make_engine`, but for the first: runs of shape (1,), as
+    from `make_runs`. `stretch` is the layout of the drive's stretches, if it is not the usual one.
     """
     if not compiled:
-        return make_trajectory(*laws, count=count, watch=make_watch(hooks), clamped=clamped)
+        plain = make_trajectory(*laws, count=count, watch=make_watch(hooks), clamped=clamped)
+
+        def carry_on_plainly(runs: NDArray[Any], timetable: Timetable, *rest: Any) -> int:
+            run, stretches = as_objects(runs)[0], as_objects(timetable.stretches)
+            written = plain(run, timetable._replace(stretches=stretches), *rest)
+            write_back([run.state], runs["state"])
+            return written
+
+        return carry_on_plainly
     from latolato.numerics.entry import engine_piece, write_memory
     from latolato.numerics.hooks import hook_table, pieces_of
 
@@ -207,12 +223,14 @@ def engine_of(
     table = hook_table(looking)
 
     def carry_on(
-        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
-    ) -> int:
+        runs: NDArray[Any], timetable: Timetable, output: Output, eyes: Eyes, stop: float,
+        most_steps: int,
+    ) -> int:  # fmt: skip
         assert looking is not None  # the code of the pieces must not go while they are called
-        write_memory(run.memory, timetable, output, eyes)
-        run.memory.hooks = table.ctypes.data
-        rows: int = piece.call(run.__array_interface__["data"][0], stop, most_steps)
+        memory = SimpleNamespace(engine=piece.address, hooks=table.ctypes.data)
+        write_memory(memory, timetable, output, eyes)
+        runs["memory"] = tuple(getattr(memory, name) for name in MEMORY.names or ())
+        rows: int = piece.call(runs.ctypes.data, stop, most_steps)
         return rows
 
     return carry_on
@@ -317,10 +335,10 @@ def integrate(
         angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype, clamped=clamped,
         compiled=compiled, hooks=hooks_of(watched),
     )  # fmt: skip
-    runs = make_runs(system, start, walls, stepper, settings, stretches.dtype).view(np.recarray)
-    state = runs[0].state
+    runs = make_runs(system, start, walls, stepper, settings, stretches.dtype)
+    state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
-        stretches if compiled else as_objects(stretches),
+        stretches,
         starts,
         np.array(drive.velocity_jumps(duration)),
         np.empty(0) if kick_times is None else kick_times,
@@ -329,7 +347,6 @@ def integrate(
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
     columns = [[v for o in watched for v in o.initial(np.array(x))] for x in start.angles]
     acc = np.array(columns, dtype=np.float64).T.ravel() if watched else np.zeros(1)
-    run = runs[0] if compiled else as_objects(runs)[0]
     room = 256
     kinds, times, values = [], [], []
     count = 0
@@ -338,9 +355,7 @@ def integrate(
         size = min(room, contact_limit - count) + 4  # an event may need several rows
         buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
         output = Output(sample_times, samples, *buffers)
-        written = carry_on(run, timetable, output, Eyes(acc, 0, angles), duration, _STEPS_PER_CALL)
-        if not compiled:
-            write_back([run.state], runs["state"])
+        written = carry_on(runs, timetable, output, Eyes(acc, 0, angles), duration, _STEPS_PER_CALL)
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
         values.append(buffers[2][:, :written])
