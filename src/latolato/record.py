@@ -11,7 +11,7 @@ import numpy as np
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
-from latolato.physics.contacts import CONTACT_KINDS, Clamp, Exact, NoContact, contact_laws
+from latolato.physics.contacts import CONTACT_KINDS, Clamp, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
@@ -131,7 +131,7 @@ def record_of(
 def attributes_of(
     system: System,
     drive: Drive,
-    law: Exact | Clamp | NoContact,
+    law: ContactLaw,
     noise: VelocityKicks | None,
     start: Start,
     end: float,

@@ -22,7 +22,7 @@ from latolato.numerics.integrate import (
     observer_of,
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
-from latolato.physics.contacts import Clamp, Exact, NoContact
+from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
@@ -66,7 +66,7 @@ def simulate(
     duration: float | None = None,
     times: Sequence[float] | Floats | None = None,
     tolerance: float = 1e-10,
-    contact: str | Exact | Clamp | NoContact | None = "exact",
+    contact: str | ContactLaw | None = "exact",
     rest_speed: float = DEFAULT_REST_SPEED,
     frame: str = "pivot",
     noise: VelocityKicks | None = None,
@@ -186,7 +186,7 @@ def _recorded(
     duration: float | None,
     times: Sequence[float] | Floats | None,
     tolerance: float,
-    contact: str | Exact | Clamp | NoContact | None,
+    contact: str | ContactLaw | None,
     rest_speed: float,
     frame: str,
     noise: VelocityKicks | None,
@@ -210,18 +210,14 @@ def _recorded(
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
     kick_times, kick_sizes = kicks_of(noise, system, end)
 
-    if isinstance(law, Clamp) and law.step > end:
+    if law.fixed_step is not None and law.fixed_step > end:
         raise InputError(
-            f"clamp_step must not exceed the duration {end:g} s, got {law.step:g}; a thousandth of "
-            "a second is usual"
+            f"clamp_step must not exceed the duration {end:g} s, got {law.fixed_step:g}; a "
+            "thousandth of a second is usual"
         )
     stepper = choose_stepper(system)
-    clamped = isinstance(law, Clamp)
-    step = (
-        law.step
-        if isinstance(law, Clamp)
-        else choose_step(system, drive, start, tolerance, stepper)
-    )
+    clamped = law.fixed_step is not None
+    step = law.fixed_step or choose_step(system, drive, start, tolerance, stepper, law)
     if end / step > MOST_STEPS:
         raise InputError(
             f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
@@ -241,7 +237,7 @@ def _recorded(
             contact_limit=contact_limit,
             kick_times=kick_times,
             kick_sizes=kick_sizes,
-            clamped=clamped,
+            law=law,
             progress=progress,
         )
         seen = _observe(system, drive, trajectory, instants, end, frame == "both")

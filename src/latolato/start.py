@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.numerics.integrate import Floats, Start
-from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
+from latolato.physics.contacts import Clamp, ContactLaw, NoContact, contact_laws
 from latolato.physics.drives import Drive, Static, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System
@@ -32,12 +32,12 @@ def checked_drive(drive: Drive | None) -> Drive:
     return drive
 
 
-def checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
+def checked_contact(contact: Any, system: System) -> ContactLaw:
     """Return the contact law; systems that never meet a wall have none."""
     if contact is None:
         return NoContact()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
-    if not isinstance(law, (Exact, Clamp, NoContact)):
+    if not isinstance(law, ContactLaw):
         raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
     if not system.has_contacts:
         return NoContact()
@@ -49,9 +49,9 @@ def checked_contact(contact: Any, system: System) -> Exact | Clamp | NoContact:
     return law
 
 
-def walls_of(system: System, law: Exact | Clamp | NoContact) -> tuple[float, float]:
+def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
     """Return the contact angles of one ball or the contact separations of two [rad]."""
-    if isinstance(law, NoContact):
+    if not law.meets:
         return -math.inf, math.inf
     if isinstance(system, BallPair):
         return system.contact_separation, 2.0 * math.pi - system.contact_separation

@@ -14,7 +14,7 @@ from latolato.errors import InputError
 from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.deviations import STATE, Deviations
-from latolato.physics.contacts import REST, Clamp
+from latolato.physics.contacts import REST
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System
 from latolato.quantities import POSITIVE, Range
@@ -94,7 +94,7 @@ class Flow:
 
     def __post_init__(self) -> None:
         law = checked_contact(self.contact, self.system)
-        if isinstance(law, Clamp):
+        if law.fixed_step is not None:
             raise InputError(
                 "contact must be exact or none here: a clamped motion depends on its step, so "
                 "small deviations have no meaning"
@@ -139,9 +139,10 @@ class Flow:
             np.zeros(0),
             duration,
             walls=self.walls,
-            step=choose_step(self.system, self.drive, bound, self.tolerance, stepper),
+            step=choose_step(self.system, self.drive, bound, self.tolerance, stepper, self.contact),
             rest_speed=self.rest_speed,
             contact_limit=limit,
+            law=self.contact,
             compiled=self.compiled,
             watched=_WATCHED,
         )

@@ -22,7 +22,9 @@ from latolato.physics.damping import drag
 from latolato.physics.pendulum import swung
 
 
-def make_clamped(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Callable[..., int]:
+def make_clamped(
+    laws: Laws, count: int, watch: Watch, compile_part: Part | None = None
+) -> Callable[..., int]:
     """Return the function of the clamp, with the arguments of `engine.loop.make_engine`'s."""
     part = compile_part or as_it_stands
     pivot_acceleration, restoring, potential = (

@@ -16,6 +16,7 @@ import warnings
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from types import CodeType
 from typing import Any, NamedTuple
 
 import llvmlite
@@ -137,10 +138,15 @@ def law_key(*laws: Callable[..., Any]) -> str:
     """Return a text that identifies formulas: where they stand and what their code is."""
     parts = []
     for law in laws:
-        code = law.__code__
-        body = hashlib.sha256(code.co_code + repr(code.co_consts).encode()).hexdigest()[:12]
+        body = hashlib.sha256(_code(law.__code__)).hexdigest()[:12]
         parts.append(f"{law.__module__}.{law.__qualname__}.{body}")
     return "+".join(parts)
+
+
+def _code(code: CodeType) -> bytes:
+    """Return a function's code, with that of functions within."""
+    constants = [_code(c) if isinstance(c, CodeType) else repr(c).encode() for c in code.co_consts]
+    return b" ".join([code.co_code, *constants])
 
 
 # Multiply-adds may be fused: faster and rounded once less, but not to the bits of plain Python.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import types
 
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once
+from latolato.numerics.compiled import Piece, compile_piece, compiled_once, law_key
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
@@ -17,7 +17,7 @@ from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.pieces import address_of, array_at, caller_of, record_at, table_at
 from latolato.numerics.records import SAMPLE_ROWS
-from latolato.numerics.trajectory import make_trajectory
+from latolato.numerics.trajectory import MOTIONS, make_trajectory
 from latolato.numerics.watch import Eyes
 from latolato.scalar import formula
 
@@ -28,9 +28,9 @@ _CONTACT_ROWS = 4
 
 @compiled_once
 def engine_piece(
-    count: int, stretch: np.dtype[Any], *laws: Formula, clamped: bool = False
+    count: int, stretch: np.dtype[Any], *laws: Formula, motion: str = "exact"
 ) -> Piece:
-    """Return the compiled engine of `count` balls, or the clamp.
+    """Return the compiled engine of `count` balls.
 
     Parameters
     ----------
@@ -38,17 +38,19 @@ def engine_piece(
         The layout of the drive's stretches.
     laws : formulas
         Pivot acceleration, restoring factor and its potential.
+    motion : str
+        One of `trajectory.MOTIONS`.
     """
 
     def make(*laws_and_part: Any) -> Callable[..., int]:
         *found, compile_part = laws_and_part
         watch = make_calling_watch(compile_part)
         carry_on = make_trajectory(
-            *found, count=count, watch=watch, clamped=clamped, compile_part=compile_part
+            *found, count=count, watch=watch, motion=motion, compile_part=compile_part
         )
         return make_entry(compile_part(carry_on), count, stretch)
 
-    name = f"{'clamp' if clamped else 'engine'} {count} {stretch}"
+    name = f"engine {motion} {law_key(MOTIONS[motion])} {count} {stretch}"
     return compile_piece(make, name, ENGINE, *laws)
 
 

@@ -27,6 +27,7 @@ from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Ste
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
 from latolato.observables import Observable
+from latolato.physics.contacts import ContactLaw, Exact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import (
     System,
@@ -53,6 +54,8 @@ _STEPS_PER_CALL = 200_000
 _LARGEST = 1e100
 
 TOLERANCES = (1e-14, 1e-2)
+
+_EXACT = Exact()
 
 
 @dataclass(frozen=True)
@@ -98,10 +101,15 @@ def choose_stepper(system: System) -> Stepper:
 
 
 def choose_step(
-    system: System, drive: Drive, start: Start, tolerance: float, stepper: Stepper
+    system: System,
+    drive: Drive,
+    start: Start,
+    tolerance: float,
+    stepper: Stepper,
+    law: ContactLaw = _EXACT,
 ) -> float:
     """Return the step [s] for a tolerance; see `step_for`."""
-    return float(step_for(fastest_rate(system, drive, start), tolerance, stepper))
+    return float(step_for(fastest_rate(system, drive, start, law), tolerance, stepper))
 
 
 def step_for(rate: Any, tolerance: float, stepper: Stepper) -> Any:
@@ -113,11 +121,11 @@ def step_for(rate: Any, tolerance: float, stepper: Stepper) -> Any:
     return unit * tolerance ** (1.0 / stepper.order) / rate
 
 
-def fastest_rate(system: System, drive: Drive, start: Start) -> float:
+def fastest_rate(system: System, drive: Drive, start: Start, law: ContactLaw = _EXACT) -> float:
     """Return the fastest angular rate of a run that is known beforehand [rad/s]."""
     speed = max(abs(v) for v in start.velocities)
     bounds = drive.largest_acceleration, drive.fastest_frequency
-    rates = []
+    rates = [law.fastest_rate]
     for ball in system.balls:
         _, rate, quadratic, _, _ = records.body_record(ball)
         rates.append(rate_of(system.gravity, ball.length, *bounds, speed, (rate, quadratic)))
@@ -160,12 +168,13 @@ def settings_values(
     follows_ledger: bool = False,
     mirrored: bool = False,
     is_linear: bool = False,
+    law: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Any, ...]:
     """Return the content of a `SETTINGS` record, numbers or arrays."""
     sag = 0.5 * (step * rate) ** 2
     return (
         gravity, *walls, restitution, rest_speed, step, pivot_bound, *offsets, sag,
-        int(follows_tension), int(follows_ledger), int(mirrored), int(is_linear),
+        int(follows_tension), int(follows_ledger), int(mirrored), int(is_linear), law,
     )  # fmt: skip
 
 
@@ -196,7 +205,7 @@ def engine_of(
     count: int,
     *laws: Law,
     stretch: np.dtype[Any] | None = None,
-    clamped: bool = False,
+    motion: str = "exact",
     compiled: bool = True,
     hooks: tuple[Hooks, ...] = BLIND,
 ) -> Callable[..., int]:
@@ -206,7 +215,7 @@ def engine_of(
     from `make_runs`. `stretch` is the layout of the drive's stretches, if it is not the usual one.
     """
     if not compiled:
-        plain = make_trajectory(*laws, count=count, watch=make_watch(hooks), clamped=clamped)
+        plain = make_trajectory(*laws, count=count, watch=make_watch(hooks), motion=motion)
 
         def carry_on_plainly(runs: NDArray[Any], timetable: Timetable, *rest: Any) -> int:
             run, stretches = as_objects(runs)[0], as_objects(timetable.stretches)
@@ -218,7 +227,7 @@ def engine_of(
     from latolato.numerics.entry import engine_piece, write_memory
     from latolato.numerics.hooks import hook_table, pieces_of
 
-    piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, clamped=clamped)
+    piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, motion=motion)
     looking = pieces_of(hooks)
     table = hook_table(looking)
 
@@ -292,7 +301,7 @@ def integrate(
     contact_limit: int = 1_000_000,
     kick_times: Floats | None = None,
     kick_sizes: Floats | None = None,
-    clamped: bool = False,
+    law: ContactLaw = _EXACT,
     compiled: bool = True,
     watched: Sequence[Observable] = (),
     progress: Callable[[float], None] | None = None,
@@ -305,8 +314,8 @@ def integrate(
         Contact angles (one ball) or separations (two) [rad]; infinite where there is none.
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Instants [s] and sizes [rad/s] of velocity kicks.
-    clamped : bool
-        Whether contact is the fixed-step artefact of `latolato.numerics.clamp`.
+    law : ContactLaw
+        What happens at the walls.
     compiled : bool
         Whether the kernel is compiled or runs as plain Python.
     watched : sequence of Observable
@@ -324,16 +333,17 @@ def integrate(
         rest_speed=rest_speed,
         step=step,
         pivot_bound=drive.largest_acceleration,
-        rate=fastest_rate(system, drive, start),
+        rate=fastest_rate(system, drive, start, law),
         offsets=offsets,
         follows_tension=system.restoring is not restoring_linear,
         follows_ledger=True,
         is_linear=system.restoring is restoring_linear,
+        law=law.numbers,
     )
     stretches, starts = records.stretch_records(drive, duration)
     carry_on = engine_of(
-        angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype, clamped=clamped,
-        compiled=compiled, hooks=hooks_of(watched),
+        angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype,
+        motion=law.motion, compiled=compiled, hooks=hooks_of(watched),
     )  # fmt: skip
     runs = make_runs(system, start, walls, stepper, settings, stretches.dtype)
     state = runs["state"].view(np.recarray)[0]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.record import FLIGHT
+from latolato.numerics.engine.record import JOINT, REST
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
@@ -74,7 +74,7 @@ def make_observer(
             p = stretches[k]
             y, vy, ay = height(t, p), velocity(t, p), acceleration(t, p)
             pivot[0, i], pivot[1, i], pivot[2, i] = y, vy, ay
-            touching = modes[i] != FLIGHT
+            touching = modes[i] == REST or modes[i] == JOINT
             for j in range(len(balls)):
                 b = balls[j]
                 l, m = b.length, b.mass

@@ -84,6 +84,7 @@ SETTINGS = np.dtype(
         ("follows_ledger", "i8"),
         ("mirrored", "i8"),  # keep two equal balls mirror images of each other
         ("is_linear", "i8"),  # whether the restoring factor is the angle itself
+        ("law", "f8", (2,)),  # what a contact law says to its motion
     ],
     align=True,
 )

@@ -1,4 +1,4 @@
-"""What carries a trajectory on: the engine, or the clamp."""
+"""What carries trajectories on, by name: the engine under exact contact, and the clamp."""
 
 from __future__ import annotations
 
@@ -6,24 +6,29 @@ from collections.abc import Callable
 
 from latolato.numerics.clamp import make_clamped
 from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.laws import Formula, laws_of
+from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.watch import Watch
+
+# What a contact law names: called with laws, the number of balls, what observables are shown by
+# and what compiles parts. Others may add their own, built by `make_engine` of their own modes.
+MOTIONS: dict[str, Callable[[Laws, int, Watch, Part | None], Callable[..., int]]] = {
+    "exact": make_engine,
+    "clamp": make_clamped,
+}
 
 
 def make_trajectory(
     *laws: Formula,
     count: int,
     watch: Watch,
-    clamped: bool = False,
+    motion: str = "exact",
     compile_part: Part | None = None,
 ) -> Callable[..., int]:
-    """Return the engine of `count` balls, or the clamp.
+    """Return what carries `count` balls on.
 
     `laws` are the pivot's acceleration, the restoring factor and its potential.
     """
     pivot_acceleration, restoring, potential = laws
     found = laws_of(pivot_acceleration, restoring, potential, compile_part)
-    if clamped:
-        return make_clamped(found, watch, compile_part)
-    return make_engine(found, count, watch, compile_part=compile_part)
+    return MOTIONS[motion](found, count, watch, compile_part)

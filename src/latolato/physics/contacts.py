@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from latolato.errors import InputError
 from latolato.quantities import POSITIVE, quantity_field
@@ -18,15 +18,51 @@ BOTTOM, TOP, REST, RELEASE = 0, 1, 2, 3
 CONTACT_KINDS = ("bottom", "top", "rest", "release")
 
 
+class ContactLaw:
+    """Base of contact laws: what happens where balls meet.
+
+    Attributes
+    ----------
+    motion : str
+        Which of `latolato.numerics.trajectory.MOTIONS` carries the balls.
+    meets : bool
+        Whether the balls meet at all.
+    numbers : tuple of two floats
+        What that motion reads as ``run.settings.law``.
+    fixed_step : float or None
+        The step [s] of a law whose result depends on it; small deviations have no meaning then.
+    fastest_rate : float
+        The fastest angular rate of what the law adds to the motion [rad/s], which steps resolve.
+    """
+
+    motion: ClassVar[str] = "exact"
+    meets: ClassVar[bool] = True
+
+    @property
+    def numbers(self) -> tuple[float, float]:
+        """Nothing, unless a law says more."""
+        return 0.0, 0.0
+
+    @property
+    def fixed_step(self) -> float | None:
+        """None, unless a law says more."""
+        return None
+
+    @property
+    def fastest_rate(self) -> float:
+        """Zero, unless a law says more."""
+        return 0.0
+
+
 @contact_laws.register("exact")
 @dataclass(frozen=True)
-class Exact:
+class Exact(ContactLaw):
     """Impact with restitution, resting contact and lift-off, located on the solution itself."""
 
 
 @contact_laws.register("clamp")
 @dataclass(frozen=True)
-class Clamp:
+class Clamp(ContactLaw):
     """The fixed-step artefact that the paper's pictures probably contain.
 
     Classical Runge-Kutta steps of `step` seconds; a ball found beyond a wall is put back on it
@@ -34,16 +70,25 @@ class Clamp:
     use it to reproduce such pictures, never to learn about the toy.
     """
 
+    motion: ClassVar[str] = "clamp"
+
     step: float = quantity_field("clamp_step", POSITIVE, default=1e-3, suggested=(1e-4, 1e-2))
 
     def __post_init__(self) -> None:
         check_fields(self)
 
+    @property
+    def fixed_step(self) -> float:
+        """The step [s]."""
+        return self.step
+
 
 @contact_laws.register("none")
 @dataclass(frozen=True)
-class NoContact:
+class NoContact(ContactLaw):
     """The balls pass through each other."""
+
+    meets: ClassVar[bool] = False
 
 
 def check_radius(radius: float, length: float) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.errors import InputError
-from latolato.physics.contacts import Clamp, Exact, NoContact
+from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
@@ -36,7 +36,7 @@ def sweep(
     transient: float = 0.0,
     transient_periods: float = 0.0,
     tolerance: float = 1e-6,
-    contact: str | Exact | Clamp | NoContact | None = "exact",
+    contact: str | ContactLaw | None = "exact",
     rest_speed: float = DEFAULT_REST_SPEED,
     contact_limit: int = 1_000_000,
     noise: VelocityKicks | None = None,

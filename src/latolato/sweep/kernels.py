@@ -21,7 +21,6 @@ from latolato.numerics.many import Progress, Scratch, Weights, make_many, make_s
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of, make_watch
-from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch, is_arithmetic, is_smooth
@@ -41,19 +40,18 @@ def _many(balls: int) -> Any:
 @lru_cache(maxsize=16)
 def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
     """Return the same as plain Python, with everything folded in."""
-    balls, clamped, hooks = plan_key
+    balls, motion, hooks = plan_key
     watch = make_watch(hooks)
-    carry_on = make_trajectory(*laws, count=balls, watch=watch, clamped=clamped)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion)
     return make_many(carry_on, watch, balls=balls)
 
 
 def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
     """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
-    clamped = isinstance(plan.contact, Clamp)
     stretch = batch.points.stretches.dtype
     engine = engine_piece(
         plan.system.angles, stretch, plan.drive.acceleration, *laws_key(plan.system),
-        clamped=clamped,
+        motion=plan.contact.motion,
     )  # fmt: skip
     looking = pieces_of(hooks_of(plan.observables))
     table = hook_table(looking)
@@ -69,7 +67,7 @@ def run_reference(
     plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> None:
     """Run points one after the other as plain Python."""
-    key = plan.system.angles, isinstance(plan.contact, Clamp), hooks_of(plan.observables)
+    key = plan.system.angles, plan.contact.motion, hooks_of(plan.observables)
     many = _reference(key, plan.drive.acceleration, *laws_key(plan.system))
     scratch = make_scratch(batch.points.stretches.dtype)
     write_stepper(scratch.runs, stepper)
@@ -121,7 +119,7 @@ def run_fastest(
     works = any("works" in o.needs for o in plan.observables)
     fly = fly_piece(
         system.restoring, damped=damped,
-        walled=system.has_contacts and not isinstance(plan.contact, NoContact), works=works,
+        walled=system.has_contacts and plan.contact.meets, works=works,
         tangents=bool(hooks[ON_TANGENT]),
     )  # fmt: skip
     locate = locate_piece(system.restoring, damped=damped, works=works)
@@ -148,6 +146,6 @@ def has_lanes(plan: Plan) -> bool:
         is_arithmetic(plan)
         and is_smooth(plan)
         and plan.drive.rotation is not None
-        and not isinstance(plan.contact, Clamp)
+        and plan.contact.motion == "exact"
         and not any("slack" in o.needs for o in plan.observables)
     )

@@ -15,7 +15,7 @@ import numpy as np
 from latolato.errors import InputError
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
-from latolato.physics.contacts import Clamp, Exact, NoContact, contact_laws
+from latolato.physics.contacts import ContactLaw, Exact, contact_laws
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, Static, drives
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
@@ -59,7 +59,7 @@ class Plan:
     transient: float = 0.0
     transient_periods: float = 0.0
     tolerance: float = 1e-6
-    contact: Exact | Clamp | NoContact = field(default_factory=Exact)
+    contact: ContactLaw = field(default_factory=Exact)
     rest_speed: float = DEFAULT_REST_SPEED
     contact_limit: int = 1_000_000
     noise: VelocityKicks | None = None
@@ -234,7 +234,7 @@ def make_plan(
     transient: float = 0.0,
     transient_periods: float = 0.0,
     tolerance: float = 1e-6,
-    contact: str | Exact | Clamp | NoContact | None = "exact",
+    contact: str | ContactLaw | None = "exact",
     rest_speed: float = DEFAULT_REST_SPEED,
     contact_limit: int = 1_000_000,
     noise: VelocityKicks | None = None,
@@ -285,7 +285,7 @@ def make_plan(
                 f"angles, got a system of {system.angles}"
             )
     blind = [name for o in watched if o.tangent is not None for name in o.variables]
-    if blind and isinstance(law, Clamp):
+    if blind and law.fixed_step is not None:
         raise InputError(
             f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
             "deviations have no meaning there"

@@ -31,7 +31,6 @@ from latolato.numerics.integrate import (
 from latolato.numerics.many import Points
 from latolato.numerics.records import BODY, SETTINGS
 from latolato.numerics.steppers import Stepper
-from latolato.physics.contacts import Clamp, NoContact
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.physics.drives.stretch import COSINE
 from latolato.physics.noise import KEY, VelocityKicks
@@ -220,7 +219,7 @@ def _from_columns(
         contact_angle = np.array([math.asin(x) for x in share])
         if "initial_offset" in columns:
             columns["initial_angle"] = contact_angle + columns["initial_offset"]
-        if not isinstance(plan.contact, NoContact):
+        if plan.contact.meets:
             low, high = contact_angle, math.pi - contact_angle
     angle, velocity = columns["initial_angle"], columns["initial_angular_velocity"]
     if previous is not None:
@@ -240,9 +239,10 @@ def _from_columns(
         body = records.body_record(c)  # type: ignore[arg-type]
         speed = abs(velocity)
         rate = rate_of(c.gravity, c.length, lift, frequency, speed, (body[1], body[2]))
+        rate = np.maximum(rate, plan.contact.fastest_rate)
         step = step_for(rate, plan.tolerance, stepper)
-        if isinstance(plan.contact, Clamp):
-            step = np.full(count, plan.contact.step)
+        if plan.contact.fixed_step is not None:
+            step = np.full(count, plan.contact.fixed_step)
         valid &= np.isfinite(step) & (step > 0.0) & (plan.duration <= MOST_STEPS * step)
     settings = np.zeros(count, dtype=SETTINGS)
     values = settings_values(
@@ -255,6 +255,7 @@ def _from_columns(
         rate=np.where(valid, rate, 0.0),
         follows_tension=_follows_tension(plan),
         is_linear=plan.system.restoring is restoring_linear,
+        law=plan.contact.numbers,
     )
     for name, value in zip(SETTINGS.names or (), values, strict=True):
         settings[name] = value
@@ -347,10 +348,9 @@ def _objects(
         )
     if any(o.mirrored for o in plan.observables):
         _check_mirrored(system, start)
-    if isinstance(plan.contact, Clamp):
-        step = plan.contact.step
-    else:
-        step = choose_step(system, drive, start, plan.tolerance, stepper)
+    step = plan.contact.fixed_step
+    if step is None:
+        step = choose_step(system, drive, start, plan.tolerance, stepper, plan.contact)
     if not plan.duration <= MOST_STEPS * step:
         raise InputError(
             f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
@@ -446,11 +446,12 @@ def _from_objects(
             rest_speed=plan.rest_speed,
             step=step,
             pivot_bound=drive.largest_acceleration,
-            rate=fastest_rate(system, drive, start),
+            rate=fastest_rate(system, drive, start, plan.contact),
             offsets=offsets,
             follows_tension=_follows_tension(plan),
             is_linear=plan.system.restoring is restoring_linear,
             mirrored=any(o.mirrored for o in plan.observables),
+            law=plan.contact.numbers,
         )
         x[:, k], v[:, k] = start.angles, start.velocities
         if known is None or known[0] is not drive:

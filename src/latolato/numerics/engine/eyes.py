@@ -23,6 +23,7 @@ def make_look(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Loo
     """Return the functions that hand on steps and matrices, if anybody asks for them."""
     part = compile_part or as_it_stands
     potential, restoring = laws.potential, laws.restoring
+    push, push_potential = laws.push, laws.push_potential
     watch_step, watch_matrix, sees = watch.step, watch.tangent, watch.sees
 
     @part
@@ -35,10 +36,10 @@ def make_look(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Loo
         x0, v0, x1, v1 = begin.angle, begin.velocity, end.angle, end.velocity
         segment = Segment(
             run.t, run.t_end, x0, x1, v0, v1, a0, a1,
-            0.5 * v0 * v0 + stiffness * potential(x0, is_linear),
-            0.5 * v1 * v1 + stiffness * potential(x1, is_linear),
-            v0 * (a0 + stiffness * restoring(x0, is_linear)),
-            v1 * (a1 + stiffness * restoring(x1, is_linear)),
+            0.5 * v0 * v0 + stiffness * potential(x0, is_linear) + push_potential(x0, run),
+            0.5 * v1 * v1 + stiffness * potential(x1, is_linear) + push_potential(x1, run),
+            v0 * (a0 + stiffness * restoring(x0, is_linear) - push(x0, run)),
+            v1 * (a1 + stiffness * restoring(x1, is_linear) - push(x1, run)),
             held,
         )  # fmt: skip
         watch_step(run, eyes, ball, segment)

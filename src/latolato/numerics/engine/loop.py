@@ -15,7 +15,15 @@ from latolato.numerics.engine.held import make_held
 from latolato.numerics.engine.joint import make_joint
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import CONTACT, FLIGHT, NOTHING, RELEASE, UNSETTLED
+from latolato.numerics.engine.record import (
+    CONTACT,
+    FLIGHT,
+    JOINT,
+    NOTHING,
+    RELEASE,
+    REST,
+    UNSETTLED,
+)
 from latolato.numerics.engine.rest import make_rest
 from latolato.numerics.engine.swing import Swing, make_swing
 from latolato.numerics.matrices import clear_matrix, write_matrix
@@ -45,6 +53,11 @@ class Kit(NamedTuple):
     laws: Laws
     balls_count: int
     compile_part: Part | None
+
+    @property
+    def part(self) -> Part:
+        """What makes a function a part of the kernel."""
+        return self.compile_part or as_it_stands
 
 
 def usual_modes(kit: Kit) -> tuple[Mode, ...]:
@@ -100,10 +113,10 @@ def make_engine(
     laws: Laws,
     count: int,
     watch: Watch,
+    compile_part: Part | None = None,
     *,
     make_modes: Callable[[Kit], tuple[Mode, ...]] = usual_modes,
     make_all_events: Callable[[Kit], tuple[Event, ...]] = usual_events,
-    compile_part: Part | None = None,
 ) -> Callable[..., int]:
     """Return the function that carries the motion of `count` balls on.
 
@@ -113,6 +126,7 @@ def make_engine(
     """
     part = compile_part or as_it_stands
     two = count == 2
+    lasting = JOINT if two else REST
     swing = make_swing(laws, compile_part)
     balls = make_balls(swing, laws, count, compile_part)
     look = make_look(laws, watch, compile_part)
@@ -249,7 +263,7 @@ def make_engine(
         for i in range(count):
             state.angle[i], state.velocity[i] = run.now[i].angle, run.now[i].velocity
         held = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
-        state.rests = 1 if held or state.mode != FLIGHT else 0
+        state.rests = 1 if held or state.mode == lasting else 0
         state.contacts += run.rows
         state.total_steps += run.done
 

@@ -24,7 +24,6 @@ from latolato.numerics.records import stretch_dtype
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import hooks_of, make_watch
-from latolato.physics.contacts import Clamp
 from latolato.registry import checked_count
 from latolato.sweep.chunk import Cancelled, Values, run_chunk
 from latolato.sweep.plan import Plan
@@ -112,7 +111,7 @@ def kernel_of(plan: Plan, stepper: Stepper) -> Any:
     """Return the kernel for the laws and observables of a plan; it compiles when called."""
     return _kernel(
         plan.system.angles,
-        isinstance(plan.contact, Clamp),
+        plan.contact.motion,
         hooks_of(plan.observables),
         stretch_dtype(type(plan.drive.stretches(plan.duration)[0])),
         plan.drive.acceleration,
@@ -121,7 +120,7 @@ def kernel_of(plan: Plan, stepper: Stepper) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _kernel(balls: int, clamped: bool, hooks: Any, stretch: Any, *laws: Callable[..., Any]) -> Any:
+def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[..., Any]) -> Any:
     """Return the kernel in which every thread carries one point to its end.
 
     Arguments are those of `kernel_arguments`. Arrays come one by one, since the simulator sees
@@ -133,7 +132,7 @@ def _kernel(balls: int, clamped: bool, hooks: Any, stretch: Any, *laws: Callable
         return cuda.jit(device=True)(function)  # NVVM decides itself what it inlines
 
     watch = make_watch(hooks, part)
-    carry_on = make_trajectory(*laws, count=balls, watch=watch, clamped=clamped, compile_part=part)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion, compile_part=part)
     many = part(make_many(part(carry_on), watch, part, balls=balls))
     sizes = make_scratch()
     rows, values_shape = len(sizes.contact_times), sizes.contact_values.shape

@@ -1,0 +1,211 @@
+"""A mode of motion that a user brings: walls that push back like springs, in place of impacts."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import latolato as ll
+from latolato.analysis.flow import Flow
+from latolato.numerics.engine.balls import GAP
+from latolato.numerics.engine.events import Event
+from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
+from latolato.numerics.engine.record import CONTACT, FLIGHT, RELEASE, SETTLE
+from latolato.numerics.engine.swing import tension_at
+from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.numerics.trajectory import MOTIONS
+from latolato.physics.contacts import ContactLaw, contact_laws
+from latolato.scalar import formula
+
+IN_WALL = 3
+
+
+@dataclass(frozen=True)
+class SoftWall(ContactLaw):
+    """Beyond the contact angle a spring accelerates the ball back."""
+
+    motion: ClassVar[str] = "soft wall"
+    stiffness: float = 2000.0  # 1/s^2
+
+    @property
+    def numbers(self):
+        return self.stiffness, 0.0
+
+    @property
+    def fastest_rate(self):
+        return math.sqrt(self.stiffness)
+
+
+@formula
+def depth(angle, run):
+    wall = run.settings.low if run.state.side < 0.0 else run.settings.high
+    return angle - wall if run.state.mode == IN_WALL else 0.0
+
+
+@formula
+def push(angle, run):
+    return -run.settings.law[0] * depth(angle, run)
+
+
+@formula
+def push_slope(angle, run):
+    return -run.settings.law[0] if run.state.mode == IN_WALL else 0.0
+
+
+@formula
+def push_potential(angle, run):
+    return 0.5 * run.settings.law[0] * depth(angle, run) ** 2
+
+
+def modes(kit):
+    flight, *_ = usual_modes(kit)
+    balls, part = kit.balls, kit.part
+
+    @part
+    def plan(run):
+        """Swing in the wall, up to the end of the step or of the wall."""
+        side = run.state.side
+        wall = run.settings.low if side < 0.0 else run.settings.high
+        balls.plan_length(run)
+        balls.fly_by(run, run.length, run.end)
+        if (balls.gap(run.end) - wall) * side < 0.0:
+            begin = 0.0
+            if balls.gap(run.now) == wall:
+                begin = balls.leave(run, wall, -side, run.length)
+            balls.shorten(run, balls.locate(run, GAP, wall, begin, run.length))
+            balls.fly_by(run, run.length, run.end)
+            balls.part(run, run.end, wall - balls.gap(run.end), 0.0)
+            run.event = RELEASE
+        body, end = run.bodies[0], run.end[0]
+        run.work, run.loss = body.inertia * end.work, body.inertia * end.loss
+        end.tension = tension_at(
+            end.angle, end.velocity, end.pivot_acceleration, run.settings.gravity, body.coupling
+        )
+
+    return flight, flight._replace(number=IN_WALL, plan=plan)
+
+
+def events(kit):
+    turn, *_ = usual_events(kit)
+    balls, part = kit.balls, kit.part
+
+    @part
+    def enter(run, output, eyes):
+        run.state.mode, run.state.side = IN_WALL, run.side
+        balls.settle(run)
+
+    @part
+    def leave(run, output, eyes):
+        run.state.mode, run.state.touch = FLIGHT, run.state.side
+        balls.settle(run)
+
+    return turn, Event(CONTACT, enter), Event(SETTLE, enter), Event(RELEASE, leave)
+
+
+def make_soft_wall(laws, count, watch, compile_part=None):
+    pushed = laws._replace(push=push, push_slope=push_slope, push_potential=push_potential)
+    return make_engine(pushed, count, watch, compile_part, make_modes=modes, make_all_events=events)
+
+
+TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.9)
+SHAKEN = ll.Harmonic(drive_amplitude=0.05, drive_frequency=5.0)
+SOFT = SoftWall()
+
+
+@pytest.fixture(autouse=True)
+def known(monkeypatch):
+    """One entry in each table."""
+    monkeypatch.setitem(MOTIONS, SoftWall.motion, make_soft_wall)
+    monkeypatch.setitem(contact_laws._entries, "soft wall", SoftWall)
+
+
+def peer(angle, times, velocity=0.0):
+    """SciPy's answer, to 1e-12 a step, with steps that end at the wall."""
+    low, rate = TOY.contact_angle_low, TOY.damping / (TOY.mass * TOY.length)
+
+    def slopes(t, y):
+        lift = -SHAKEN.drive_amplitude * SHAKEN.drive_frequency**2
+        pulled = -(9.8 + lift * np.cos(SHAKEN.drive_frequency * t)) * np.sin(y[0]) - rate * y[1]
+        return y[1], pulled - (SOFT.stiffness * (y[0] - low) if y[0] < low else 0.0)
+
+    t, y, found = 0.0, np.array([angle, velocity]), []
+
+    def at_wall(t, y):
+        return y[0] - low
+
+    at_wall.terminal = True
+    for stop in times:
+        while t < stop:
+            part = solve_ivp(
+                slopes, (t, stop), y, "DOP853", rtol=1e-12, atol=1e-13, events=at_wall,
+                first_step=min(1e-4, stop - t),
+            )  # fmt: skip
+            t, y = part.t[-1], part.y[:, -1]
+            if part.status == 1:  # a hair beyond, so that the event is not met again at once
+                y = np.array([low + np.copysign(1e-15, y[1]), y[1]])
+        found.append(y[0])
+    return np.array(found)
+
+
+def test_it_moves_as_the_peer_does():
+    times = np.linspace(0.5, 6.0, 12)
+    run = ll.simulate(TOY, SHAKEN, initial_angle=0.6, times=times, tolerance=1e-10, contact=SOFT)
+    assert run.angle.min() < TOY.contact_angle_low  # it was in the wall
+    np.testing.assert_allclose(run.angle, peer(0.6, times), rtol=0, atol=1e-8)
+
+
+def test_its_energy_is_accounted_for():
+    start = Start((0.6,), (0.0,))
+    step = choose_step(TOY, SHAKEN, start, 1e-10, choose_stepper(TOY), SOFT)
+    walls = TOY.contact_angle_low, TOY.contact_angle_high
+    found = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, walls=walls, step=step, law=SOFT)
+    assert found.state.ledger_error < 1e-9
+    assert found.state.largest_energy > 1.0
+
+
+def test_a_hard_spring_is_an_elastic_impact():
+    elastic = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=1.0)
+    given = {"initial_angle": 0.6, "times": np.linspace(0.05, 2.0, 40), "tolerance": 1e-8}
+    hard = ll.simulate(elastic, SHAKEN, contact=SoftWall(stiffness=1e8), **given)
+    walls = ll.simulate(elastic, SHAKEN, contact="exact", **given)
+    # The ball stays in the wall for pi/sqrt(stiffness), a third of a millisecond, a few times.
+    assert float(abs(hard.angle - walls.angle).max()) < 5e-3
+
+
+def test_plain_python_moves_the_same():
+    found = [
+        Flow(TOY, SHAKEN, contact=SOFT, tolerance=1e-8, compiled=compiled)
+        .follow(np.array([0.6, 0.0]), 3.0)
+        for compiled in (True, False)
+    ]  # fmt: skip
+    np.testing.assert_allclose(found[0].end, found[1].end, rtol=0, atol=1e-12)
+
+
+def test_a_sweep_carries_it():
+    starts = np.linspace(0.3, 0.9, 4)
+    found = ll.sweep(
+        TOY, SHAKEN, axes={"initial_angle": starts}, duration=5.0, contact=SOFT,
+        observables=["final_angle"], tolerance=1e-8,
+    )  # fmt: skip
+    alone = [
+        float(ll.simulate(TOY, SHAKEN, initial_angle=x, duration=5.0, tolerance=1e-8, contact=SOFT)
+              .angle[-1])
+        for x in starts
+    ]  # fmt: skip
+    np.testing.assert_allclose(found.final_angle, alone, rtol=0, atol=1e-12)
+
+
+def test_small_deviations_are_followed_through_it():
+    flow, start = Flow(TOY, SHAKEN, contact=SOFT, tolerance=1e-11), np.array([0.6, 0.1])
+    found = flow.follow(start, 4.0)
+    h = 1e-6
+    differences = [
+        (flow.follow(start + h * unit, 4.0).end - flow.follow(start - h * unit, 4.0).end) / (2 * h)
+        for unit in np.eye(2)
+    ]
+    np.testing.assert_allclose(found.matrix, np.array(differences).T, rtol=1e-6, atol=1e-6)
+    rate = TOY.damping / (TOY.mass * TOY.length)
+    assert np.linalg.det(found.matrix) == pytest.approx(np.exp(-rate * 4.0), rel=1e-9)
