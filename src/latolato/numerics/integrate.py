@@ -194,7 +194,8 @@ def body_rows(
 def laws_key(system: System) -> tuple[Law, Law]:
     """Return the restoring law and the potential that name the kernels of a system.
 
-    Those of the package are told apart by a number, so one pair stands for all.
+    The systems of the package share one pair: a number in the settings tells the kernel which of
+    their laws to use.
     """
     if system.restoring in (restoring_sine, restoring_linear):
         return restoring_sine, potential_sine
