@@ -51,7 +51,6 @@ class _Kernel(JITCodeLibrary):
         """Link all that is called, directly or not, then optimise."""
         for library in _called(self):
             if library is not self:
-                self._reload_init.update(library._reload_init)
                 self._final_module.link_in(_code_of(library), preserve=True)
         self._linking_libraries: list[Any] = []
         super().finalize()  # type: ignore[no-untyped-call]
