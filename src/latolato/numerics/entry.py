@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -13,17 +13,99 @@ from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import run_dtype
+from latolato.numerics.engine.record import STATE, run_dtype
 from latolato.numerics.hooks import make_calling_watch
-from latolato.numerics.pieces import address_of, array_at, caller_of, record_at, table_at
-from latolato.numerics.records import SAMPLE_ROWS
+from latolato.numerics.many import Points, Progress, Scratch, make_many
+from latolato.numerics.pieces import (
+    address_of,
+    array_kind,
+    bundle_at,
+    caller_of,
+    named_kind,
+    record_at,
+    write_words,
+)
+from latolato.numerics.records import BODY, SETTINGS
 from latolato.numerics.trajectory import MOTIONS, make_trajectory
 from latolato.numerics.watch import Eyes
-from latolato.scalar import formula
 
 # ``rows(run, stop, most_steps)``; see `latolato.numerics.engine.loop`.
 ENGINE = types.int64(types.int64, types.float64, types.int64)
-_CONTACT_ROWS = 4
+
+
+class Given(NamedTuple):
+    """What an engine is given besides the run."""
+
+    timetable: Timetable
+    output: Output
+    eyes: Eyes
+
+
+class Job(NamedTuple):
+    """What `numerics.many` works on."""
+
+    order: Any
+    points: Points
+    scratch: Scratch
+    progress: Progress
+    cancel: Any
+
+
+# ``(words)`` of what `numerics.many` and `numerics.lanes` work on.
+SWEEP = types.void(types.int64)
+
+
+_FLOATS, _TABLE, _NUMBERS = array_kind(), array_kind(dimensions=2), array_kind(np.int64)
+
+
+def given_kind(stretch: np.dtype[Any]) -> Any:
+    """Return the type of what an engine is given: timetable, output and eyes."""
+    kicks = array_kind(dimensions=2, order="A")
+    timetable = [array_kind(stretch), _FLOATS, _FLOATS, _FLOATS, kicks]
+    output, eyes = [_FLOATS, _TABLE, _FLOATS, _NUMBERS, _TABLE], [_FLOATS, types.int64, types.int64]
+    return named_kind(
+        Given, named_kind(Timetable, *timetable), named_kind(Output, *output),
+        named_kind(Eyes, *eyes),
+    )  # fmt: skip
+
+
+def points_kind(stretch: np.dtype[Any]) -> Any:
+    """Return the type of the points of a sweep."""
+    return named_kind(
+        Points, array_kind(SETTINGS), array_kind(BODY, 2), array_kind(stretch), _FLOATS, _FLOATS,
+        _NUMBERS, _FLOATS, _TABLE, _NUMBERS, _TABLE, types.int64,
+    )  # fmt: skip
+
+
+def scratch_kind(stretch: np.dtype[Any]) -> Any:
+    """Return the type of a worker's memory."""
+    runs = array_kind(run_dtype(stretch))
+    return named_kind(Scratch, runs, _FLOATS, _NUMBERS, _TABLE, _FLOATS, _TABLE)
+
+
+def progress_kind() -> Any:
+    """Return the type of what changes while points run."""
+    states = array_kind(STATE)
+    return named_kind(Progress, states, states, _NUMBERS, _FLOATS)
+
+
+@compiled_once
+def many_piece(balls: int, stretch: np.dtype[Any]) -> Piece:
+    """Return what runs points of `balls` balls one after the other, by calling pieces."""
+    kinds = _NUMBERS, points_kind(stretch), scratch_kind(stretch), progress_kind(), _NUMBERS
+    given_at = bundle_at(named_kind(Job, *kinds))
+
+    def make(compile_part: Part) -> Callable[..., None]:
+        watch = make_calling_watch(compile_part)
+        many = compile_part(make_many(make_caller(compile_part), watch, compile_part, balls=balls))
+
+        def run_points(address: int) -> None:
+            job = given_at(address)
+            many(job.order, job.points, job.scratch, job.progress, job.cancel)
+
+        return run_points
+
+    return compile_piece(make, f"many {balls} {stretch}", SWEEP)
 
 
 @compiled_once
@@ -54,73 +136,33 @@ def engine_piece(
     return compile_piece(make, name, ENGINE, *laws)
 
 
-@formula
-def write_memory(memory: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
-    """Write where the arrays lie."""
-    memory.stretches = timetable.stretches.ctypes.data
-    memory.starts = timetable.starts.ctypes.data
-    memory.jumps = timetable.jumps.ctypes.data
-    memory.stretch_count = len(timetable.starts)
-    memory.kick_times = timetable.kick_times.ctypes.data
-    memory.kick_sizes = timetable.kick_sizes.ctypes.data
-    memory.kick_stride = timetable.kick_sizes.strides[0]
-    memory.kick_count = len(timetable.kick_times)
-    memory.sample_times = output.sample_times.ctypes.data
-    memory.samples = output.samples.ctypes.data
-    memory.sample_count = len(output.sample_times)
-    memory.contact_times = output.contact_times.ctypes.data
-    memory.contact_kinds = output.contact_kinds.ctypes.data
-    memory.contact_values = output.contact_values.ctypes.data
-    memory.contact_count = len(output.contact_times)
-    memory.acc = eyes.acc.ctypes.data
-    memory.acc_size = len(eyes.acc)
-    memory.column = eyes.column
-    memory.columns = eyes.columns
-
-
 def make_entry(
     carry_on: Callable[..., int], balls: int, stretch: np.dtype[Any]
 ) -> Callable[..., int]:
-    """Return the engine ``(run, stop, most_steps)`` of `balls` balls; `run` is an address.
+    """Return the engine ``(run, stop, most_steps)``; `run` is an address.
 
     `stretch` is the layout of the drive's stretches.
     """
-    run_at, floats_at = record_at(run_dtype(stretch)), array_at()
-    stretches_at, numbers_at = array_at(stretch), array_at(np.dtype(np.int64))
+    run_at, given_at = record_at(run_dtype(stretch)), bundle_at(given_kind(stretch))
 
     def engine(address: int, stop: float, most_steps: int) -> int:
         run = run_at(address)
-        m = run.memory
-        timetable = Timetable(
-            stretches_at(m.stretches, m.stretch_count),
-            floats_at(m.starts, m.stretch_count),
-            floats_at(m.jumps, m.stretch_count),
-            floats_at(m.kick_times, m.kick_count),
-            table_at(m.kick_sizes, balls, m.kick_count, m.kick_stride),
-        )
-        output = Output(
-            floats_at(m.sample_times, m.sample_count),
-            table_at(m.samples, SAMPLE_ROWS, m.sample_count, 8 * m.sample_count),
-            floats_at(m.contact_times, m.contact_count),
-            numbers_at(m.contact_kinds, m.contact_count),
-            table_at(m.contact_values, _CONTACT_ROWS, m.contact_count, 8 * m.contact_count),
-        )
-        eyes = Eyes(floats_at(m.acc, m.acc_size), m.column, m.columns)
-        return carry_on(run, timetable, output, eyes, stop, most_steps)
+        given = given_at(address_of(run.words))
+        return carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
 
     return engine
 
 
 def make_caller(compile_part: Part) -> Callable[..., int]:
-    """Return what calls the engine whose address is ``run.memory.engine``, as if it were it."""
+    """Return what calls the engine whose address is ``run.engine``, as if it were it."""
     call = caller_of(ENGINE)
 
     @compile_part
     def carry_on(
         run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:
-        write_memory(run.memory, timetable, output, eyes)
-        rows: int = call(run.memory.engine, (address_of(run), stop, most_steps))
+        write_words(address_of(run.words), (timetable, output, eyes))
+        rows: int = call(run.engine, (address_of(run), stop, most_steps))
         return rows
 
     return carry_on

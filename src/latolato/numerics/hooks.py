@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from latolato.numerics.compiled import Piece, compile_piece, compiled_once
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.record import MATRIX_SHAPE
-from latolato.numerics.pieces import address_of, array_at, caller_of, table_at
+from latolato.numerics.pieces import address_of, array_at, caller_of
 from latolato.numerics.watch import (
     OCCASIONS,
     ON_CONTACT,
@@ -67,14 +67,14 @@ def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
 
 
 def make_calling_watch(compile_part: Part) -> Watch:
-    """Return functions that call the pieces whose table lies at ``run.memory.hooks``."""
+    """Return functions that call the pieces whose table lies at ``run.hooks``."""
     call, numbers_at = caller_of(_KIND), array_at(np.dtype(np.int64))
 
     @compile_part
     def call_all(run: Any, eyes: Eyes, ball: int, occasion: int) -> None:
         """Call all pieces of an occasion; what they are shown lies in the run."""
         acc, shown, matrix = address_of(eyes.acc), address_of(run.shown), address_of(run.jacobian)
-        hooks = numbers_at(run.memory.hooks, _ANY_SIZE)
+        hooks = numbers_at(run.hooks, _ANY_SIZE)
         at, column = hooks[occasion], eyes.column + ball
         while hooks[at] != 0:
             first = hooks[at + 1] * eyes.columns + column
@@ -84,7 +84,7 @@ def make_calling_watch(compile_part: Part) -> Watch:
     @compile_part
     def sees(run: Any, occasion: int) -> bool:
         """Return whether anybody looks on then."""
-        hooks = numbers_at(run.memory.hooks, _ANY_SIZE)
+        hooks = numbers_at(run.hooks, _ANY_SIZE)
         found: bool = hooks[hooks[occasion]] != 0
         return found
 
@@ -167,11 +167,11 @@ def _on_restart(formula: Any, compile_part: Part) -> Any:
 
 
 def _on_tangent(formula: Any, compile_part: Part) -> Any:
-    numbers_at = array_at()
+    numbers_at, (rows, columns) = array_at(), MATRIX_SHAPE
+    matrix_at = array_at(np.dtype(np.float64), columns)
 
     def show(acc: int, i: int, n: int, shown: int, matrix: int) -> None:
-        s, (rows, columns) = numbers_at(shown, 3), MATRIX_SHAPE
-        jacobian = table_at(matrix, rows, columns, 8 * columns)
+        s, jacobian = numbers_at(shown, 3), matrix_at(matrix, rows)
         formula(numbers_at(acc, _ANY_SIZE), i, n, int(s[0]), s[1], s[2], jacobian)
 
     return show

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,14 +14,7 @@ from numpy.typing import NDArray
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import (
-    MEMORY,
-    STATE,
-    UNSETTLED,
-    as_objects,
-    run_dtype,
-    write_back,
-)
+from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
@@ -225,8 +217,9 @@ def engine_of(
             return written
 
         return carry_on_plainly
-    from latolato.numerics.entry import engine_piece, write_memory
+    from latolato.numerics.entry import engine_piece
     from latolato.numerics.hooks import hook_table, pieces_of
+    from latolato.numerics.pieces import words_of
 
     piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, motion=motion)
     looking = pieces_of(hooks)
@@ -237,9 +230,9 @@ def engine_of(
         most_steps: int,
     ) -> int:  # fmt: skip
         assert looking is not None  # the code of the pieces must not go while they are called
-        memory = SimpleNamespace(engine=piece.address, hooks=table.ctypes.data)
-        write_memory(memory, timetable, output, eyes)
-        runs["memory"] = tuple(getattr(memory, name) for name in MEMORY.names or ())
+        words = words_of((timetable, output, eyes))
+        runs["words"][0, : len(words)] = words
+        runs["engine"], runs["hooks"] = piece.address, table.ctypes.data
         rows: int = piece.call(runs.ctypes.data, stop, most_steps)
         return rows
 

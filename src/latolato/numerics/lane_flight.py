@@ -9,6 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import numpy as np
 from numba import types
 
 from latolato.numerics import lane_rows as r
@@ -17,7 +18,7 @@ from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
-from latolato.numerics.pieces import array_at, table_at
+from latolato.numerics.pieces import array_at
 from latolato.numerics.watch import Hooks
 from latolato.observables import Segment
 from latolato.physics.pendulum import SLOPES
@@ -224,12 +225,12 @@ def make_show(
 def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]:
     """Return what shows an observable the matrix of every step that was taken."""
     first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
-    numbers_at = array_at()
+    numbers_at, (rows, columns) = array_at(), MATRIX_SHAPE
+    matrix_at = array_at(np.dtype(np.float64), columns)
 
     def follow(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
         acc, w = numbers_at(slots, _ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
-        rows, columns = MATRIX_SHAPE
-        jacobian = table_at(matrix, rows, columns, 8 * columns)
+        jacobian = matrix_at(matrix, rows)
         L = r.LANES
         for j in range(L):
             if w[r.TAKEN * L + j] == 0.0:

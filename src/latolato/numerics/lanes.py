@@ -15,25 +15,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.compiled import compile_kernel
+from latolato.numerics.compiled import Piece, compile_piece, compiled_once
 from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import laws_of
 from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
-from latolato.numerics.entry import make_caller
+from latolato.numerics.entry import (
+    SWEEP,
+    make_caller,
+    points_kind,
+    progress_kind,
+    scratch_kind,
+)
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.lane_flight import FLY, SHOW
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.lane_locate import LOCATE
 from latolato.numerics.many import Points, Progress, Scratch, Weights, make_steering
-from latolato.numerics.pieces import address_of, caller_of
+from latolato.numerics.pieces import (
+    address_of,
+    array_kind,
+    bundle_at,
+    caller_of,
+    named_kind,
+)
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
 from latolato.scalar import cosine, sine
@@ -69,11 +82,13 @@ class LaneSpace(NamedTuple):
 class Task(NamedTuple):
     """What lanes work on."""
 
+    order: Any  # numbers of the points
     points: Points
     weights: Weights
     scratch: Scratch
     progress: Progress
     space: LaneSpace
+    cancel: Any
 
 
 def make_lane_space(
@@ -98,10 +113,18 @@ def make_lane_space(
     )
 
 
-@lru_cache(maxsize=64)
-def lanes_kernel(*laws: Law) -> Callable[..., None]:
-    """Return the compiled kernel of `make_lanes`."""
-    return compile_kernel(make_lanes, "lanes", *laws, allocates=False)
+@compiled_once
+def lanes_piece(stretch: np.dtype[Any], *laws: Law) -> Piece:
+    """Return the compiled piece of `make_lanes`, which is given words of its arguments."""
+    floats, numbers = array_kind(), array_kind(np.int64)
+    weights = named_kind(Weights, floats, floats, floats)
+    space = [floats] * 4 + [numbers] * 3 + [types.int64] * 2 + [numbers]
+    task = named_kind(
+        Task, numbers, points_kind(stretch), weights, scratch_kind(stretch), progress_kind(),
+        named_kind(LaneSpace, *space), numbers,
+    )  # fmt: skip
+    make = partial(make_lanes, task_at=bundle_at(task))
+    return compile_piece(make, f"lanes {stretch}", SWEEP, *laws)
 
 
 def make_lanes(
@@ -110,13 +133,17 @@ def make_lanes(
     potential_of: Law,
     rotation: Callable[..., tuple[float, float, float]],
     compile_part: Part,
-) -> Callable[..., None]:
-    """Return the function that runs the points of `order` in lanes.
+    *,
+    task_at: Callable[[int], Any],
+) -> Callable[[int], None]:
+    """Return the function ``(address)`` that runs points in lanes.
 
     Parameters
     ----------
     rotation : formula of a stretch
         Strength [m/s^2], frequency [rad/s] and phase of the drive's acceleration.
+    task_at : callable
+        Returns a `Task` from the address of its words.
     """
     # What every impact needs: passing the arrays of all points to a call costs more than the rest.
     part, inline = compile_part, inlined(compile_part)
@@ -204,13 +231,8 @@ def make_lanes(
     @part
     def take_up(j: int, k: int, task: Task) -> None:
         """Give lane j the laws and the accumulators of point k."""
-        L, points, weights, progress, space = (
-            r.LANES,
-            task.points,
-            task.weights,
-            task.progress,
-            task.space,
-        )
+        L, points, weights = r.LANES, task.points, task.weights
+        progress, space = task.progress, task.space
         w, table, acc = space.w, space.table, space.acc
         settings, body = points.settings[k], points.bodies[k, 0]
         h = settings.step
@@ -254,7 +276,7 @@ def make_lanes(
 
         The number of stops says that the point is finished.
         """
-        points, _, scratch, progress, space = task
+        points, scratch, progress, space = task.points, task.scratch, task.progress, task.space
         stops = points.stops.shape[1]
         carried = False
         while True:
@@ -299,7 +321,8 @@ def make_lanes(
     @part
     def settle_impacts(noted: int, task: Task) -> None:
         """Locate the noted impacts together and let each lane go on behind its own."""
-        points, weights, scratch, progress, space = task
+        points, weights, scratch = task.points, task.weights, task.scratch
+        progress, space = task.progress, task.space
         E, z, w = r.IMPACTS, space.z, space.w
         for e in range(noted, E):  # idle columns repeat the first
             for row in range(r.NOTED_ROWS):
@@ -327,16 +350,10 @@ def make_lanes(
                 store(j, k, w, points, progress)
             carry(j, k, task)
 
-    def lanes(
-        order: NDArray[np.int64],
-        points: Points,
-        weights: Weights,
-        scratch: Scratch,
-        progress: Progress,
-        space: LaneSpace,
-        cancel: NDArray[np.int64],
-    ) -> None:
-        task, run = Task(points, weights, scratch, progress, space), scratch.runs[0]
+    def lanes(address: int) -> None:
+        task = task_at(address)
+        points, weights, progress, space = task.points, task.weights, task.progress, task.space
+        order, run, cancel = task.order, task.scratch.runs[0], task.cancel
         w, z, point, index, L = space.w, space.z, space.point, space.index, r.LANES
         step = (
             address_of(w), address_of(space.table), address_of(weights.kicks), len(weights.drifts)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 from numba import types
@@ -128,9 +129,13 @@ def _libraries(codegen: Any, kernel: str) -> Iterator[None]:
 
 @contextmanager
 def _remembered(typing: Any) -> Iterator[None]:
-    """Let numba find the types of a sum of two floats once, not at every plus sign."""
+    """Let numba find the types of a sum of two floats once, not at every plus sign.
+
+    It also describes the types of all arguments before each of its passes: records, whose
+    description is as long as themselves, are described once.
+    """
     known: dict[Any, Any] = {}
-    plain = typing.resolve_function_type
+    plain, describe = typing.resolve_function_type, types.Record.__repr__
 
     def resolve(function: Any, args: Any, kws: Any) -> Any:
         if not isinstance(function, types.Function):
@@ -141,10 +146,12 @@ def _remembered(typing: Any) -> Iterator[None]:
         return known[key]
 
     typing.resolve_function_type = resolve
+    types.Record.__repr__ = cache(describe)  # type: ignore[method-assign]
     try:
         yield
     finally:
         del typing.resolve_function_type
+        types.Record.__repr__ = describe  # type: ignore[method-assign]
 
 
 def _compile_directly(part: Any) -> None:

@@ -8,14 +8,19 @@ same functions directly instead.
 
 from __future__ import annotations
 
+import hashlib
+import math
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core.typing.templates import Signature
-from numba.extending import intrinsic
+from numba.core.datamodel import models
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate, Signature, infer_getattr
+from numba.extending import intrinsic, register_model
 from numba.np.numpy_support import from_dtype
 
 _WORD = ir.IntType(64)
@@ -52,15 +57,21 @@ def record_at(layout: np.dtype[Any]) -> Callable[[int], Any]:
     return found
 
 
-def array_at(layout: np.dtype[Any] = _DOUBLE) -> Callable[[int, int], Any]:
-    """Return the function ``(address, size)`` of the array that lies there."""
-    kind = types.Array(from_dtype(layout), 1, "C")
+def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, int], Any]:
+    """Return the function ``(address, size)`` of the array that lies there, row by row.
+
+    `further` are the sizes of all dimensions but the first.
+    """
+    kind = types.Array(from_dtype(layout), 1 + len(further), "C")
+    row = layout.itemsize * math.prod(further)
+    strides = [row // math.prod(further[:i]) for i in range(1 + len(further))]
 
     @intrinsic
     def at(typing_context: Any, address: Any, size: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            item = ir.Constant(_WORD, layout.itemsize)
-            return _array(context, builder, kind, args[0], [args[1]], [item])
+            shape = [args[1], *(ir.Constant(_WORD, n) for n in further)]
+            steps = [ir.Constant(_WORD, n) for n in strides]
+            return _array(context, builder, kind, args[0], shape, steps)
 
         return kind(types.int64, types.int64), generate
 
@@ -68,19 +79,133 @@ def array_at(layout: np.dtype[Any] = _DOUBLE) -> Callable[[int, int], Any]:
     return found
 
 
-def _table_at(typing_context: Any, address: Any, rows: Any, columns: Any, stride: Any) -> Any:
-    """Return the table of floats that lies there; rows are `stride` bytes apart."""
-    kind = types.Array(types.float64, 2, "A")
+def array_kind(layout: Any = _DOUBLE, dimensions: int = 1, order: Any = "C") -> Any:
+    """Return the type of an array in a bundle."""
+    return types.Array(from_dtype(np.dtype(layout)), dimensions, order)
+
+
+def named_kind(named_tuple: type[Any], *kinds: Any) -> Any:
+    """Return the type of a named tuple whose fields have these types."""
+    return types.NamedTuple(kinds, named_tuple)  # type: ignore[no-untyped-call]
+
+
+def words_of(value: Any) -> list[int]:
+    """Return the words of a value, for `Bundle`.
+
+    A value is an integer, an array, or a tuple of values. An array's words are its address, its
+    shape and its strides.
+    """
+    if isinstance(value, tuple):
+        return [word for part in value for word in words_of(part)]
+    if isinstance(value, np.ndarray):
+        return [value.ctypes.data, *value.shape, *value.strides]
+    return [int(value)]
+
+
+class Bundle(types.Type):
+    """The type of a named tuple of arrays and integers that is passed as the address of its words.
+
+    Compiled code reads a field where it needs it; to pass the tuple itself would be to pass the
+    hundred numbers that describe its arrays, from part to part.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        self.kind = kind
+        digest = hashlib.sha256(str(kind).encode()).hexdigest()[:16]
+        super().__init__(name=f"{kind.instance_class.__name__}_{digest}")
+
+
+@register_model(Bundle)
+class _BundleModel(models.PrimitiveModel):
+    """An address."""
+
+    def __init__(self, manager: Any, kind: Bundle) -> None:
+        super().__init__(manager, kind, _WORD)  # type: ignore[no-untyped-call]
+
+
+@infer_getattr
+class _BundleFields(AttributeTemplate):
+    """Types of the fields."""
+
+    key = Bundle
+
+    def generic_resolve(self, bundle: Any, name: str) -> Any:  # type: ignore[override]
+        """Return the type of a field, `None` if there is none of that name."""
+        if name not in bundle.kind.fields:
+            return None
+        kind = bundle.kind[bundle.kind.fields.index(name)]
+        return Bundle(kind) if isinstance(kind, types.BaseNamedTuple) else kind
+
+
+def _size_of(kind: Any) -> int:
+    """Return how many words there are of a value of this type."""
+    if isinstance(kind, types.BaseTuple):
+        kinds: Any = kind
+        return sum(map(_size_of, kinds))
+    return 1 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
+
+
+@lower_getattr_generic(Bundle)  # type: ignore[no-untyped-call]
+def _read_field(context: Any, builder: Any, bundle: Bundle, address: Any, name: str) -> Any:
+    """Return the value of a field."""
+    number = bundle.kind.fields.index(name)
+    kind, first = bundle.kind[number], sum(map(_size_of, bundle.kind.types[:number]))
+    if isinstance(kind, types.BaseNamedTuple):
+        return builder.add(address, ir.Constant(_WORD, 8 * first))
+    words = builder.inttoptr(address, _WORD.as_pointer())
+    places = (ir.Constant(_WORD, first + i) for i in range(_size_of(kind)))
+    found, *sizes = (builder.load(builder.gep(words, [place])) for place in places)
+    if not isinstance(kind, types.Array):
+        return found
+    return _array(context, builder, kind, found, sizes[: kind.ndim], sizes[kind.ndim :])
+
+
+def bundle_at(kind: Any) -> Callable[[int], Any]:
+    """Return the function ``(address)`` of the bundle whose words lie there."""
+
+    @intrinsic
+    def at(typing_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return args[0]
+
+        return Bundle(kind)(types.int64), generate
+
+    found: Any = at
+    return found
+
+
+def _write_words(typing_context: Any, address: Any, value: Any) -> Any:
+    """Write the words of a value to an address."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        address, rows, columns, stride = args
-        strides = [stride, ir.Constant(_WORD, 8)]
-        return _array(context, builder, kind, address, [rows, columns], strides)
+        words = builder.inttoptr(args[0], _WORD.as_pointer())
+        numbers = count()
 
-    return kind(types.int64, types.int64, types.int64, types.int64), generate
+        def write(kind: Any, value: Any) -> None:
+            if isinstance(kind, types.BaseTuple):
+                kinds: Any = kind
+                for i, inner in enumerate(kinds):
+                    write(inner, builder.extract_value(value, i))
+                return
+            found = [value]
+            if isinstance(kind, types.Array):
+                array = context.make_array(kind)(context, builder, value)
+                sizes = [
+                    builder.extract_value(each, i)
+                    for each in (array.shape, array.strides)
+                    for i in range(kind.ndim)
+                ]
+                found = [builder.ptrtoint(array.data, _WORD), *sizes]
+            for word in found:
+                builder.store(word, builder.gep(words, [ir.Constant(_WORD, next(numbers))]))
+
+        write(value, args[1])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, value), generate
 
 
-table_at: Any = intrinsic(_table_at)
+write_words: Any = intrinsic(_write_words)
 
 
 def _array(

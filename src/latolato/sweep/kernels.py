@@ -8,33 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.compiled import compile_kernel
-from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.entry import engine_piece, make_caller
-from latolato.numerics.hooks import hook_table, make_calling_watch, pieces_of
+from latolato.numerics.entry import engine_piece, many_piece
+from latolato.numerics.hooks import hook_table, pieces_of
 from latolato.numerics.integrate import laws_key, write_stepper
 from latolato.numerics.lane_flight import fly_piece, lane_pieces
 from latolato.numerics.lane_locate import locate_piece
-from latolato.numerics.lanes import lanes_kernel, make_lane_space
+from latolato.numerics.lanes import lanes_piece, make_lane_space
 from latolato.numerics.many import Progress, Scratch, Weights, make_many, make_scratch
+from latolato.numerics.pieces import words_of
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of, make_watch
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch, is_arithmetic, is_smooth
-
-
-@lru_cache(maxsize=4)
-def _many(balls: int) -> Any:
-    """Return the compiled kernel that runs points one after the other, by calling pieces."""
-
-    def make(compile_part: Part) -> Any:
-        watch = make_calling_watch(compile_part)
-        return make_many(make_caller(compile_part), watch, compile_part, balls=balls)
-
-    return compile_kernel(make, f"many {balls}", allocates=False)
 
 
 @lru_cache(maxsize=16)
@@ -58,8 +46,8 @@ def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tupl
     scratch = make_scratch(stretch)
     write_stepper(scratch.runs, stepper)
     scratch.runs["settings"]["is_linear"] = plan.system.restoring is restoring_linear
-    scratch.runs["memory"]["engine"] = engine.address
-    scratch.runs["memory"]["hooks"] = table.ctypes.data
+    scratch.runs["engine"] = engine.address
+    scratch.runs["hooks"] = table.ctypes.data
     return scratch, (engine, looking, table)
 
 
@@ -93,10 +81,12 @@ def run_scalar(
     cancel: NDArray[np.int64] | None = None,
 ) -> None:
     """Run points one after the other, compiled."""
-    many = _many(plan.system.angles)
+    many = many_piece(plan.system.angles, batch.points.stretches.dtype)
     scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
-    many(order, batch.points, scratch, progress, never if cancel is None else cancel)
+    given = order, batch.points, scratch, progress, never if cancel is None else cancel
+    words = np.array(words_of(given))
+    many.call(words.ctypes.data)
     del pieces  # until now their code was called
 
 
@@ -114,7 +104,8 @@ def run_fastest(
         run_scalar(plan, batch, stepper, order, progress, cancel=cancel)
         return
     system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
-    lanes = lanes_kernel(drive.acceleration, *laws_key(system), drive.rotation)
+    stretch = batch.points.stretches.dtype
+    lanes = lanes_piece(stretch, drive.acceleration, *laws_key(system), drive.rotation)
     damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
     fly = fly_piece(
@@ -132,7 +123,9 @@ def run_fastest(
     weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
     never = np.zeros(1, dtype=np.int64)
     stop = never if cancel is None else cancel
-    lanes(order, batch.points, weights, scratch, progress, space, stop)
+    given = order, batch.points, weights, scratch, progress, space, stop
+    words = np.array(words_of(given))
+    lanes.call(words.ctypes.data)
     del pieces, looking  # until now their code was called
 
 

@@ -75,19 +75,8 @@ POINT = np.dtype(
 # Rows are those of the state; the further columns are free for scratch.
 MATRIX_SHAPE = (4, 7)
 
-# Where the arrays lie that compiled code works on: addresses, and their sizes.
-MEMORY = np.dtype(
-    [
-        (name, "i8")
-        for name in (
-            "stretches", "starts", "jumps", "stretch_count", "kick_times", "kick_sizes",
-            "kick_stride", "kick_count", "sample_times", "samples", "sample_count",
-            "contact_times", "contact_kinds", "contact_values", "contact_count", "acc", "acc_size",
-            "column", "columns",
-            "engine", "hooks",  # of pieces; see `latolato.numerics.hooks`
-        )
-    ]
-)  # fmt: skip
+# As many words as say where everything lies that compiled code is given; see `pieces.words_of`.
+_WORDS = 48
 
 
 def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
@@ -127,7 +116,10 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             # What observables are shown: numbers, and a matrix of small deviations.
             ("shown", "f8", (13,)),
             ("jacobian", "f8", MATRIX_SHAPE),
-            ("memory", MEMORY),
+            ("words", "i8", (_WORDS,)),
+            # Addresses of the engine's piece and of the observables'; see `hooks.hook_table`.
+            ("engine", "i8"),
+            ("hooks", "i8"),
             ("stretch", stretch or stretch_dtype()),  # last: a drive may bring its own layout
         ],
         align=True,
