@@ -604,6 +604,33 @@ class TestPlasticPairs:
         assert resting == together
 
 
+class TestRoundedPairs:
+    """Two balls whose impacts are as small as the rounding of their velocities."""
+
+    @pytest.mark.parametrize("speed", [-1.0050472609141177, -0.7, 0.3])
+    def test_impacts_end_without_a_capture_speed(self, speed):
+        # A closing speed of two units in the last place came back from each impact, for ever.
+        ball = ll.Ball(length=1.0, mass=1.0, radius=0.1, damping=0.05)
+        run = ll.simulate(
+            ll.BallPair(right=ball, left=ball, restitution=0.8), duration=8.0, rest_speed=0.0,
+            initial_angle=(0.5647431704349991, -0.2), initial_angular_velocity=(speed, 0.0),
+        )  # fmt: skip
+        assert run.attrs["status"] == "complete"
+        check_pair_ledger(run)
+
+    def test_points_that_stay_together_do_not_push_each_other_along_their_rods(self):
+        def tension(radius):
+            ball = ll.Ball(length=1.0, mass=1.0, radius=radius)
+            pair = ll.BallPair(right=ball, left=ball, restitution=0.0)
+            run = ll.simulate(pair, initial_angle=(0.5, -0.3), times=np.linspace(0.0, 2.0, 50))
+            return run.tension, run.attrs["slack_fraction"]
+
+        points, share = tension(0.0)
+        assert not share.any()
+        # The push goes with the radius.
+        np.testing.assert_allclose(points, tension(1e-7)[0], rtol=0, atol=1e-5)
+
+
 class TestTensionAtRest:
     def test_tension_of_a_resting_ball_carries_weight_and_contact(self):
         system = toy()

@@ -278,7 +278,7 @@ def _recorded(
     }
     attrs = attributes_of(system, drive, law, noise, start, end, run)
     attrs.update(
-        energy_residual=max(residual, _sampled_residual(trajectory, seen)),
+        energy_residual=residual,
         status=trajectory.status,
         step=trajectory.step,
         stepper="classical Runge-Kutta" if clamped else stepper.name,
@@ -286,9 +286,13 @@ def _recorded(
         grazing_contacts=int(state.grazes),
         contacts=len(trajectory.contact_times),
     )
+    if not law.stores_energy:
+        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, seen))
     found = record_of(system, trajectory, seen, instants, frame, attrs)
     if "tension" in found:
-        first, total = state.slack_start, state.slack_time
+        # What a failed run adds up last is no slack.
+        known = math.nan if trajectory.failed else 1.0
+        first, total = known * state.slack_start, known * state.slack_time
         share = total / trajectory.reached
         two = system.angles == 2
         attrs["slack_time"] = first if two else float(first[0])

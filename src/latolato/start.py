@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.numerics.integrate import Floats, Start
-from latolato.physics.contacts import Clamp, ContactLaw, NoContact, contact_laws
+from latolato.physics.contacts import ContactLaw, NoContact, contact_laws
 from latolato.physics.drives import Drive, Static, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System
@@ -41,11 +41,7 @@ def checked_contact(contact: Any, system: System) -> ContactLaw:
         raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
     if not system.has_contacts:
         return NoContact()
-    if isinstance(law, Clamp) and isinstance(system, BallPair):
-        raise InputError(
-            "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
-            "BallPair"
-        )
+    law.check_system(system)
     return law
 
 

@@ -160,6 +160,22 @@ class TestStrongDrag:
         # Rounding of 1e6 steps beside the tolerance.
         assert float(abs(run.angle - fine.angle).max()) <= tolerance + 1e-11
 
+    @pytest.mark.parametrize("executor", ["threads", "reference"])
+    def test_a_turn_is_found_that_a_step_leaves_so_far_behind_that_there_is_no_number(
+        self, executor
+    ):
+        # Friction stops the ball in 3 ms; against its sign quadratic drag would speed it up.
+        light = ll.Pendulum(length=1.0, mass=0.01, quadratic_damping=1.0, coulomb_damping=20.0)
+        found = ll.sweep(
+            light, axes={"initial_angular_velocity": [5.0, -5.0]}, initial_angle=1.0, duration=0.5,
+            tolerance=1e-3, observables=["final_angle"], executor=executor,
+        )  # fmt: skip
+        fine = ll.simulate(
+            light, initial_angle=1.0, initial_angular_velocity=5.0, duration=0.5, tolerance=1e-10
+        )
+        assert found.final_angle[0] == pytest.approx(float(fine.angle[-1]), abs=1e-3)
+        assert found.final_angle[1] < 1.0
+
     def test_weak_drag_changes_no_step(self):
         start, stepper = Start((1.0,), (0.0,)), BLANES_MOAN_GENERAL
         free = ll.Pendulum(length=1.0, mass=1.0)

@@ -28,6 +28,7 @@ class SoftWall(ContactLaw):
     """Beyond the contact angle a spring accelerates the ball back."""
 
     motion: ClassVar[str] = "soft wall"
+    stores_energy: ClassVar[bool] = True
     stiffness: float = 2000.0  # 1/s^2
 
     @property
@@ -37,6 +38,10 @@ class SoftWall(ContactLaw):
     @property
     def fastest_rate(self):
         return math.sqrt(self.stiffness)
+
+    def check_system(self, system):
+        if any(b.quadratic_damping or b.coulomb_damping for b in system.balls) or system.angles > 1:
+            raise ll.InputError("a soft wall is for one ball with linear damping; use 'exact'")
 
 
 @formula
@@ -164,6 +169,31 @@ def test_its_energy_is_accounted_for():
     found = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, walls=walls, step=step, law=SOFT)
     assert found.state.ledger_error < 1e-9
     assert found.state.largest_energy > 1.0
+
+
+def test_kicks_in_the_wall_leave_no_gap_in_the_ledger():
+    kicks = ll.VelocityKicks(strength=1.0, interval=0.05, seed=1)
+    run = ll.simulate(TOY, SHAKEN, initial_angle=0.6, duration=5.0, contact=SOFT, noise=kicks)
+    assert run.attrs["energy_residual"] < 1e-8
+
+
+@pytest.mark.parametrize("system", [
+    ll.LatoLato(length=1.0, mass=0.8, radius=0.1, coulomb_damping=0.3),
+    ll.BallPair(right=ll.Ball(length=1.0, mass=1.0, radius=0.1),
+                left=ll.Ball(length=1.0, mass=1.0, radius=0.1)),
+])  # fmt: skip
+def test_it_says_which_systems_it_is_for(system):
+    angle = (0.6, -0.6) if system.angles == 2 else 0.6
+    with pytest.raises(ll.InputError, match="for one ball with linear damping"):
+        ll.simulate(system, SHAKEN, initial_angle=angle, duration=1.0, contact=SOFT)
+
+
+def test_a_law_whose_motion_nobody_knows_is_refused():
+    class Lost(SoftWall):
+        motion = "soft wal"
+
+    with pytest.raises(ll.InputError, match="did you mean 'soft wall'"):
+        ll.simulate(TOY, SHAKEN, initial_angle=0.6, duration=1.0, contact=Lost())
 
 
 def test_a_hard_spring_is_an_elastic_impact():

@@ -133,6 +133,7 @@ class Recording:
             step=math.nan,
             stepper=choose_stepper(self.system),
             status="complete",
+            failed=False,
             slots=np.empty((0, 1)),
         )
         angles, velocities = self.run["initial_angle"], self.run["initial_angular_velocity"]

@@ -26,7 +26,7 @@ from latolato.numerics.pieces import (
     write_words,
 )
 from latolato.numerics.records import BODY, SETTINGS
-from latolato.numerics.trajectory import MOTIONS, make_trajectory
+from latolato.numerics.trajectory import make_trajectory, motion_of
 from latolato.numerics.watch import Eyes
 
 # ``rows(run, stop, most_steps)``; see `latolato.numerics.engine.loop`.
@@ -132,7 +132,7 @@ def engine_piece(
         )
         return make_entry(compile_part(carry_on), count, stretch)
 
-    name = f"engine {motion} {law_key(MOTIONS[motion])} {count} {stretch}"
+    name = f"engine {motion} {law_key(motion_of(motion))} {count} {stretch}"
     return compile_piece(make, name, ENGINE, *laws)
 
 

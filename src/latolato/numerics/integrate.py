@@ -83,6 +83,7 @@ class Trajectory:
     step: float
     stepper: Stepper
     status: str
+    failed: bool
     slots: Floats
 
 
@@ -354,7 +355,7 @@ def integrate(
     room = 256
     kinds, times, values = [], [], []
     count = 0
-    status, reached = "complete", -1.0
+    status, failed, reached = "complete", False, -1.0
     while True:
         size = min(room, contact_limit - count) + 4  # an event may need several rows
         buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
@@ -374,6 +375,7 @@ def integrate(
             lost = ~(np.max(abs(samples[: 2 * angles]), axis=0) <= _LARGEST)
             reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
+            failed = True
             samples[:, np.argmax(lost) :] = np.nan
             break
         if reached >= duration:
@@ -384,7 +386,7 @@ def integrate(
         room = min(max(room, 2 * written), 65536)
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
-        state, float(min(reached, duration)), step, stepper, status,
+        state, float(min(reached, duration)), step, stepper, status, failed,
         acc.reshape(-1, angles) if watched else np.zeros((0, angles)),
     )  # fmt: skip
 

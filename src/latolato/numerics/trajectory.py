@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from latolato.errors import InputError
 from latolato.numerics.clamp import make_clamped
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.watch import Watch
+from latolato.registry import suggest
 
 # What a contact law names: called with laws, the number of balls, what observables are shown by
 # and what compiles parts. Others may add their own, built by `make_engine` of their own modes.
@@ -16,6 +18,19 @@ MOTIONS: dict[str, Callable[[Laws, int, Watch, Part | None], Callable[..., int]]
     "exact": make_engine,
     "clamp": make_clamped,
 }
+
+
+def motion_of(name: str) -> Callable[..., Callable[..., int]]:
+    """Return the motion of that name.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if name not in MOTIONS:
+        raise InputError(f"unknown motion {name!r}; {suggest(name, list(MOTIONS))}")
+    return MOTIONS[name]
 
 
 def make_trajectory(
@@ -31,4 +46,4 @@ def make_trajectory(
     """
     pivot_acceleration, restoring, potential = laws
     found = laws_of(pivot_acceleration, restoring, potential, compile_part)
-    return MOTIONS[motion](found, count, watch, compile_part)
+    return motion_of(motion)(found, count, watch, compile_part)

@@ -132,4 +132,4 @@ class Observable:
 
         Arrays of an observable with a further dimension are of shape (point, sample).
         """
-        raise TypeError(f"{type(self).__name__} must say its values")
+        raise TypeError(f"{type(self).__name__} must define values(slots, outcome)")

@@ -33,25 +33,31 @@ class ContactLaw:
         The step [s] of a law whose result depends on it; small deviations have no meaning then.
     fastest_rate : float
         The fastest angular rate of what the law adds to the motion [rad/s], which steps resolve.
+    stores_energy : bool
+        Whether balls in contact hold energy that samples do not show, as a spring does.
     """
 
     motion: ClassVar[str] = "exact"
     meets: ClassVar[bool] = True
+    stores_energy: ClassVar[bool] = False
 
     @property
     def numbers(self) -> tuple[float, float]:
-        """Nothing, unless a law says more."""
+        """Two zeros by default."""
         return 0.0, 0.0
 
     @property
     def fixed_step(self) -> float | None:
-        """None, unless a law says more."""
+        """None by default."""
         return None
 
     @property
     def fastest_rate(self) -> float:
-        """Zero, unless a law says more."""
+        """Zero by default."""
         return 0.0
+
+    def check_system(self, system: Any) -> None:
+        """Raise InputError if the law does not suit a system; by default it suits all."""
 
 
 @contact_laws.register("exact")
@@ -81,6 +87,14 @@ class Clamp(ContactLaw):
     def fixed_step(self) -> float:
         """The step [s]."""
         return self.step
+
+    def check_system(self, system: Any) -> None:
+        """Raise InputError for two balls that move on their own."""
+        if system.angles == 2:
+            raise InputError(
+                "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
+                "BallPair"
+            )
 
 
 @contact_laws.register("none")

@@ -51,12 +51,19 @@ def drift(
         c1 = damping/(mass length) [1/s].
     quadratic : float
         c2 = quadratic_damping/(mass length) [1].
+
+    Notes
+    -----
+    A velocity against its sign grows without bound within ``1/(c2 |w|)``: d is 0 then, and both
+    results are NaN. So a step that ends with NaN went far beyond a turning point.
     """
     # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
     slowed = velocity - velocity * (rate * reach)
     if quadratic < _NONE:
         return velocity * reach, slowed
     stretch = quadratic * sign * velocity * reach
+    if stretch <= -1.0:
+        return math.nan, math.nan
     return sign * math.log1p(stretch) / quadratic, slowed / (1.0 + stretch)
 
 

@@ -42,11 +42,13 @@ def radial_push(torque: float, length: float, other_length: float, separation: f
     """Return what the contact adds to the tension of a ball in lasting contact [N].
 
     The contact force acts along the line of centres; with its torque on ball 1 known, its
-    component along the rod is ``torque (l1 - l2 cos(separation))/(l1 l2 sin(separation))``.
-    Both balls are met with the same torque and separation, each with its own length first.
+    component along the rod is ``torque (l1 - l2 cos(separation))/(l1 l2 sin(separation))``, written
+    as ``torque ((l1 - l2)/sin(separation) + l2 tan(separation/2))/(l1 l2)``: it vanishes for points
+    on equal rods, whose separation is zero. Call it for each ball with its own length first.
     """
     l1, l2 = length, other_length
-    return torque * (l1 - l2 * math.cos(separation)) / (l1 * l2 * math.sin(separation))
+    slant = (l1 - l2) / math.sin(separation) if l1 != l2 else 0.0
+    return torque * (slant + l2 * math.tan(0.5 * separation)) / (l1 * l2)
 
 
 @formula

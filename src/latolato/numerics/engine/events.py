@@ -32,8 +32,9 @@ from latolato.scalar import formula
 # without a limit the times before a stop would become shorter and shorter.
 _HOLD, _SHORTEST_REST = 0.25 / 16.0, 1e-3
 
-# What rounding can take from the difference of two velocities, per sum of their sizes.
-_ROUNDING = 2.3e-16
+# What rounding can take from the difference of two velocities, per sum of their sizes: an impact
+# whose closing speed is a few units in the last place may repeat itself for ever.
+_ROUNDING = 1e-15
 
 
 class Output(NamedTuple):

@@ -92,7 +92,7 @@ def make_flight(
             s = math.inf
             if run.now[i].sign == 0.0:
                 s = held.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
-            elif run.end[i].velocity * run.now[i].sign < 0.0:
+            elif not run.end[i].velocity * run.now[i].sign >= 0.0:  # NaN: far beyond the turn
                 s = swing.turn(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
             if s <= run.length:
                 balls.shorten(run, max(s, SHORTEST * run.t))

@@ -131,7 +131,7 @@ def make_joint(
         if run.t < state.held_until < run.t_end:
             balls.shorten(run, state.held_until - run.t)
         swing_by(run, run.length, run.end)
-        if run.is_rough != 0 and end.velocity * one.sign < 0.0:
+        if run.is_rough != 0 and not end.velocity * one.sign >= 0.0:
             s = swing.turn(run, body_of(run), _TABLE, run.length, one, end)
             balls.shorten(run, max(s, SHORTEST * run.t))
             run.event = TURN

@@ -247,11 +247,12 @@ def make_engine(
         state.t_base, state.steps = run.t, 0
         if given:
             closing = balls.rate(run.now) * state.side
-            touches = state.mode != FLIGHT or state.touch != 0.0
+            rests = state.mode == lasting
+            touches = rests or (state.mode == FLIGHT and state.touch != 0.0)
             if touches and closing > 0.0:
                 run.side = state.side
                 meet(run, output, eyes)
-            elif state.mode != FLIGHT and closing < 0.0:
+            elif rests and closing < 0.0:
                 release(run, output, eyes)
 
     @part

@@ -175,7 +175,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
 
     @part
     def turn(run: Any, body: int, table: int, length: float, begin: Any, end: Any) -> float:
-        """Return when, within a step, a velocity that ends against its sign is zero [s].
+        """Return when, within a step, a velocity that ends against its sign or as NaN is zero [s].
 
         The length itself if that cannot be seen. Bracketed Newton on the step, to rounding.
         """
@@ -187,7 +187,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
                 if end.velocity * sign > 0.0:
                     break
                 low *= 0.5
-            if end.velocity * sign <= 0.0:
+            if not end.velocity * sign > 0.0:
                 return length
         s = 0.5 * (low + high)
         span = move = high - low
@@ -197,10 +197,10 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
             value = end.velocity
             if value == 0.0:
                 return s
-            if value * sign < 0.0:
-                high = s
-            else:
+            if value * sign > 0.0:
                 low = s
+            else:  # beyond the turn, so far perhaps that there is no number for it
+                high = s
             # The drag's share of the slope only slows Newton; the bracket keeps it safe.
             slowing = end.acceleration - rate * value
             trial, newton = next_trial(s, value, slowing, low, high, move)

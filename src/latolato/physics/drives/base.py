@@ -46,7 +46,7 @@ class Drive:
 
         Formulas of one's own may read numbers of their own, from named tuples with a `start` [s].
         """
-        raise TypeError(f"{type(self).__name__} must say its stretches")
+        raise TypeError(f"{type(self).__name__} must define stretches(duration)")
 
     def velocity_jumps(self, duration: float) -> list[float]:
         """Return the pivot's velocity jump that is transmitted at each start [m/s]."""

@@ -31,7 +31,7 @@ class _Swept(Drive):
 
     def _knots(self) -> list[tuple[float, float, float]]:
         """Return (start, frequency there, rate of change) of each stretch."""
-        raise TypeError(f"{type(self).__name__} must say its knots")
+        raise TypeError(f"{type(self).__name__} must define _knots()")
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches with the phase carried on from one to the next."""
