@@ -1,4 +1,4 @@
-"""Waits for the compiler, which is imported when the first kernel needs it and not before."""
+"""Runs actions once numba is imported, which the first kernel does."""
 
 from __future__ import annotations
 

@@ -140,10 +140,10 @@ def rate_of(
     with `drags` (c1 [1/s], c2 [1]) that is c1 and the larger of c2 times the initial speed and
     ``2 sqrt(c2 (g + |y0''|)/l)``, the rate at which quadratic drag settles under that pull.
     """
-    pull = (gravity + acceleration) / length
+    stiffness = (gravity + acceleration) / length
     linear, quadratic = drags
-    settling = linear + np.maximum(2.0 * np.sqrt(quadratic * pull), quadratic * speed)
-    free = np.maximum(np.maximum(np.sqrt(pull), frequency), speed)
+    settling = linear + np.maximum(2.0 * np.sqrt(quadratic * stiffness), quadratic * speed)
+    free = np.maximum(np.maximum(np.sqrt(stiffness), frequency), speed)
     return np.maximum(free, _DRAG_WEIGHT * settling)
 
 

@@ -147,8 +147,8 @@ def make_lane_impacts(
         far, wall = z[r.IFAR * E + e], z[r.IWALL * E + e]
         missing, drag = z[r.IMISS * E + e], z[r.IDRAG * E + e]
         v = z[r.IV * E + e]
-        pull = z[r.IF * E + e] - drag * v
-        before = (v + pull * missing) * per_h
+        a = z[r.IF * E + e] - drag * v
+        before = (v + a * missing) * per_h
         t0 = w[r.T * L + j] + w[r.N * L + j] * h
         t = t0 + (z[r.IU * E + e] + missing) * h
         store(j, k, w, points, progress)

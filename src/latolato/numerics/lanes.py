@@ -145,7 +145,7 @@ def make_lanes(
     task_at : callable
         Returns a `Task` from the address of its words.
     """
-    # What every impact needs: passing the arrays of all points to a call costs more than the rest.
+    # What every impact needs is inlined.
     part, inline = compile_part, inlined(compile_part)
     watch = make_calling_watch(compile_part)
     steering = make_steering(make_caller(compile_part), watch, compile_part)

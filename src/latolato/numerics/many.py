@@ -132,7 +132,7 @@ def make_steering(
     Parameters
     ----------
     carry_on : callable
-        The engine, or what calls it; see `latolato.numerics.engine.entry`.
+        The engine, or what calls it; see `latolato.numerics.entry`.
     balls : int
         Angles of the state.
 

@@ -13,7 +13,7 @@ from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
 from latolato.physics.pair import contact_torque, radial_push
-from latolato.physics.pendulum import Ball
+from latolato.physics.pendulum import Ball, swung
 from latolato.physics.tension import tension, wall_tension
 
 BALL = np.dtype([(name, "f8") for name in (
@@ -79,10 +79,10 @@ def make_observer(
                 b = balls[j]
                 l, m = b.length, b.mass
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
-                pull = restoring(angle)
+                restored = restoring(angle)
                 out[j, KINETIC, i] = kinetic_energy(speed, m, l)
                 out[j, POTENTIAL, i] = potential_energy(potential(angle), m, l, gravity)
-                out[j, DRIVE, i] = drive_power(speed, pull, ay, m, l)
+                out[j, DRIVE, i] = drive_power(speed, restored, ay, m, l)
                 out[j, DAMPING, i] = damping_power(
                     speed, l, b.damping, b.quadratic_damping, b.coulomb_damping
                 )
@@ -107,11 +107,11 @@ def make_observer(
                 out[j, LAB, i] = lab_energy(angle, speed, y, vy, b.mass, b.length, gravity)
                 out[j, ROD, i] = rod_power(angle, force, out[j, TENSION, i], vy)
 
-    def _free(angle: float, speed: float, lift: float, gravity: float, b: Any) -> float:
+    def _free(angle: float, speed: float, ay: float, gravity: float, b: Any) -> float:
         """Return the angular acceleration that a ball would have without the other one."""
         sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
         force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
-        return -(gravity + lift) / b.length * restoring(angle) - force / (b.mass * b.length)
+        return swung(gravity + ay, 1.0 / b.length, restoring(angle)) - force / (b.mass * b.length)
 
     if compile_part is not None:
         _free = compile_part(_free)

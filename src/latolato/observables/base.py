@@ -87,7 +87,7 @@ class Observable:
         small deviations of the `size` numbers of the state (angle and angular velocity of the
         right, then of the left ball), the time that it took [s] and the logarithm of the
         determinant that the laws of motion give it. Columns 4 to 6 are free for scratch. It is
-        called for the first ball only; needs exact contact and single trajectories.
+        called for the first ball only, and needs a contact law without a fixed step.
     dimension : str
         A further dimension of the variables: ``sample`` (one for each mark), ``exponent`` (one for
         each number of the state) or none.

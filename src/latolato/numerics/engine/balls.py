@@ -22,9 +22,9 @@ class Balls(NamedTuple):
     """The functions of all balls; see `make_balls`."""
 
     gap: Callable[..., float]
-    rate: Callable[..., float]
-    pull: Callable[..., float]
-    part: Callable[..., None]
+    gap_rate: Callable[..., float]
+    gap_acceleration: Callable[..., float]
+    separate: Callable[..., None]
     fly: Callable[..., None]
     fly_by: Callable[..., None]
     settle: Callable[..., None]
@@ -49,13 +49,13 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
         return angle
 
     @inlined(part)
-    def rate(points: Any) -> float:
+    def gap_rate(points: Any) -> float:
         """Return how fast the gap grows [rad/s]."""
         speed: float = points[0].velocity - points[1].velocity if two else points[0].velocity
         return speed
 
     @inlined(part)
-    def pull(points: Any) -> float:
+    def gap_acceleration(points: Any) -> float:
         """Return the gap's acceleration of a kick [rad/s^2]."""
         if two:
             difference: float = points[0].acceleration - points[1].acceleration
@@ -63,7 +63,7 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
         return points[0].acceleration
 
     @part
-    def part_by(run: Any, points: Any, angle: float, velocity: float) -> None:
+    def separate(run: Any, points: Any, angle: float, velocity: float) -> None:
         """Widen the gap and its rate, with the mean angle and the angular momentum kept."""
         if two:
             share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
@@ -104,10 +104,10 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
         far, span, move = 0.0, high - low, high - low
         for trial in range(MOST_TRIALS):
             fly_by(run, s, run.end)
-            bend = pull(run.end)
-            value, slope = rate(run.end) - target, bend
+            bend = gap_acceleration(run.end)
+            value, slope = gap_rate(run.end) - target, bend
             if what == GAP:
-                value, slope = gap(run.end) - target, rate(run.end)
+                value, slope = gap(run.end) - target, gap_rate(run.end)
             if value == 0.0:
                 return s
             if trial == 0:  # the far end, which Newton starts from
@@ -177,6 +177,6 @@ def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None =
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, rate, pull, part_by, fly, fly_by, settle, locate, leave, parting, energy, plan_length,
-        shorten,
+        gap, gap_rate, gap_acceleration, separate, fly, fly_by, settle, locate, leave, parting,
+        energy, plan_length, shorten,
     )  # fmt: skip

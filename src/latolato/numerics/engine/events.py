@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from latolato.numerics.bounce import meet_wall
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Look
+from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
@@ -28,8 +28,8 @@ from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
 from latolato.physics.pair import write_pair_saltation
 from latolato.scalar import formula
 
-# How long balls stay together that part too little to be seen: of the step, and of a full one;
-# without a limit the times before a stop would become shorter and shorter.
+# How long balls stay together that part too little to be seen, as shares of the time to the goal
+# and of a full step; without the lower bound the waits before a stop would shrink to zero.
 _HOLD, _SHORTEST_REST = 0.25 / 16.0, 1e-3
 
 # What rounding can take from the difference of two velocities, per sum of their sizes: an impact
@@ -86,7 +86,7 @@ def make_events(
 
     @part
     def unite(run: Any, eyes: Eyes) -> None:
-        """Show the matrix of the begin of lasting contact: deviations from it are lost."""
+        """Report the matrix of the start of lasting contact: deviations from it are lost."""
         clear_matrix(run.jacobian, 4)
         if two:
             write_joint_matrix(run.jacobian, share_of(run), UNCHANGED)
@@ -202,7 +202,7 @@ def make_events(
 
     @part
     def settle_down(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let balls rest that part too little to be seen, for a short time without a question."""
+        """Let balls rest that part too little to be seen, at first without a check for release."""
         state, settings = run.state, run.settings
         state.grazes += 1
         v1, v2 = run.now[0].velocity, run.now[1].velocity

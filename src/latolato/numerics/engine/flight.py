@@ -10,9 +10,9 @@ from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import GAP, RATE, Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
-from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import Held, add_slack
 from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed, tension_at
@@ -34,7 +34,8 @@ def make_flight(
     part = compile_part or as_it_stands
     two = count == 2
     pivot_acceleration = laws.pivot_acceleration
-    gap, rate, pull, fly_by = balls.gap, balls.rate, balls.pull, balls.fly_by
+    gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
+    gap_acceleration = balls.gap_acceleration
 
     @inlined(part)
     def plan(run: Any) -> None:
@@ -59,7 +60,7 @@ def make_flight(
     @inlined(part)
     def hop_time(run: Any) -> float:
         """Return how long a rebound lasts that is too small for the angle's digits, 0 if larger."""
-        touch, speed = run.state.touch, rate(run.now)
+        touch, speed = run.state.touch, gap_rate(run.now)
         if speed * touch >= 0.0:
             return 0.0
         friction = run.bodies[0].coulomb
@@ -76,12 +77,13 @@ def make_flight(
     def cut_beside_contact(run: Any) -> None:
         """Shorten a step beside a contact within which the gap's acceleration changes its sign."""
         settings = run.settings
-        reach = (abs(rate(run.now)) + abs(rate(run.end))) * run.length
+        reach = (abs(gap_rate(run.now)) + abs(gap_rate(run.end))) * run.length
         smallest = min(gap(run.now), gap(run.end)) - settings.low
         largest = settings.high - max(gap(run.now), gap(run.end))
         # From touch without any rate the first dip has no sign that the ends would show.
-        level = run.state.touch != 0.0 and rate(run.now) == 0.0
-        if level or (min(smallest, largest) < reach and pull(run.now) * pull(run.end) < 0.0):
+        level = run.state.touch != 0.0 and gap_rate(run.now) == 0.0
+        bends = gap_acceleration(run.now) * gap_acceleration(run.end) < 0.0
+        if level or (bends and min(smallest, largest) < reach):
             balls.shorten(run, run.length * (_FIRST_PART if level else _PARTS))
             fly_by(run, run.length, run.end)
 
@@ -110,7 +112,7 @@ def make_flight(
             return -1.0
         if end >= high:
             return 1.0
-        v0, v1 = rate(run.now), rate(run.end)
+        v0, v1 = gap_rate(run.now), gap_rate(run.end)
         if v0 < 0.0 < v1 and min(begin, end) - max(-v0, v1) * run.length <= low:
             return -1.0
         if v1 < 0.0 < v0 and max(begin, end) + max(v0, -v1) * run.length >= high:
@@ -136,8 +138,8 @@ def make_flight(
         balls.shorten(run, length)
         fly_by(run, length, run.end)
         # Rounding may have turned a grazing velocity round.
-        missing = 2.0 * rate(run.end) if rate(run.end) * side < 0.0 else 0.0
-        balls.part(run, run.end, wall - gap(run.end), -missing)
+        missing = 2.0 * gap_rate(run.end) if gap_rate(run.end) * side < 0.0 else 0.0
+        balls.separate(run, run.end, wall - gap(run.end), -missing)
         run.event, run.side = CONTACT, side
 
     @part
@@ -158,11 +160,11 @@ def make_flight(
     @part
     def land(run: Any, side: float, wall: float, soon: float) -> None:
         """Take a rebound that the angle's digits cannot show as a parabola."""
-        before, friction = rate(run.now), 0.0 if two else run.bodies[0].coulomb
+        before, friction = gap_rate(run.now), 0.0 if two else run.bodies[0].coulomb
         _, back = hop(before, -balls.parting(run, side, run.t, run.now), friction)
         balls.shorten(run, soon)
         fly_by(run, soon, run.end)
-        balls.part(run, run.end, wall - gap(run.end), side * back - rate(run.end))
+        balls.separate(run, run.end, wall - gap(run.end), side * back - gap_rate(run.end))
         if not two:
             run.end[0].work, run.end[0].loss = 0.0, 0.5 * (before - back) * (before + back)
         run.event, run.side = CONTACT, side
@@ -175,7 +177,7 @@ def make_flight(
         for i in range(count):
             tiny += _ROUNDING * abs(run.end[i].angle)
         run.keeps_touch = 1
-        if rate(run.end) * side >= 0.0 or abs(gap(run.end) - wall) > tiny:
+        if gap_rate(run.end) * side >= 0.0 or abs(gap(run.end) - wall) > tiny:
             run.event, run.side = SETTLE, side
             balls.shorten(run, 0.0)
             for i in range(count):
@@ -206,7 +208,7 @@ def make_flight(
             wall = run.settings.low if run.side < 0.0 else run.settings.high
             beyond = gap(run.inside) - wall
             if beyond * run.side > 0.0:  # by a rounding
-                balls.part(run, run.inside, -beyond, 0.0)
+                balls.separate(run, run.inside, -beyond, 0.0)
         run.work_inside, run.loss_inside = 0.0, 0.0
         for i in range(count):
             run.work_inside += run.bodies[i].inertia * run.inside[i].work

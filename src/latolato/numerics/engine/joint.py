@@ -12,9 +12,9 @@ from typing import Any
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import add_slack
 from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import JOINT, JOINT_ROW, NOTHING, RELEASE, TURN
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed, tension_at
@@ -107,7 +107,7 @@ def make_joint(
         return s if margin(run, s) < 0.0 else length
 
     @part
-    def part_at(run: Any, end: float) -> float:
+    def parting_time(run: Any, end: float) -> float:
         """Return when, before `end`, the balls part, by bisection."""
         begin = 0.0
         for _ in range(MOST_TRIALS):
@@ -139,7 +139,7 @@ def make_joint(
             last = margin(run, run.length)
             until = run.length if last < 0.0 else dip(run, run.length, last)
             if last < 0.0 or until < run.length:
-                balls.shorten(run, part_at(run, until))
+                balls.shorten(run, parting_time(run, until))
                 run.event = RELEASE
         swing_by(run, run.length, run.end)
         inertia = run.bodies[body_of(run)].inertia
@@ -165,7 +165,7 @@ def make_joint(
         """Write both tensions, each over mass and length: the contact pushes along the rods."""
         settings, gap = run.settings, gap_of(run)
         one, two = run.bodies[0], run.bodies[1]
-        lift = pivot_acceleration(t, run.stretch)
+        ay = pivot_acceleration(t, run.stretch)
         torque = contact_torque(
             freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),
             freed(swing.free(run, 1, t, points[1].angle), points[1].velocity, two),
@@ -177,7 +177,7 @@ def make_joint(
             length, other = 1.0 / b.coupling, 1.0 / run.bodies[1 - i].coupling
             push = radial_push(torque, length, other, gap) * length / b.inertia
             point.tension = push + tension_at(
-                point.angle, point.velocity, lift, settings.gravity, b.coupling
+                point.angle, point.velocity, ay, settings.gravity, b.coupling
             )
 
     @part

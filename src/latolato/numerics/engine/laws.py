@@ -28,7 +28,7 @@ class Laws(NamedTuple):
     pivot_acceleration : formula ``(t, stretch)``
         Of the drive [m/s^2].
     restoring, slope, potential : formulas ``(angle, is_linear)``
-        The restoring factor, its slope and its potential; a number tells which of the package.
+        The restoring factor, its slope and its potential; `is_linear` selects the package's law.
     push, push_slope, push_potential : formulas ``(angle, run)``
         What a mode adds to the acceleration [rad/s^2], its slope and its potential [1/s^2].
     """

@@ -1,4 +1,4 @@
-"""The loop: a mode plans a step, the step is noted and taken, the event at its end is applied."""
+"""The loop: a mode plans a step, which is reported and taken, then the event there is applied."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from latolato.numerics.engine.balls import Balls, make_balls
 from latolato.numerics.engine.book import follow_ledger, write_sample
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
-from latolato.numerics.engine.eyes import Look, make_look
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.held import make_held
 from latolato.numerics.engine.joint import make_joint
 from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.look import Look, make_look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import (
     CONTACT,
@@ -163,13 +163,13 @@ def make_engine(
         gap, slack = balls.gap(run.now), _TOUCH if two else 0.0
         if gap <= settings.low + slack or gap >= settings.high - slack:
             state.touch = state.side = -1.0 if gap <= settings.low + slack else 1.0
-            if balls.rate(run.now) * state.side >= 0.0:
+            if balls.gap_rate(run.now) * state.side >= 0.0:
                 run.side = state.side
                 meet(run, output, eyes)
 
     @inlined(part)
     def aim(run: Any, timetable: Timetable, stop: float) -> None:
-        """Find the next instant at which a step must end; nothing is known to happen before."""
+        """Find the next instant at which a step must end; no event is assumed before it."""
         state = run.state
         run.goal, run.event, run.keeps_touch = stop, NOTHING, 0
         if state.stretch + 1 < len(timetable.starts):
@@ -225,7 +225,7 @@ def make_engine(
 
     @part
     def change(run: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
-        """Do what is due: the drive's next stretch, a kick."""
+        """Start the drive's next stretch or apply a kick, if due."""
         state, starts, kick_times = run.state, timetable.starts, timetable.kick_times
         is_jump = state.stretch + 1 < len(starts) and starts[state.stretch + 1] <= run.t
         is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
@@ -246,7 +246,7 @@ def make_engine(
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
         if given:
-            closing = balls.rate(run.now) * state.side
+            closing = balls.gap_rate(run.now) * state.side
             rests = state.mode == lasting
             touches = rests or (state.mode == FLIGHT and state.touch != 0.0)
             if touches and closing > 0.0:

@@ -21,7 +21,7 @@ MOST_STAGES = 12
 UNSETTLED, FLIGHT, REST, JOINT = -1, 0, 1, 2
 # Events at the end of a step.
 NOTHING, TURN, CONTACT, SETTLE, RELEASE = 0, 1, 2, 3, 4
-# Which motion a row belongs to: two balls in lasting contact swing as a third body.
+# Which motion a row belongs to: two balls in lasting contact swing as a joint body.
 JOINT_ROW = 2
 
 # What is kept of a trajectory from one call of the engine to the next.
@@ -32,7 +32,7 @@ STATE = np.dtype(
         ("mode", "i8"),
         ("side", "f8"),  # of the contact that lasts or was left last: -1 bottom, 1 top
         ("touch", "f8"),  # the side that balls in flight have just left; 0 away from contacts
-        ("held_until", "f8"),  # lasting contact is not questioned before [s]
+        ("held_until", "f8"),  # no check for release before this time [s]
         ("stretch", "i8"),  # which stretch of the drive, which kick, which sample comes next
         ("kick", "i8"),
         ("sample", "i8"),
@@ -103,7 +103,7 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("loss", "f8"),
             ("work_inside", "f8"),  # the same up to the point inside
             ("loss_inside", "f8"),
-            ("keeps_touch", "i8"),  # whether the balls touch still at the end
+            ("keeps_touch", "i8"),  # whether the balls still touch at the end
             ("rows", "i8"),  # of the contact table, written in this call
             ("done", "i8"),  # steps taken in this call
             ("is_rough", "i8"),  # whether any drag is not smooth where the velocity is zero

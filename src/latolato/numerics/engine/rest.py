@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.eyes import Look
 from latolato.numerics.engine.held import Held
+from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import RELEASE, REST
 from latolato.numerics.matrices import clear_matrix

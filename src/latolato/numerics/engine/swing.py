@@ -89,17 +89,17 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
     def feel(run: Any, body: int, t: float, point: Any) -> None:
         """Write what pulls at a point into it."""
         b, gravity = run.bodies[body], run.settings.gravity
-        lift = pivot_acceleration(t, run.stretch)
-        point.pivot_acceleration = lift
+        ay = pivot_acceleration(t, run.stretch)
+        point.pivot_acceleration = ay
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
             restored = restoring(point.angle, run.settings.is_linear)
-            point.driven = swung(lift, b.coupling, restored)
+            point.driven = swung(ay, b.coupling, restored)
             other = push(point.angle, run) - b.coulomb * point.sign
             point.acceleration = point.driven + swung(gravity, b.coupling, restored) + other
         if run.settings.follows_tension != 0:
             angle, velocity = point.angle, point.velocity
-            point.tension = tension_at(angle, velocity, lift, gravity, b.coupling)
+            point.tension = tension_at(angle, velocity, ay, gravity, b.coupling)
 
     @part
     def prepare(run: Any, body: int, table: int, length: float) -> None:
@@ -119,7 +119,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
         loss is the drop of w^2/2.
         """
         angle, velocity, sign = begin.angle, begin.velocity, begin.sign
-        a, driven, lift = begin.acceleration, begin.driven, begin.pivot_acceleration
+        a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
         work, loss, t = 0.0, 0.0, run.t
         b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
         coupling, rate, quadratic, friction = b.coupling, b.rate, b.quadratic, b.coulomb * sign
@@ -139,9 +139,9 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
-            lift = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
+            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
             restored = restoring(angle, is_linear)
-            driven = swung(lift, coupling, restored)
+            driven = swung(ay, coupling, restored)
             a = driven + swung(gravity, coupling, restored) + (push(angle, run) - friction)
         h = run.tables[table, KICK, run.stages]
         change = h * a
@@ -150,7 +150,7 @@ def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
         loss += h * friction * middle
         velocity += change
         end.angle, end.velocity, end.sign = angle, velocity, sign
-        end.acceleration, end.driven, end.pivot_acceleration = a, driven, lift
+        end.acceleration, end.driven, end.pivot_acceleration = a, driven, ay
         end.work, end.loss = work, loss
 
     @part

@@ -1,4 +1,4 @@
-"""What observables are shown by the engine: steps of balls, and matrices of small deviations."""
+"""Passes steps and matrices of small deviations to the observables."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Look(NamedTuple):
 
 
 def make_look(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Look:
-    """Return the functions that hand on steps and matrices, if anybody asks for them."""
+    """Return the functions that pass on steps and matrices, if an observable needs them."""
     part = compile_part or as_it_stands
     potential, restoring = laws.potential, laws.restoring
     push, push_potential = laws.push, laws.push_potential
