@@ -13,19 +13,17 @@ from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import STATE, run_dtype
+from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.many import Points, Progress, Scratch, make_many
 from latolato.numerics.pieces import (
     address_of,
-    array_kind,
     bundle_at,
     caller_of,
-    named_kind,
+    kind_of,
     record_at,
     write_words,
 )
-from latolato.numerics.records import BODY, SETTINGS
 from latolato.numerics.trajectory import make_trajectory, motion_of
 from latolato.numerics.watch import Eyes
 
@@ -55,57 +53,36 @@ class Job(NamedTuple):
 SWEEP = types.void(types.int64)
 
 
-_FLOATS, _TABLE, _NUMBERS = array_kind(), array_kind(dimensions=2), array_kind(np.int64)
-
-
-def given_kind(stretch: np.dtype[Any]) -> Any:
-    """Return the type of what an engine is given: timetable, output and eyes."""
-    kicks = array_kind(dimensions=2, order="A")
-    timetable = [array_kind(stretch), _FLOATS, _FLOATS, _FLOATS, kicks]
-    output, eyes = [_FLOATS, _TABLE, _FLOATS, _NUMBERS, _TABLE], [_FLOATS, types.int64, types.int64]
-    return named_kind(
-        Given, named_kind(Timetable, *timetable), named_kind(Output, *output),
-        named_kind(Eyes, *eyes),
-    )  # fmt: skip
-
-
-def points_kind(stretch: np.dtype[Any]) -> Any:
-    """Return the type of the points of a sweep."""
-    return named_kind(
-        Points, array_kind(SETTINGS), array_kind(BODY, 2), array_kind(stretch), _FLOATS, _FLOATS,
-        _NUMBERS, _FLOATS, _TABLE, _NUMBERS, _TABLE, types.int64,
-    )  # fmt: skip
-
-
-def scratch_kind(stretch: np.dtype[Any]) -> Any:
-    """Return the type of a worker's memory."""
-    runs = array_kind(run_dtype(stretch))
-    return named_kind(Scratch, runs, _FLOATS, _NUMBERS, _TABLE, _FLOATS, _TABLE)
-
-
-def progress_kind() -> Any:
-    """Return the type of what changes while points run."""
-    states = array_kind(STATE)
-    return named_kind(Progress, states, states, _NUMBERS, _FLOATS)
+def example_of(stretch: np.dtype[Any]) -> Given:
+    """Return arrays of the kinds that an engine is given, without content."""
+    floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
+    kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
+    return Given(
+        Timetable(np.empty(0, dtype=stretch), floats, floats, floats, kicks),
+        Output(floats, table, floats, numbers, table),
+        Eyes(floats, 0, 0),
+    )
 
 
 @compiled_once
-def many_piece(balls: int, stretch: np.dtype[Any]) -> Piece:
-    """Return what runs points of `balls` balls one after the other, by calling pieces."""
-    kinds = _NUMBERS, points_kind(stretch), scratch_kind(stretch), progress_kind(), _NUMBERS
-    given_at = bundle_at(named_kind(Job, *kinds))
+def many_piece(balls: int, job: types.Type) -> Piece:
+    """Return what runs points of `balls` balls one after the other; `job` is the type of a `Job`.
+
+    It is called with the address of a job's words.
+    """
+    job_at = bundle_at(job)
 
     def make(compile_part: Part) -> Callable[..., None]:
         watch = make_calling_watch(compile_part)
         many = compile_part(make_many(make_caller(compile_part), watch, compile_part, balls=balls))
 
         def run_points(address: int) -> None:
-            job = given_at(address)
-            many(job.order, job.points, job.scratch, job.progress, job.cancel)
+            given = job_at(address)
+            many(given.order, given.points, given.scratch, given.progress, given.cancel)
 
         return run_points
 
-    return compile_piece(make, f"many {balls} {stretch}", SWEEP)
+    return compile_piece(make, f"many {balls} {job}", SWEEP)
 
 
 @compiled_once
@@ -143,7 +120,7 @@ def make_entry(
 
     `stretch` is the layout of the drive's stretches.
     """
-    run_at, given_at = record_at(run_dtype(stretch)), bundle_at(given_kind(stretch))
+    run_at, given_at = record_at(run_dtype(stretch)), bundle_at(kind_of(example_of(stretch)))
 
     def engine(address: int, stop: float, most_steps: int) -> int:
         run = run_at(address)

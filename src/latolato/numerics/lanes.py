@@ -28,25 +28,13 @@ from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import laws_of
 from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
-from latolato.numerics.entry import (
-    SWEEP,
-    make_caller,
-    points_kind,
-    progress_kind,
-    scratch_kind,
-)
+from latolato.numerics.entry import SWEEP, make_caller
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.lane_flight import FLY, SHOW
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.lane_locate import LOCATE
 from latolato.numerics.many import Points, Progress, Scratch, Weights, make_steering
-from latolato.numerics.pieces import (
-    address_of,
-    array_kind,
-    bundle_at,
-    caller_of,
-    named_kind,
-)
+from latolato.numerics.pieces import address_of, bundle_at, caller_of
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
 from latolato.scalar import cosine, sine
@@ -114,17 +102,11 @@ def make_lane_space(
 
 
 @compiled_once
-def lanes_piece(stretch: np.dtype[Any], *laws: Law) -> Piece:
-    """Return the compiled piece of `make_lanes`, which is given words of its arguments."""
-    floats, numbers = array_kind(), array_kind(np.int64)
-    weights = named_kind(Weights, floats, floats, floats)
-    space = [floats] * 4 + [numbers] * 3 + [types.int64] * 2 + [numbers]
-    task = named_kind(
-        Task, numbers, points_kind(stretch), weights, scratch_kind(stretch), progress_kind(),
-        named_kind(LaneSpace, *space), numbers,
-    )  # fmt: skip
-    make = partial(make_lanes, task_at=bundle_at(task))
-    return compile_piece(make, f"lanes {stretch}", SWEEP, *laws)
+def lanes_piece(task: types.Type, *laws: Law) -> Piece:
+    """Return the compiled piece of `make_lanes`; `task` is the type of a `Task`."""
+    return compile_piece(
+        partial(make_lanes, task_at=bundle_at(task)), f"lanes {task}", SWEEP, *laws
+    )
 
 
 def make_lanes(

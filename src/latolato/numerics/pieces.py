@@ -14,6 +14,7 @@ from collections.abc import Callable
 from itertools import count
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -79,14 +80,9 @@ def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, i
     return found
 
 
-def array_kind(layout: Any = _DOUBLE, dimensions: int = 1, order: Any = "C") -> Any:
-    """Return the type of an array in a bundle."""
-    return types.Array(from_dtype(np.dtype(layout)), dimensions, order)
-
-
-def named_kind(named_tuple: type[Any], *kinds: Any) -> Any:
-    """Return the type of a named tuple whose fields have these types."""
-    return types.NamedTuple(kinds, named_tuple)  # type: ignore[no-untyped-call]
+def kind_of(value: Any) -> Any:
+    """Return the type that compiled code sees a value as."""
+    return numba.typeof(value)  # type: ignore[no-untyped-call]
 
 
 def words_of(value: Any) -> list[int]:

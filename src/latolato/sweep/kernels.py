@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.entry import engine_piece, many_piece
+from latolato.numerics.entry import Job, engine_piece, many_piece
 from latolato.numerics.hooks import hook_table, pieces_of
 from latolato.numerics.integrate import laws_key, write_stepper
 from latolato.numerics.lane_flight import fly_piece, lane_pieces
 from latolato.numerics.lane_locate import locate_piece
-from latolato.numerics.lanes import lanes_piece, make_lane_space
+from latolato.numerics.lanes import Task, lanes_piece, make_lane_space
 from latolato.numerics.many import Progress, Scratch, Weights, make_many, make_scratch
-from latolato.numerics.pieces import words_of
+from latolato.numerics.pieces import kind_of, words_of
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of, make_watch
@@ -81,11 +81,10 @@ def run_scalar(
     cancel: NDArray[np.int64] | None = None,
 ) -> None:
     """Run points one after the other, compiled."""
-    many = many_piece(plan.system.angles, batch.points.stretches.dtype)
     scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
-    given = order, batch.points, scratch, progress, never if cancel is None else cancel
-    words = np.array(words_of(given))
+    job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
+    many, words = many_piece(plan.system.angles, kind_of(job)), np.array(words_of(job))
     many.call(words.ctypes.data)
     del pieces  # until now their code was called
 
@@ -104,8 +103,6 @@ def run_fastest(
         run_scalar(plan, batch, stepper, order, progress, cancel=cancel)
         return
     system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
-    stretch = batch.points.stretches.dtype
-    lanes = lanes_piece(stretch, drive.acceleration, *laws_key(system), drive.rotation)
     damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
     fly = fly_piece(
@@ -123,8 +120,9 @@ def run_fastest(
     weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
     never = np.zeros(1, dtype=np.int64)
     stop = never if cancel is None else cancel
-    given = order, batch.points, weights, scratch, progress, space, stop
-    words = np.array(words_of(given))
+    task = Task(order, batch.points, weights, scratch, progress, space, stop)
+    laws = drive.acceleration, *laws_key(system), drive.rotation
+    lanes, words = lanes_piece(kind_of(task), *laws), np.array(words_of(task))
     lanes.call(words.ctypes.data)
     del pieces, looking  # until now their code was called
 
