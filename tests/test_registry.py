@@ -48,12 +48,12 @@ def test_a_typo_leads_to_the_name_that_was_meant(typed, known, meant):
     "typed", ["friction", "omega", "voltage", "charge", "spring", "banana", "x", "", "theta", "e"]
 )
 def test_another_word_leads_to_what_is_known(typed, known):
-    assert suggest(typed, known) == f"known: {', '.join(known)}"
+    assert suggest(typed, known) == f"known are {', '.join(known)}"
 
 
 def test_a_long_text_or_nothing_known_is_no_trouble():
-    assert suggest("x" * 1_000_000, TOY).startswith("known: ")
-    assert suggest("length", []) == "known: "
+    assert suggest("x" * 1_000_000, TOY).startswith("known are ")
+    assert suggest("length", []) == "known are "
 
 
 @pytest.mark.parametrize(

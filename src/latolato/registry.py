@@ -40,7 +40,7 @@ def suggest(name: object, known: list[str]) -> str:
     >>> suggest("drive_times", ["times", "drive_phase"])
     "did you mean 'times'?"
     >>> suggest("friction", ["duration", "restitution"])
-    'known: duration, restitution'
+    'known are duration, restitution'
     """
     _, _, within = str(name).partition("_")  # options name the law too, its parameters do not
     if within in known:
@@ -53,7 +53,7 @@ def suggest(name: object, known: list[str]) -> str:
     holders = [each for each in known if asked in _plain(each)]
     if len(holders) == 1 and len(asked) >= _SHORTEST_PART:
         return f"did you mean '{holders[0]}'?"
-    return f"known: {', '.join(known)}"
+    return f"known are {', '.join(known)}"
 
 
 def _plain(name: str) -> str:

@@ -110,9 +110,9 @@ def events(kit):
     return turn, Event(CONTACT, enter), Event(SETTLE, enter), Event(RELEASE, leave)
 
 
-def make_soft_wall(laws, count, watch, compile_part=None):
+def make_soft_wall(laws, count, watch, part):
     pushed = laws._replace(push=push, push_slope=push_slope, push_potential=push_potential)
-    return make_engine(pushed, count, watch, compile_part, make_modes=modes, make_all_events=events)
+    return make_engine(pushed, count, watch, part, make_modes=modes, make_all_events=events)
 
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.9)

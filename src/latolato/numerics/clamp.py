@@ -23,10 +23,9 @@ from latolato.physics.pendulum import swung
 
 
 def make_clamped(
-    laws: Laws, count: int, watch: Watch, compile_part: Part | None = None
+    laws: Laws, count: int, watch: Watch, part: Part = as_it_stands
 ) -> Callable[..., int]:
     """Return the function of the clamp, with the arguments of `engine.loop.make_engine`'s."""
-    part = compile_part or as_it_stands
     pivot_acceleration, restoring, potential = (
         laws.pivot_acceleration, laws.restoring, laws.potential
     )  # fmt: skip

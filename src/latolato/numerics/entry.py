@@ -72,9 +72,9 @@ def many_piece(balls: int, job: types.Type) -> Piece:
     """
     job_at = bundle_at(job)
 
-    def make(compile_part: Part) -> Callable[..., None]:
-        watch = make_calling_watch(compile_part)
-        many = compile_part(make_many(make_caller(compile_part), watch, compile_part, balls=balls))
+    def make(part: Part) -> Callable[..., None]:
+        watch = make_calling_watch(part)
+        many = part(make_many(make_caller(part), watch, part, balls=balls))
 
         def run_points(address: int) -> None:
             given = job_at(address)
@@ -102,12 +102,10 @@ def engine_piece(
     """
 
     def make(*laws_and_part: Any) -> Callable[..., int]:
-        *found, compile_part = laws_and_part
-        watch = make_calling_watch(compile_part)
-        carry_on = make_trajectory(
-            *found, count=count, watch=watch, motion=motion, compile_part=compile_part
-        )
-        return make_entry(compile_part(carry_on), count, stretch)
+        *found, part = laws_and_part
+        watch = make_calling_watch(part)
+        carry_on = make_trajectory(*found, count=count, watch=watch, motion=motion, part=part)
+        return make_entry(part(carry_on), count, stretch)
 
     name = f"engine {motion} {law_key(motion_of(motion))} {count} {stretch}"
     return compile_piece(make, name, ENGINE, *laws)
@@ -130,11 +128,11 @@ def make_entry(
     return engine
 
 
-def make_caller(compile_part: Part) -> Callable[..., int]:
+def make_caller(part: Part) -> Callable[..., int]:
     """Return what calls the engine whose address is ``run.engine``, as if it were it."""
     call = caller_of(ENGINE)
 
-    @compile_part
+    @part
     def carry_on(
         run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:

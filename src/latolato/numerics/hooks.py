@@ -66,11 +66,11 @@ def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
     ]
 
 
-def make_calling_watch(compile_part: Part) -> Watch:
+def make_calling_watch(part: Part) -> Watch:
     """Return functions that call the pieces whose table lies at ``run.hooks``."""
     call, numbers_at = caller_of(_KIND), array_at(np.dtype(np.int64))
 
-    @compile_part
+    @part
     def call_all(run: Any, eyes: Eyes, ball: int, occasion: int) -> None:
         """Call all pieces of an occasion; what they are shown lies in the run."""
         acc, shown, matrix = address_of(eyes.acc), address_of(run.shown), address_of(run.jacobian)
@@ -81,20 +81,20 @@ def make_calling_watch(compile_part: Part) -> Watch:
             call(hooks[at], (acc, first, eyes.columns, shown, matrix))
             at += 2
 
-    @compile_part
+    @part
     def sees(run: Any, occasion: int) -> bool:
         """Return whether anybody looks on then."""
         hooks = numbers_at(run.hooks, _ANY_SIZE)
         found: bool = hooks[hooks[occasion]] != 0
         return found
 
-    @compile_part
+    @part
     def step(run: Any, eyes: Eyes, ball: int, segment: Segment) -> None:
         for i in range(len(segment)):
             run.shown[i] = segment[i]
         call_all(run, eyes, ball, ON_STEP)
 
-    @compile_part
+    @part
     def contact(
         run: Any, eyes: Eyes, ball: int, t: float, kind: int, v0: float, v1: float, closing: float
     ) -> None:
@@ -102,18 +102,18 @@ def make_calling_watch(compile_part: Part) -> Watch:
         shown[0], shown[1], shown[2], shown[3], shown[4] = t, kind, v0, v1, closing
         call_all(run, eyes, ball, ON_CONTACT)
 
-    @compile_part
+    @part
     def mark(run: Any, eyes: Eyes, ball: int, number: int, t: float, x: float, v: float) -> None:
         shown = run.shown
         shown[0], shown[1], shown[2], shown[3] = number, t, x, v
         call_all(run, eyes, ball, ON_MARK)
 
-    @compile_part
+    @part
     def restart(run: Any, eyes: Eyes, ball: int, x: float, v: float) -> None:
         run.shown[0], run.shown[1] = x, v
         call_all(run, eyes, ball, ON_RESTART)
 
-    @compile_part
+    @part
     def tangent(
         run: Any, eyes: Eyes, ball: int, size: int, time: float, spread: float, jacobian: Any
     ) -> None:
@@ -123,7 +123,7 @@ def make_calling_watch(compile_part: Part) -> Watch:
     return Watch(step, contact, mark, restart, tangent, sees)
 
 
-def _on_step(formula: Any, compile_part: Part) -> Any:
+def _on_step(formula: Any, part: Part) -> Any:
     numbers_at = array_at()
 
     def show(acc: int, i: int, n: int, shown: int, matrix: int) -> None:
@@ -136,7 +136,7 @@ def _on_step(formula: Any, compile_part: Part) -> Any:
     return show
 
 
-def _on_contact(formula: Any, compile_part: Part) -> Any:
+def _on_contact(formula: Any, part: Part) -> Any:
     numbers_at = array_at()
 
     def show(acc: int, i: int, n: int, shown: int, matrix: int) -> None:
@@ -146,7 +146,7 @@ def _on_contact(formula: Any, compile_part: Part) -> Any:
     return show
 
 
-def _on_mark(formula: Any, compile_part: Part) -> Any:
+def _on_mark(formula: Any, part: Part) -> Any:
     numbers_at = array_at()
 
     def show(acc: int, i: int, n: int, shown: int, matrix: int) -> None:
@@ -156,7 +156,7 @@ def _on_mark(formula: Any, compile_part: Part) -> Any:
     return show
 
 
-def _on_restart(formula: Any, compile_part: Part) -> Any:
+def _on_restart(formula: Any, part: Part) -> Any:
     numbers_at = array_at()
 
     def show(acc: int, i: int, n: int, shown: int, matrix: int) -> None:
@@ -166,7 +166,7 @@ def _on_restart(formula: Any, compile_part: Part) -> Any:
     return show
 
 
-def _on_tangent(formula: Any, compile_part: Part) -> Any:
+def _on_tangent(formula: Any, part: Part) -> Any:
     numbers_at, (rows, columns) = array_at(), MATRIX_SHAPE
     matrix_at = array_at(np.dtype(np.float64), columns)
 

@@ -39,7 +39,7 @@ def make_lane_impacts(
     swing: Swing,
     store: Callable[..., None],
     watch: Watch,
-    compile_part: Part,
+    part: Part,
 ) -> LaneImpacts:
     """Return the functions of impacts in lanes.
 
@@ -52,7 +52,7 @@ def make_lane_impacts(
     watch : Watch
         What observables are shown.
     """
-    part, inline = compile_part, inlined(compile_part)
+    inline = inlined(part)
     restoring, potential = laws.restoring, laws.potential
     watch_step, on_contact, watch_tangent, sees = (
         watch.step, watch.contact, watch.tangent, watch.sees

@@ -114,7 +114,7 @@ def make_lanes(
     restoring_of: Law,
     potential_of: Law,
     rotation: Callable[..., tuple[float, float, float]],
-    compile_part: Part,
+    part: Part,
     *,
     task_at: Callable[[int], Any],
 ) -> Callable[[int], None]:
@@ -128,11 +128,11 @@ def make_lanes(
         Returns a `Task` from the address of its words.
     """
     # What every impact needs is inlined.
-    part, inline = compile_part, inlined(compile_part)
-    watch = make_calling_watch(compile_part)
-    steering = make_steering(make_caller(compile_part), watch, compile_part)
+    inline = inlined(part)
+    watch = make_calling_watch(part)
+    steering = make_steering(make_caller(part), watch, part)
     carry_to, is_over, arrive, time_of = steering
-    laws = laws_of(acceleration, restoring_of, potential_of, compile_part)
+    laws = laws_of(acceleration, restoring_of, potential_of, part)
     restoring = laws.restoring
     call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
 
@@ -207,7 +207,7 @@ def make_lanes(
         state.damping_loss += scale * w[r.LOSS * L + j]
 
     is_impact, note_impact, rebound = make_lane_impacts(
-        laws, rotation, make_swing(laws, compile_part), store, watch, compile_part
+        laws, rotation, make_swing(laws, part), store, watch, part
     )
 
     @part

@@ -124,7 +124,7 @@ class Steering(NamedTuple):
 def make_steering(
     carry_on: Callable[..., int],
     watch: Watch,
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
     balls: int = 1,
 ) -> Steering:
     """Return the functions that steer one point of a sweep.
@@ -141,7 +141,6 @@ def make_steering(
     A point's accumulators are the columns ``column`` (and the next one, for two balls) of
     ``columns`` in ``acc``.
     """
-    part = compile_part or as_it_stands
     on_contact, on_mark, on_restart, sees = watch.contact, watch.mark, watch.restart, watch.sees
     two = balls == 2
 
@@ -226,9 +225,8 @@ def make_steering(
     return Steering(carry_to, is_over, arrive, time_of)
 
 
-def make_point(steering: Steering, compile_part: Part | None = None, balls: int = 1) -> Any:
+def make_point(steering: Steering, part: Part = as_it_stands, balls: int = 1) -> Any:
     """Return the function that carries one point of a sweep from its start to its end."""
-    part = compile_part or as_it_stands
     carry_to, is_over, arrive, time_of = steering
 
     @part
@@ -256,11 +254,11 @@ def make_point(steering: Steering, compile_part: Part | None = None, balls: int 
 
 
 def make_many(
-    carry_on: Callable[..., int], watch: Watch, compile_part: Part | None = None, *, balls: int
+    carry_on: Callable[..., int], watch: Watch, part: Part = as_it_stands, *, balls: int
 ) -> Callable[..., None]:
     """Return the function that runs the points of `order` one after the other."""
-    steering = make_steering(carry_on, watch, compile_part, balls)
-    point = make_point(steering, compile_part, balls)
+    steering = make_steering(carry_on, watch, part, balls)
+    point = make_point(steering, part, balls)
 
     def many(
         order: NDArray[np.int64],

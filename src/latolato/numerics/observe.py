@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import JOINT, REST
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag
@@ -47,12 +47,19 @@ def make_observer(
     acceleration: Callable[..., float],
     restoring: Callable[..., float],
     potential: Callable[..., float],
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
 ) -> Callable[..., None]:
     """Return the function that fills `pivot` (3, time) and `out` (ball, row, time).
 
     The laboratory's rows are left alone unless `with_lab`.
     """
+
+    @part
+    def free(angle: float, speed: float, ay: float, gravity: float, b: Any) -> float:
+        """Return the angular acceleration that a ball would have without the other one."""
+        sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+        force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+        return swung(gravity + ay, 1.0 / b.length, restoring(angle)) - force / (b.mass * b.length)
 
     def observe(
         times: Any,
@@ -91,8 +98,8 @@ def make_observer(
                     out[j, TENSION, i] = wall_tension(angle, ay, m, gravity)
             if touching and len(balls) == 2:
                 b1, b2 = balls[0], balls[1]
-                free_1 = _free(samples[0, i], samples[1, i], ay, gravity, b1)
-                free_2 = _free(samples[2, i], samples[3, i], ay, gravity, b2)
+                free_1 = free(samples[0, i], samples[1, i], ay, gravity, b1)
+                free_2 = free(samples[2, i], samples[3, i], ay, gravity, b2)
                 torque = contact_torque(
                     free_1, free_2, b1.mass * b1.length**2, b2.mass * b2.length**2
                 )
@@ -107,12 +114,4 @@ def make_observer(
                 out[j, LAB, i] = lab_energy(angle, speed, y, vy, b.mass, b.length, gravity)
                 out[j, ROD, i] = rod_power(angle, force, out[j, TENSION, i], vy)
 
-    def _free(angle: float, speed: float, ay: float, gravity: float, b: Any) -> float:
-        """Return the angular acceleration that a ball would have without the other one."""
-        sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
-        force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
-        return swung(gravity + ay, 1.0 / b.length, restoring(angle)) - force / (b.mass * b.length)
-
-    if compile_part is not None:
-        _free = compile_part(_free)
     return observe

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from latolato.errors import InputError
 from latolato.numerics.clamp import make_clamped
-from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.watch import Watch
@@ -14,7 +14,7 @@ from latolato.registry import suggest
 
 # What a contact law names: called with laws, the number of balls, what observables are shown by
 # and what compiles parts. Others may add their own, built by `make_engine` of their own modes.
-MOTIONS: dict[str, Callable[[Laws, int, Watch, Part | None], Callable[..., int]]] = {
+MOTIONS: dict[str, Callable[[Laws, int, Watch, Part], Callable[..., int]]] = {
     "exact": make_engine,
     "clamp": make_clamped,
 }
@@ -38,12 +38,12 @@ def make_trajectory(
     count: int,
     watch: Watch,
     motion: str = "exact",
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
 ) -> Callable[..., int]:
     """Return what carries `count` balls on.
 
     `laws` are the pivot's acceleration, the restoring factor and its potential.
     """
     pivot_acceleration, restoring, potential = laws
-    found = laws_of(pivot_acceleration, restoring, potential, compile_part)
-    return motion_of(motion)(found, count, watch, compile_part)
+    found = laws_of(pivot_acceleration, restoring, potential, part)
+    return motion_of(motion)(found, count, watch, part)

@@ -82,24 +82,24 @@ def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
     )
 
 
-def make_watch(hooks: tuple[Hooks, ...], compile_part: Part | None = None) -> Watch:
+def make_watch(hooks: tuple[Hooks, ...], part: Part = as_it_stands) -> Watch:
     """Return functions into which the formulas of `hooks_of` are folded."""
-    part = inlined(compile_part or as_it_stands)
+    inline = inlined(part)
     anybody = tuple(bool(found) for found in hooks)
 
-    @part
+    @inline
     def nobody(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
         """Do nothing."""
 
     def link(first: int, formula: Any, rest: Any) -> Any:
-        @part
+        @inline
         def show(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
             formula(eyes.acc, first * eyes.columns + eyes.column + ball, eyes.columns, *shown)
             rest(run, eyes, ball, *shown)
 
         return show
 
-    @part
+    @inline
     def sees(run: Any, occasion: int) -> bool:
         """Return whether anybody looks on then."""
         return anybody[occasion]

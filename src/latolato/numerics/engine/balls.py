@@ -36,9 +36,8 @@ class Balls(NamedTuple):
     shorten: Callable[..., None]
 
 
-def make_balls(swing: Swing, laws: Laws, count: int, compile_part: Part | None = None) -> Balls:
+def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) -> Balls:
     """Return the functions of one or two balls whose motion is that of `swing`."""
-    part = compile_part or as_it_stands
     two = count == 2
     potential, push_potential = laws.potential, laws.push_potential
 

@@ -61,10 +61,9 @@ def logarithm(ratio: float) -> float:
 
 
 def make_events(
-    swing: Swing, balls: Balls, look: Look, count: int, compile_part: Part | None = None
+    swing: Swing, balls: Balls, look: Look, count: int, part: Part = as_it_stands
 ) -> tuple[Event, ...]:
     """Return the events of `count` balls under exact contact."""
-    part = compile_part or as_it_stands
     two = count == 2
     lasting = JOINT if two else REST
 

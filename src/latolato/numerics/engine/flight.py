@@ -28,10 +28,9 @@ _ROUNDING = 1e-15
 
 def make_flight(
     swing: Swing, balls: Balls, held: Held, look: Look, laws: Laws, count: int,
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls in flight."""
-    part = compile_part or as_it_stands
     two = count == 2
     pivot_acceleration = laws.pivot_acceleration
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by

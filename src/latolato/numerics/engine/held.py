@@ -42,9 +42,8 @@ def add_slack(state: Any, ball: int, left: float, right: float, t: float, end: f
         state.slack_start[ball] = t if left < 0.0 else end - share * (end - t)
 
 
-def make_held(swing: Swing, laws: Laws, compile_part: Part | None = None) -> Held:
+def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     """Return the functions of a ball that a wall or friction holds."""
-    part = compile_part or as_it_stands
     pivot_acceleration, restoring = laws.pivot_acceleration, laws.restoring
 
     @part

@@ -26,10 +26,9 @@ _TABLE = ANY_LENGTH + JOINT_ROW
 
 
 def make_joint(
-    swing: Swing, balls: Balls, look: Look, laws: Laws, compile_part: Part | None = None
+    swing: Swing, balls: Balls, look: Look, laws: Laws, part: Part = as_it_stands
 ) -> Mode:
     """Return the mode of two balls in lasting contact."""
-    part = compile_part or as_it_stands
     pivot_acceleration = laws.pivot_acceleration
 
     @part

@@ -75,12 +75,12 @@ class RestoringLaws(NamedTuple):
 
 
 def restoring_laws(
-    restoring: Formula, potential: Formula, compile_part: Part | None = None
+    restoring: Formula, potential: Formula, part: Part = as_it_stands
 ) -> RestoringLaws:
     """Return a restoring law with its slope and potential; those of the package share all code."""
     if restoring in (restoring_sine, restoring_linear):
         return RestoringLaws(_restoring, _slope, _potential)
-    part, own_slope = inlined(compile_part or as_it_stands), SLOPES[restoring]
+    part, own_slope = inlined(part), SLOPES[restoring]
 
     @part
     def own_restoring(angle: float, is_linear: int) -> float:
@@ -101,8 +101,8 @@ def laws_of(
     pivot_acceleration: Formula,
     restoring: Formula,
     potential: Formula,
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
 ) -> Laws:
     """Return the laws of a system under a drive."""
-    found = restoring_laws(restoring, potential, compile_part)
+    found = restoring_laws(restoring, potential, part)
     return Laws(pivot_acceleration, *found, no_push, no_push, no_push)

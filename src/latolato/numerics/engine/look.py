@@ -19,9 +19,8 @@ class Look(NamedTuple):
     sees_matrices: Callable[..., bool]
 
 
-def make_look(laws: Laws, watch: Watch, compile_part: Part | None = None) -> Look:
+def make_look(laws: Laws, watch: Watch, part: Part = as_it_stands) -> Look:
     """Return the functions that pass on steps and matrices, if an observable needs them."""
-    part = compile_part or as_it_stands
     potential, restoring = laws.potential, laws.restoring
     push, push_potential = laws.push, laws.push_potential
     watch_step, watch_matrix, sees = watch.step, watch.tangent, watch.sees

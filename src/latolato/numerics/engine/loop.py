@@ -52,12 +52,7 @@ class Kit(NamedTuple):
     look: Look
     laws: Laws
     balls_count: int
-    compile_part: Part | None
-
-    @property
-    def part(self) -> Part:
-        """What makes a function a part of the kernel."""
-        return self.compile_part or as_it_stands
+    part: Part
 
 
 def usual_modes(kit: Kit) -> tuple[Mode, ...]:
@@ -72,7 +67,7 @@ def usual_modes(kit: Kit) -> tuple[Mode, ...]:
 
 def usual_events(kit: Kit) -> tuple[Event, ...]:
     """Return the events of exact contact."""
-    return make_events(kit.swing, kit.balls, kit.look, kit.balls_count, kit.compile_part)
+    return make_events(kit.swing, kit.balls, kit.look, kit.balls_count, kit.part)
 
 
 def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]:
@@ -113,7 +108,7 @@ def make_engine(
     laws: Laws,
     count: int,
     watch: Watch,
-    compile_part: Part | None = None,
+    part: Part = as_it_stands,
     *,
     make_modes: Callable[[Kit], tuple[Mode, ...]] = usual_modes,
     make_all_events: Callable[[Kit], tuple[Event, ...]] = usual_events,
@@ -124,13 +119,12 @@ def make_engine(
     stops at `stop` [s], after `most_steps` steps or when the contact table is full; it returns the
     rows written there and can be called again to go on.
     """
-    part = compile_part or as_it_stands
     two = count == 2
     lasting = JOINT if two else REST
-    swing = make_swing(laws, compile_part)
-    balls = make_balls(swing, laws, count, compile_part)
-    look = make_look(laws, watch, compile_part)
-    kit = Kit(swing, balls, look, laws, count, compile_part)
+    swing = make_swing(laws, part)
+    balls = make_balls(swing, laws, count, part)
+    look = make_look(laws, watch, part)
+    kit = Kit(swing, balls, look, laws, count, part)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
     look_inside, apply = by_mode(modes, "look_inside", part), by_event(events, part)

@@ -15,9 +15,8 @@ from latolato.numerics.matrices import clear_matrix
 from latolato.numerics.watch import Eyes
 
 
-def make_rest(held: Held, look: Look, compile_part: Part | None = None) -> Mode:
+def make_rest(held: Held, look: Look, part: Part = as_it_stands) -> Mode:
     """Return the mode of one ball at rest; its step reaches to the release or to the goal."""
-    part = compile_part or as_it_stands
 
     @part
     def plan(run: Any) -> None:

@@ -68,12 +68,11 @@ def tension_at(
     return velocity * velocity + (gravity + pivot_acceleration) * coupling * cosine(angle)
 
 
-def make_swing(laws: Laws, compile_part: Part | None = None) -> Swing:
+def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
     """Return the functions of a swing under these laws.
 
     Points are records; a step goes from one to another one and writes work and loss there.
     """
-    part = compile_part or as_it_stands
     pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
     push, push_slope = laws.push, laws.push_slope
 

@@ -132,7 +132,7 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
         return cuda.jit(device=True)(function)  # NVVM decides itself what it inlines
 
     watch = make_watch(hooks, part)
-    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion, compile_part=part)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion, part=part)
     many = part(make_many(part(carry_on), watch, part, balls=balls))
     sizes = make_scratch()
     rows, values_shape = len(sizes.contact_times), sizes.contact_values.shape
