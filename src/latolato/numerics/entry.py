@@ -22,16 +22,17 @@ from latolato.numerics.pieces import (
     caller_of,
     kind_of,
     record_at,
-    write_words,
+    writer_of,
 )
+from latolato.numerics.records import stretch_dtype
 from latolato.numerics.trajectory import make_trajectory, motion_of
 from latolato.numerics.watch import Eyes
 
-# ``rows(run, stop, most_steps)``; see `latolato.numerics.engine.loop`.
+# ``rows(run, stop, most_steps)``, where `run` is an address; see `latolato.numerics.engine.loop`.
 ENGINE = types.int64(types.int64, types.float64, types.int64)
 
 
-class Given(NamedTuple):
+class Arguments(NamedTuple):
     """What an engine is given besides the run."""
 
     timetable: Timetable
@@ -53,11 +54,11 @@ class Job(NamedTuple):
 SWEEP = types.void(types.int64)
 
 
-def example_of(stretch: np.dtype[Any]) -> Given:
+def example_of(stretch: np.dtype[Any]) -> Arguments:
     """Return arrays of the kinds that an engine is given, without content."""
     floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
     kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
-    return Given(
+    return Arguments(
         Timetable(np.empty(0, dtype=stretch), floats, floats, floats, kicks),
         Output(floats, table, floats, numbers, table),
         Eyes(floats, 0, 0),
@@ -100,43 +101,35 @@ def engine_piece(
     motion : str
         One of `trajectory.MOTIONS`.
     """
+    run_at, arguments_at = record_at(run_dtype(stretch)), bundle_at(kind_of(example_of(stretch)))
 
     def make(*laws_and_part: Any) -> Callable[..., int]:
         *found, part = laws_and_part
         watch = make_calling_watch(part)
-        carry_on = make_trajectory(*found, count=count, watch=watch, motion=motion, part=part)
-        return make_entry(part(carry_on), count, stretch)
+        carry_on = part(make_trajectory(*found, count=count, watch=watch, motion=motion, part=part))
+
+        def engine(address: int, stop: float, most_steps: int) -> int:
+            run = run_at(address)
+            given = arguments_at(address_of(run.words))
+            rows: int = carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
+            return rows
+
+        return engine
 
     name = f"engine {motion} {law_key(motion_of(motion))} {count} {stretch}"
     return compile_piece(make, name, ENGINE, *laws)
 
 
-def make_entry(
-    carry_on: Callable[..., int], balls: int, stretch: np.dtype[Any]
-) -> Callable[..., int]:
-    """Return the engine ``(run, stop, most_steps)``; `run` is an address.
-
-    `stretch` is the layout of the drive's stretches.
-    """
-    run_at, given_at = record_at(run_dtype(stretch)), bundle_at(kind_of(example_of(stretch)))
-
-    def engine(address: int, stop: float, most_steps: int) -> int:
-        run = run_at(address)
-        given = given_at(address_of(run.words))
-        return carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
-
-    return engine
-
-
 def make_caller(part: Part) -> Callable[..., int]:
     """Return what calls the engine whose address is ``run.engine``, as if it were it."""
     call = caller_of(ENGINE)
+    write = writer_of(kind_of(example_of(stretch_dtype())))
 
     @part
     def carry_on(
         run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:
-        write_words(address_of(run.words), (timetable, output, eyes))
+        write(address_of(run.words), (timetable, output, eyes))
         rows: int = call(run.engine, (address_of(run), stop, most_steps))
         return rows
 

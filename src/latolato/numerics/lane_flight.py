@@ -18,7 +18,7 @@ from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
-from latolato.numerics.pieces import array_at
+from latolato.numerics.pieces import ANY_SIZE, array_at
 from latolato.numerics.watch import Hooks
 from latolato.observables import Segment
 from latolato.physics.pendulum import SLOPES
@@ -29,7 +29,6 @@ Law = Callable[..., float]
 FLY = types.float64(*[types.int64] * 4)
 # ``(slots, workspace, matrix, number of the restoring law)``
 SHOW = types.void(*[types.int64] * 4)
-_ANY_SIZE = 1 << 40
 
 
 @compiled_once
@@ -197,7 +196,7 @@ def make_show(
     numbers_at = array_at()
 
     def show(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
-        acc, w = numbers_at(slots, _ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
+        acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         L = r.LANES
         for j in range(L):
             h = w[r.H * L + j]
@@ -229,7 +228,7 @@ def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]
     matrix_at = array_at(np.dtype(np.float64), columns)
 
     def follow(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
-        acc, w = numbers_at(slots, _ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
+        acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         jacobian = matrix_at(matrix, rows)
         L = r.LANES
         for j in range(L):

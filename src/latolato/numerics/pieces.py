@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import count
 from typing import Any
 
@@ -26,6 +26,13 @@ from numba.np.numpy_support import from_dtype
 
 _WORD = ir.IntType(64)
 _DOUBLE = np.dtype(np.float64)
+# Of arrays whose end a piece does not look for.
+ANY_SIZE = 1 << 40
+
+
+def _constant(number: int) -> Any:
+    """Return a word."""
+    return ir.Constant(_WORD, number)
 
 
 def _address_of(typing_context: Any, memory: Any) -> Any:
@@ -70,8 +77,8 @@ def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, i
     @intrinsic
     def at(typing_context: Any, address: Any, size: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            shape = [args[1], *(ir.Constant(_WORD, n) for n in further)]
-            steps = [ir.Constant(_WORD, n) for n in strides]
+            shape = [args[1], *(_constant(n) for n in further)]
+            steps = [_constant(n) for n in strides]
             return _array(context, builder, kind, args[0], shape, steps)
 
         return kind(types.int64, types.int64), generate
@@ -141,19 +148,31 @@ def _size_of(kind: Any) -> int:
     return 1 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
 
 
+def _read(context: Any, builder: Any, kind: Any, words: Any, places: Iterator[int]) -> Any:
+    """Return a value of this type from words at these places."""
+
+    def following(size: int) -> list[Any]:
+        return [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
+
+    if isinstance(kind, types.BaseTuple):
+        kinds: Any = kind
+        found = [_read(context, builder, inner, words, places) for inner in kinds]
+        return context.make_tuple(builder, kind, found)
+    if isinstance(kind, types.Array):
+        address, shape = following(1)[0], following(kind.ndim)
+        return _array(context, builder, kind, address, shape, following(kind.ndim))
+    return builder.bitcast(following(1)[0], context.get_value_type(kind))
+
+
 @lower_getattr_generic(Bundle)  # type: ignore[no-untyped-call]
 def _read_field(context: Any, builder: Any, bundle: Bundle, address: Any, name: str) -> Any:
     """Return the value of a field."""
     number = bundle.kind.fields.index(name)
     kind, first = bundle.kind[number], sum(map(_size_of, bundle.kind.types[:number]))
     if isinstance(kind, types.BaseNamedTuple):
-        return builder.add(address, ir.Constant(_WORD, 8 * first))
+        return builder.add(address, _constant(8 * first))
     words = builder.inttoptr(address, _WORD.as_pointer())
-    places = (ir.Constant(_WORD, first + i) for i in range(_size_of(kind)))
-    found, *sizes = (builder.load(builder.gep(words, [place])) for place in places)
-    if not isinstance(kind, types.Array):
-        return found
-    return _array(context, builder, kind, found, sizes[: kind.ndim], sizes[kind.ndim :])
+    return _read(context, builder, kind, words, count(first))
 
 
 def bundle_at(kind: Any) -> Callable[[int], Any]:
@@ -170,38 +189,53 @@ def bundle_at(kind: Any) -> Callable[[int], Any]:
     return found
 
 
-def _write_words(typing_context: Any, address: Any, value: Any) -> Any:
-    """Write the words of a value to an address."""
+def value_at(kind: Any) -> Callable[[int], Any]:
+    """Return the function ``(address)`` of the value of this type whose words lie there."""
 
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        words = builder.inttoptr(args[0], _WORD.as_pointer())
-        numbers = count()
+    @intrinsic
+    def at(typing_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            words = builder.inttoptr(args[0], _WORD.as_pointer())
+            return _read(context, builder, kind, words, count())
 
-        def write(kind: Any, value: Any) -> None:
-            if isinstance(kind, types.BaseTuple):
-                kinds: Any = kind
-                for i, inner in enumerate(kinds):
-                    write(inner, builder.extract_value(value, i))
-                return
-            found = [value]
-            if isinstance(kind, types.Array):
-                array = context.make_array(kind)(context, builder, value)
-                sizes = [
-                    builder.extract_value(each, i)
-                    for each in (array.shape, array.strides)
-                    for i in range(kind.ndim)
-                ]
-                found = [builder.ptrtoint(array.data, _WORD), *sizes]
-            for word in found:
-                builder.store(word, builder.gep(words, [ir.Constant(_WORD, next(numbers))]))
+        return kind(types.int64), generate
 
-        write(value, args[1])
-        return context.get_dummy_value()
-
-    return types.void(types.int64, value), generate
+    found: Any = at
+    return found
 
 
-write_words: Any = intrinsic(_write_words)
+def writer_of(wanted: Any) -> Callable[[int, Any], None]:
+    """Return the function ``(address, value)`` that writes the words of a value of this type."""
+
+    @intrinsic
+    def write(typing_context: Any, address: Any, value: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            words, places = builder.inttoptr(args[0], _WORD.as_pointer()), count()
+
+            def store(word: Any) -> None:
+                builder.store(word, builder.gep(words, [_constant(next(places))]))
+
+            def write(value: Any, kind: Any, wanted: Any) -> None:
+                if isinstance(wanted, types.BaseTuple):
+                    inner: Any = wanted
+                    for i, sought in enumerate(inner):
+                        write(builder.extract_value(value, i), kind[i], sought)
+                elif isinstance(wanted, types.Array):
+                    array = context.make_array(kind)(context, builder, value)
+                    store(builder.ptrtoint(array.data, _WORD))
+                    for sizes in (array.shape, array.strides):
+                        for i in range(kind.ndim):
+                            store(builder.extract_value(sizes, i))
+                else:
+                    store(builder.bitcast(context.cast(builder, value, kind, wanted), _WORD))
+
+            write(args[1], value, wanted)
+            return context.get_dummy_value()
+
+        return types.void(types.int64, value), generate
+
+    found: Any = write
+    return found
 
 
 def _array(

@@ -113,8 +113,8 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("drifts", "f8", (MOST_STAGES,)),
             ("nodes", "f8", (MOST_STAGES,)),
             ("tables", "f8", (5, 3, MOST_STAGES + 1)),
-            # What observables are shown: numbers, and a matrix of small deviations.
-            ("shown", "f8", (13,)),
+            # What observables are shown: words of it, and a matrix of small deviations.
+            ("shown", "i8", (13,)),
             ("jacobian", "f8", MATRIX_SHAPE),
             ("words", "i8", (_WORDS,)),
             # Addresses of the engine's piece and of the observables'; see `hooks.hook_table`.
