@@ -152,7 +152,10 @@ def _read(context: Any, builder: Any, kind: Any, words: Any, places: Iterator[in
     """Return a value of this type from words at these places."""
 
     def following(size: int) -> list[Any]:
-        return [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
+        found = [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
+        for load in found:  # a piece never changes words it was given, so one reading will do
+            load.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return found
 
     if isinstance(kind, types.BaseTuple):
         kinds: Any = kind
