@@ -379,6 +379,29 @@ class TestWalls:
             speed = math.sqrt(2.0 * G * (math.cos(low) - math.cos(start)))
             assert float(run.angular_velocity_before[0]) == pytest.approx(-speed, rel=1e-11)
 
+    @pytest.mark.parametrize("length", [1.0, 1e8])
+    @pytest.mark.parametrize("depth", [1e-4, -1e-4])
+    def test_a_touch_within_a_step_is_seen_at_any_size(self, length, depth):
+        # The pivot falls at 2 g, so that a ball thrown at the wall turns `depth` beyond it or
+        # before. It is beyond for 2 sqrt(2e-4/(k sin(low))) = 0.09/sqrt(k), k = g/l, and a step
+        # takes 0.29/sqrt(k): 0.09 s and 920 s.
+        low, k = 0.1, G / length
+        toy = ll.LatoLato(length=length, mass=1.0, radius=length * math.sin(low))
+        t = np.linspace(0.0, 3.0 / math.sqrt(k), 7)
+        run = ll.simulate(
+            toy,
+            ll.MeasuredPivot(times=t, pivot_heights=-G * t * t),
+            initial_angle=0.6,
+            initial_angular_velocity=-math.sqrt(2.0 * k * (math.cos(low - depth) - math.cos(0.6))),
+            times=t,
+            tolerance=1e-6,
+        )
+        assert run.attrs["step"] > 0.25 / math.sqrt(k)
+        speed = math.sqrt(max(0.0, 2.0 * k * (math.cos(low - depth) - math.cos(low))))
+        wanted = [-speed] if depth > 0.0 else []
+        # the tolerance of 1e-6 of a speed of 1.2 sqrt(k), over the touch's own 0.0045 sqrt(k)
+        np.testing.assert_allclose(run.angular_velocity_before, wanted, rtol=1e-3)
+
     @moderate
     @given(
         amplitude=st.floats(0.0, 0.4),

@@ -640,6 +640,28 @@ class TestTensionAtRest:
         assert math.isnan(run.attrs["slack_time"])
         assert run.attrs["slack_fraction"] == 0.0
 
+    def test_slack_of_unequal_balls_in_contact_begins_where_each_tension_turns(self):
+        # Friction slows the ball ahead, so that both swing over the top as one; their rods are
+        # pushed from about 114 degrees on, by the weight and by the contact.
+        pair = ll.BallPair(
+            right=ll.Ball(length=1.0, mass=0.8, radius=0.1, coulomb_damping=3.0),
+            left=ll.Ball(length=0.95, mass=0.5, radius=0.1),
+            restitution=0.0,
+        )
+        run = ll.simulate(
+            pair,
+            initial_angle=(2.0 + pair.contact_separation, 2.0),
+            initial_angular_velocity=(3.6, 3.6),
+            times=np.linspace(0.0, 0.4, 4001),
+            tolerance=1e-14,
+        )
+        assert run.sizes["contact"] == 0
+        pushed = run.tension.values < 0.0
+        begins = run.time.values[np.argmax(pushed, axis=1)]
+        assert np.all(pushed.any(axis=1) & ~pushed[:, 0])
+        # samples are 0.1 ms apart, and the tension is taken as linear over a step of 5 ms
+        np.testing.assert_allclose(run.attrs["slack_time"], begins, rtol=0.0, atol=2e-4)
+
 
 def test_a_stop_at_the_very_instant_of_lift_off_is_reached():
     # A0 w^2 exceeds g by a rounding, so rest ends for 1e-8 s, once per period: at the stroboscope.
