@@ -367,7 +367,17 @@ class TestMeasuredPivot:
         residual = [motion(smooth, t, 4.9)[0] - y for t, y in zip(times[:-3], noisy, strict=False)]
         assert np.std(residual) == pytest.approx(1e-4, rel=0.1)
 
+    def test_a_gap_across_which_the_curve_swings_far_out_is_named(self):
+        # It leaves 1 s with 2 pi cm/s and comes back to the same motion at 21 s.
+        times = np.concatenate([np.arange(21) / 20.0, 21.0 + np.arange(21) / 20.0])
+        heights = 0.01 * np.sin(2.0 * math.pi * times)
+        with pytest.raises(ValueError, match="leave a gap from 1 to 21 s in which the curve"):
+            ll.MeasuredPivot(times=times, pivot_heights=heights)
+
     def test_run_outside_the_samples_is_refused(self):
         found = self.sampled_cosine(60.0)
         with pytest.raises(ValueError, match="cover 0 to 5 s, but the run goes from 0 to 6 s"):
             found.stretches(6.0)
+        late = ll.MeasuredPivot(times=np.arange(0.5, 6.0, 0.5), pivot_heights=[0.0] * 11)
+        with pytest.raises(ValueError, match=r"cover 0\.5 to 5\.5 s, but the run goes"):
+            late.stretches(5.0)
