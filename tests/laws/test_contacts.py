@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import latolato as ll
 from latolato.errors import InputError
-from latolato.numerics.bounce import meet_wall
+from latolato.numerics.bounce import hop, meet_wall
 from latolato.physics.contacts import contact_separation, pair_impact, wall_impact
 
 speeds = st.floats(-30.0, 30.0)
@@ -223,3 +223,19 @@ class TestMeetWall:
         assert captured >= 0.0
         assert loss + captured + 0.5 * after**2 == pytest.approx(0.5 * v * v, rel=1e-14)
         assert not rests or after == 0.0
+
+
+class TestHop:
+    def test_up_and_down_are_two_parabolas(self):
+        # 1e-9 rad/s against 2 rad/s^2 is 0.5 ns and 2.5e-19 rad; down with 0.5 rad/s^2 it is half
+        # as fast and takes 1 ns.
+        assert hop(1e-9, 2.0, 0.75) == pytest.approx((1.5e-9, 0.5e-9), rel=1e-15)
+
+    def test_a_ball_that_friction_holds_at_the_top_does_not_come_back(self):
+        assert hop(1e-9, 1.0, 0.8) == (0.0, 0.0)
+
+    def test_a_hop_of_which_the_angle_has_digits_is_flown(self):
+        assert hop(1e-3, 1.0, 0.0) == (0.0, 0.0)
+
+    def test_nothing_comes_back_without_a_pull(self):
+        assert hop(1e-9, -1.0, 0.0) == (0.0, 0.0)
