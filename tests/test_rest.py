@@ -454,6 +454,28 @@ class TestCoulombFriction:
         )
         assert float(run.angle.max()) > system.contact_angle_low
 
+    @pytest.mark.parametrize("share, leaves", [(1.0 - 1e-5, True), (1.0 + 1e-5, False)])
+    def test_a_ball_leaves_the_wall_if_friction_is_a_little_too_small(self, share, leaves):
+        # The outward pull m (A0 w^2 - g) sin(low) is 0.392 N at most.
+        system = toy(coulomb_damping=share * 0.8 * 0.5 * G * 0.1)
+        run = ll.simulate(system, harmonic(1.5, phase=1.0), initial_offset=0.0, duration=1.0)
+        assert ("release" in run.contact_kind.values) == leaves
+        assert leaves or run.attrs["grazing_contacts"] == 0
+
+    def test_friction_lets_go_of_two_balls_that_press_on_each_other_as_one(self):
+        # Gravity's pull on both grows from 3.0 N beyond the friction of 4.0 N; the ball behind,
+        # on the right, has hardly any friction of its own and pushes the one ahead.
+        ball = {"length": 1.0, "mass": 0.8, "radius": 0.1}
+        pair = ll.BallPair(
+            right=ll.Ball(**ball, coulomb_damping=0.5), left=ll.Ball(**ball, coulomb_damping=3.5)
+        )
+        start = (0.3 + pair.contact_separation, 0.3)
+        run = ll.simulate(pair, harmonic(0.5, frequency=4.0), initial_angle=start, duration=0.45)
+        assert run.sizes["contact"] == run.attrs["grazing_contacts"] == 0
+        assert float(run.angle[1, -1]) < 0.29
+        apart = run.angle.values[0] - run.angle.values[1]
+        np.testing.assert_allclose(apart, pair.contact_separation, rtol=0.0, atol=1e-15)
+
     def test_friction_ends_elastic_bounces_in_finite_time(self):
         # The way up costs and the way down gives less: v falls by sqrt((a - c)/(a + c)) a bounce,
         # a = g sin(low), c = C0/m, a Zeno cascade although e = 1.
@@ -648,6 +670,7 @@ class TestTensionAtRest:
         )
         run = ll.simulate(
             pair,
+            harmonic(0.5),
             initial_angle=(2.0 + pair.contact_separation, 2.0),
             initial_angular_velocity=(3.6, 3.6),
             times=np.linspace(0.0, 0.4, 4001),

@@ -238,6 +238,15 @@ class TestStages:
         for (_, end, p), (_, _, q) in itertools.pairwise(pieces(stages)):
             assert stages.velocity(end, p) == pytest.approx(stages.velocity(end, q), abs=1e-13)
 
+    def test_bound_covers_a_sudden_change_of_frequency_from_rest(self):
+        # With phase pi/2 the acceleration is A phase'' = A 6/0.1 at first, and A 6^2 later.
+        drive = ll.Stages(
+            times=(0.0, 1.0), drive_amplitudes=(0.1, 0.1001), drive_frequencies=(0.0, 6.0),
+            ramps=(0.1, 0.1), drive_phase=0.5 * math.pi,
+        )  # fmt: skip
+        assert abs(motion(drive, 1.0 + 1e-9, 3.0)[2]) == pytest.approx(6.0, rel=0.05)
+        assert drive.largest_acceleration >= 6.0
+
     def test_a_stage_ends_with_its_amplitude_and_frequency(self):
         stages = ll.Stages(
             times=[0.0, 2.0], drive_amplitudes=[0.01, 0.03], drive_frequencies=[9.0, 12.0],
