@@ -84,6 +84,10 @@ format: $(STAMPS)/dev ## apply the style and the format
 lowest: $(STAMPS)/test ## try the lowest versions of the packages that pyproject.toml allows
 	$(BIN)/python .ci/lowest.py
 
+.PHONY: mutants
+mutants: $(STAMPS)/mutants ## try thirty mutants of the sources on the tests; SEED=2 for others
+	$(BIN)/python .ci/mutants.py $(SEED)
+
 .PHONY: docs
 docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
@@ -115,7 +119,7 @@ distclean: clean ## remove .venv as well
 # dependencies may have changed, so an edit of the sources installs nothing (it is editable).
 
 # The demonstration needs `video` for its synthetic videos.
-$(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
+$(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/mutants $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
 	@touch $@

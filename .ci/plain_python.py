@@ -1,0 +1,96 @@
+"""A pytest plugin of `mutants.py`: kernels run as plain Python, and quick tests come first.
+
+The first run tries up to four cases of each test and writes the times of those that pass within
+`LONGEST` seconds to the file `TIMES`; later runs take these only. `KERNELS` is the hash of the
+sources if their compiled engine serves single runs, since no mutant is in it, else empty.
+"""
+
+import json
+import os
+import random
+import signal
+from collections import defaultdict
+from pathlib import Path
+
+import hypothesis
+import numpy as np
+
+from latolato.numerics import compiled, integrate
+from latolato.numerics.engine.record import as_objects
+from latolato.numerics.watch import BLIND
+
+TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
+known = json.loads(TIMES.read_text()) if TIMES.exists() else {}
+found = defaultdict(float)
+# A mutant with which a known test takes six times as long has been noticed.
+limit = float(os.environ["LONGEST"]) * (6.0 if known else 1.0)
+engine_of = integrate.engine_of
+os.environ["HYPOTHESIS_PROFILE"] = "plain"
+hypothesis.settings.register_profile("plain", derandomize=True, deadline=None, max_examples=20)
+
+
+def _plain_kernel(make, name, *laws, **options):
+    function = make(*laws)
+
+    def kernel(*args):
+        with np.errstate(all="ignore"):
+            return function(*map(_readable, args))
+
+    return kernel
+
+
+def _readable(value):
+    is_record = isinstance(value, np.ndarray) and value.dtype.names
+    return as_objects(value) if is_record else value
+
+
+def _engine_of(*laws, hooks=BLIND, **options):
+    options["compiled"] = bool(KERNELS) and hooks == BLIND
+    return engine_of(*laws, hooks=hooks, **options)
+
+
+integrate.engine_of = _engine_of
+if KERNELS:
+    compiled.sources_hash = lambda: KERNELS
+else:
+    compiled.compile_kernel = _plain_kernel
+from latolato.sweep import kernels  # noqa: E402 (it imports what was just replaced)
+
+kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)
+
+
+class TooLongError(BaseException):
+    """A test takes too long; no test expects this."""
+
+
+def _interrupt(number, frame):
+    raise TooLongError
+
+
+def pytest_collection_modifyitems(items):
+    if known:  # sorted coarsely: neighbours in a file share what they set up
+        items[:] = [item for item in items if item.nodeid in known]
+        items.sort(key=lambda item: int(2.0 * known[item.nodeid]))
+        return
+    cases, draw = defaultdict(list), random.Random(0)
+    for item in items:
+        cases[item.nodeid.partition("[")[0]].append(item)
+    items[:] = [item for each in cases.values() for item in draw.sample(each, min(len(each), 4))]
+
+
+def pytest_runtest_setup():
+    signal.signal(signal.SIGALRM, _interrupt)
+    signal.setitimer(signal.ITIMER_REAL, limit)
+
+
+def pytest_runtest_teardown():
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def pytest_runtest_logreport(report):
+    found[report.nodeid] += report.duration if report.passed else float("inf")
+
+
+def pytest_sessionfinish():
+    if not known:
+        TIMES.write_text(json.dumps({k: v for k, v in found.items() if v < float("inf")}))
