@@ -76,7 +76,7 @@ def run_tests(group: dict[str, Any], folder: Path) -> str:
         "PYTHONDONTWRITEBYTECODE": "1",  # two mutants may be of one size and one second
         "TIMES": str(times),
         "LONGEST": str(group["longest"]),
-        "KERNELS": sources_hash() if group["compiled_engine"] else "",
+        "KERNELS": sources_hash() if group["is_compiled"] else "",
     }
     options = ["-p", "plain_python", "-p", "no:cacheprovider", "-p", "no:xdist", "-q", "--tb=no"]
     stop = ["-x"] if times.exists() else []

@@ -1,8 +1,9 @@
 """A pytest plugin of `mutants.py`: kernels run as plain Python, and quick tests come first.
 
 The first run tries up to four cases of each test and writes the times of those that pass within
-`LONGEST` seconds to the file `TIMES`; later runs take these only. `KERNELS` is the hash of the
-sources if their compiled engine serves single runs, since no mutant is in it, else empty.
+`LONGEST` seconds to the file `TIMES`; later runs take these only. Mutants of observables are
+compiled, since they are pieces of their own: all else is read from the kernels of the sources whose
+hash is `KERNELS`.
 """
 
 import json
@@ -15,18 +16,22 @@ from pathlib import Path
 import hypothesis
 import numpy as np
 
+from latolato.cache import cache_directory
 from latolato.numerics import compiled, integrate
 from latolato.numerics.engine.record import as_objects
-from latolato.numerics.watch import BLIND
 
 TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
 known = json.loads(TIMES.read_text()) if TIMES.exists() else {}
 found = defaultdict(float)
 # A mutant with which a known test takes six times as long has been noticed.
 limit = float(os.environ["LONGEST"]) * (6.0 if known else 1.0)
-engine_of = integrate.engine_of
 os.environ["HYPOTHESIS_PROFILE"] = "plain"
 hypothesis.settings.register_profile("plain", derandomize=True, deadline=None, max_examples=20)
+
+
+def _folder(cache):
+    is_observable = cache._key.startswith(("on ", "show:", "follow:"))
+    return cache_directory() / (compiled.sources_hash() if is_observable else KERNELS)
 
 
 def _plain_kernel(make, name, *laws, **options):
@@ -44,19 +49,15 @@ def _readable(value):
     return as_objects(value) if is_record else value
 
 
-def _engine_of(*laws, hooks=BLIND, **options):
-    options["compiled"] = bool(KERNELS) and hooks == BLIND
-    return engine_of(*laws, hooks=hooks, **options)
-
-
-integrate.engine_of = _engine_of
 if KERNELS:
-    compiled.sources_hash = lambda: KERNELS
+    compiled._KernelCache._folder = _folder
 else:
+    engine_of = integrate.engine_of
+    integrate.engine_of = lambda *laws, **given: engine_of(*laws, **{**given, "compiled": False})
     compiled.compile_kernel = _plain_kernel
-from latolato.sweep import kernels  # noqa: E402 (it imports what was just replaced)
+    from latolato.sweep import kernels  # imports what was just replaced
 
-kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)
+    kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)
 
 
 class TooLongError(BaseException):
