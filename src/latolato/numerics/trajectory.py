@@ -12,8 +12,9 @@ from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.watch import Watch
 from latolato.registry import suggest
 
-# What a contact law names: called with laws, the number of balls, the functions that observables are shown by
-# and what compiles parts. Others may add their own, built by `make_engine` of their own modes.
+# What a contact law names: called with laws, the number of balls, the functions that observables
+# are shown by and what makes parts. Others may add their own, built by `make_engine` of their own
+# modes.
 MOTIONS: dict[str, Callable[[Laws, int, Watch, Part], Callable[..., int]]] = {
     "exact": make_engine,
     "clamp": make_clamped,
