@@ -88,8 +88,23 @@ def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, i
 
 
 def kind_of(value: Any) -> Any:
-    """Return the type that compiled code sees a value as."""
-    return numba.typeof(value)  # type: ignore[no-untyped-call]
+    """Return the type that compiled code sees a value as: a number, an array, a tuple of these."""
+    key = _key_of(value)
+    if key not in _kinds:  # a tuple with many layouts takes numba some milliseconds
+        _kinds[key] = numba.typeof(value)  # type: ignore[no-untyped-call]
+    return _kinds[key]
+
+
+_kinds: dict[Any, Any] = {}
+
+
+def _key_of(value: Any) -> Any:
+    """Return what the type of a value depends on."""
+    if isinstance(value, tuple):
+        return type(value), *map(_key_of, value)
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.f_contiguous
+    return type(value)
 
 
 def words_of(value: Any) -> list[int]:
