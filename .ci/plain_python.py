@@ -1,6 +1,6 @@
 """A pytest plugin of `mutants.py`: kernels run as plain Python, and quick tests come first.
 
-The first run tries up to four cases of each test and writes the times of those that pass within
+The first run tries up to eight cases of each test and writes the times of those that pass within
 `LONGEST` seconds to the file `TIMES`; later runs take these only. Mutants of observables are
 compiled, since they are pieces of their own: all else is read from the kernels of the sources whose
 hash is `KERNELS`.
@@ -76,7 +76,7 @@ def pytest_collection_modifyitems(items):
     cases, draw = defaultdict(list), random.Random(0)
     for item in items:
         cases[item.nodeid.partition("[")[0]].append(item)
-    items[:] = [item for each in cases.values() for item in draw.sample(each, min(len(each), 4))]
+    items[:] = [item for each in cases.values() for item in draw.sample(each, min(len(each), 8))]
 
 
 def pytest_runtest_setup():

@@ -377,10 +377,11 @@ class TestMeasuredPivot:
         assert np.std(residual) == pytest.approx(1e-4, rel=0.1)
 
     def test_a_gap_across_which_the_curve_swings_far_out_is_named(self):
-        # It leaves 1 s with 2 pi cm/s and comes back to the same motion at 21 s.
-        times = np.concatenate([np.arange(21) / 20.0, 21.0 + np.arange(21) / 20.0])
+        # It leaves 1 s with 2 pi cm/s and comes back to the same motion at 6 s: 5.2 cm beyond the
+        # heights, of whose range of 2 cm twice as much is allowed.
+        times = np.concatenate([np.arange(21) / 20.0, 6.0 + np.arange(21) / 20.0])
         heights = 0.01 * np.sin(2.0 * math.pi * times)
-        with pytest.raises(ValueError, match="leave a gap from 1 to 21 s in which the curve"):
+        with pytest.raises(ValueError, match="leave a gap from 1 to 6 s in which the curve"):
             ll.MeasuredPivot(times=times, pivot_heights=heights)
 
     def test_run_outside_the_samples_is_refused(self):
