@@ -247,6 +247,16 @@ class TestStages:
         assert abs(motion(drive, 1.0 + 1e-9, 3.0)[2]) == pytest.approx(6.0, rel=0.05)
         assert drive.largest_acceleration >= 6.0
 
+    def test_bound_covers_the_end_of_a_change_that_cuts_another_short(self):
+        # At 6 s the amplitude is 0.5 m and grows by 0.15 m/s. The cubic from there to 0.8 m in
+        # 3 s has no bend at first and ends with A'' = -2 0.15/3; the first change has 6/10^2.
+        drive = ll.Stages(
+            times=(0.0, 1.0, 6.0), drive_amplitudes=(0.0, 1.0, 0.8),
+            drive_frequencies=(0.0, 0.0, 0.0), ramps=(1.0, 10.0, 3.0),
+        )  # fmt: skip
+        assert motion(drive, 9.0 - 1e-9, 12.0)[2] == pytest.approx(-0.1, abs=1e-9)
+        assert drive.largest_acceleration == pytest.approx(0.1, rel=1e-14)
+
     def test_a_stage_ends_with_its_amplitude_and_frequency(self):
         stages = ll.Stages(
             times=[0.0, 2.0], drive_amplitudes=[0.01, 0.03], drive_frequencies=[9.0, 12.0],
