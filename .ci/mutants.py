@@ -23,6 +23,7 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
+from latolato.cache import cache_directory
 from latolato.numerics.compiled import sources_hash
 
 HERE = Path(__file__).resolve().parent
@@ -86,7 +87,7 @@ def run_tests(group: dict[str, Any], folder: Path) -> str:
         check=False,
     )  # fmt: skip
     failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
-    last = (done.stdout + done.stderr).strip().splitlines()[-1]
+    last = (done.stdout + done.stderr).strip().splitlines()[-1][:80]
     return "" if done.returncode == 0 else failed[1] if failed else last
 
 
@@ -123,6 +124,7 @@ def main() -> int:
             print(f"{group['name']}: quick tests noted in {time.perf_counter() - begin:.0f} s")
             mutants = draw_mutants(group, random.Random(seed))
             fates.update(try_mutant(mutant, group, folder) for mutant in mutants)
+    shutil.rmtree(cache_directory() / "mutants", ignore_errors=True)
     print(f"seed {seed}: " + ", ".join(f"{n} {fate}" for fate, n in fates.items()))
     return int(fates["SURVIVED"] > 0)
 

@@ -31,7 +31,8 @@ hypothesis.settings.register_profile("plain", derandomize=True, deadline=None, m
 
 def _folder(cache):
     is_observable = cache._key.startswith(("on ", "show:", "follow:"))
-    return cache_directory() / (compiled.sources_hash() if is_observable else KERNELS)
+    of_mutant = Path("mutants", compiled.sources_hash())
+    return cache_directory() / (of_mutant if is_observable else KERNELS)
 
 
 def _plain_kernel(make, name, *laws, **options):

@@ -7,6 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.closed_forms import mathieu_growth_rate
+from latolato.analysis.flow import Flow
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.symmetry import as_pair, pair_symmetry
 from latolato.errors import InputError
@@ -81,6 +82,21 @@ def test_a_departure_from_the_mirror_image_grows_at_its_exponent():
     late = [mean[(times > a) & (times < a + 10.0)].max() for a in (50.0, 90.0)]
     grown = math.log(late[1] / late[0]) / 40.0
     assert grown == pytest.approx(found.transverse_exponent.item(), rel=0.03)  # beats of a window
+
+
+def test_the_rate_of_a_departure_is_that_of_the_matrix():
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
+    pair, start = as_pair(toy), np.array([0.6, 0.0, -0.6, 0.0])
+    grid = ll.sweep(
+        pair, SHAKE, axes={"initial_angle_right": [0.6]}, initial_angle=(0.6, -0.6), duration=2.0,
+        observables=["transverse_exponent"], tolerance=1e-12,
+    )  # fmt: skip
+    flow = Flow(pair, SHAKE).follow(start, 2.0)
+    assert flow.impacts > 0
+    both = flow.matrix @ np.array([1.0, 0.0, 1.0, 0.0])  # both angles deviate alike
+    grown = math.log(math.hypot(both[0], both[1]))
+    # the tolerance of both runs, magnified by their impacts
+    assert 2.0 * grid.transverse_exponent.item() == pytest.approx(grown, abs=1e-9)
 
 
 @pytest.mark.parametrize("duration", [100.0, 600.0])

@@ -8,7 +8,7 @@ import pytest
 import latolato as ll
 from latolato.analysis import response_period, response_period_map, wilson
 from latolato.errors import InputError
-from latolato.observables.period import find_mirror, find_period
+from latolato.observables.period import ResponsePeriod, find_mirror, find_period
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
@@ -106,6 +106,20 @@ def test_the_mirror_image_is_found_at_half_the_period_only_if_it_is_there():
         left, shift = find_mirror(samples, 0.0 * samples, np.ones(1), np.array([6.0]))
         assert shift == 3.0
         assert left == pytest.approx(residual, abs=1e-12)  # rounding
+
+
+@pytest.mark.parametrize(
+    "slowest, held, kind", [(1e-6, 0.0, 2.0), (1e-2, 0.0, 1.0), (1e-6, 0.3, 1.0)]
+)
+def test_a_motion_grazes_if_an_impact_has_hardly_any_speed_and_nothing_rests(slowest, held, kind):
+    watched = ResponsePeriod(longest=2, angle_tolerance=1e-5)
+    # Six running values, then time, angle, velocity and counts at each end of a drive period.
+    slots = np.zeros((6 + 5 * watched.marks, 1))
+    slots[2], slots[3], slots[4] = 1.0, slowest, held
+    slots[6::5, 0], slots[7::5, 0] = np.arange(watched.marks), 0.3
+    found = watched.values(slots, None)
+    assert found["response_period"] == 1.0
+    assert found["periodicity"] == kind
 
 
 @pytest.mark.parametrize(
