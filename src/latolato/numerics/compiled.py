@@ -11,24 +11,26 @@ import functools
 import hashlib
 import pickle
 import sys
-import threading
 import warnings
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from types import CodeType
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite
 import numba
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
+from numba.core.sigutils import normalize_signature
 from numba.extending import register_jitable
 
 from latolato import cache
 from latolato.numerics.compiler import tell_it_is_there
 from latolato.numerics.linking import link_once
+from latolato.numerics.pieces import Piece, Recipe
+from latolato.numerics.sources import digest_of_sources
 from latolato.scalar import for_each_formula
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
@@ -43,20 +45,12 @@ def _make_callable(function: Callable[..., Any]) -> None:
 for_each_formula(_make_callable)
 tell_it_is_there()
 
-_LAYERS = ("scalar.py", "physics", "observables", "numerics")
-
 
 @functools.cache
 def sources_hash() -> str:
     """Return a digest of the kernel layers' sources and of the compiler's version."""
-    digest = hashlib.sha256()
-    root = Path(__file__).resolve().parents[1]
-    for layer in _LAYERS:
-        path = root / layer
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-            digest.update(file.read_bytes())
-    digest.update(f"{numba.__version__} {llvmlite.__version__} {sys.version}".encode())
-    return digest.hexdigest()[:24]
+    text = f"{digest_of_sources()} {numba.__version__} {llvmlite.__version__} {sys.version}"
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
 class _KernelCache(_Cache):
@@ -153,41 +147,15 @@ def _code(code: CodeType) -> bytes:
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 
 
-class Piece(NamedTuple):
-    """A compiled piece: its address for other pieces, and what calls it from Python.
-
-    Its code stays where it is as long as there is a reference to `call`.
-    """
-
-    address: int
-    call: Callable[..., Any]
-
-
-_compiling = threading.RLock()
-
-
-def compiled_once(function: Callable[..., Piece]) -> Callable[..., Piece]:
-    """Remember the pieces that a function returns; threads that want the same one wait for it."""
-    remembered = functools.lru_cache(maxsize=256)(function)
-
-    @functools.wraps(function)
-    def piece(*args: Any, **kwargs: Any) -> Piece:
-        with _compiling:
-            return remembered(*args, **kwargs)
-
-    return piece
-
-
-def compile_piece(
-    make: Callable[..., Callable[..., Any]], name: str, kind: Any, *laws: Callable[..., Any]
-) -> Piece:
-    """Return a piece whose signature in numba's types is `kind`; the rest as in `compile_kernel`.
-
-    It takes numbers and addresses and allocates nothing; see `latolato.numerics.pieces`.
-    """
-    kernel: Any = compile_kernel(make, name, *laws, allocates=False)
-    kernel.compile(kind.args)
-    found = kernel.overloads[kind.args]
+def compile_piece(recipe: Recipe) -> Piece:
+    """Return the piece of a recipe; it allocates nothing."""
+    module, _, name = recipe.maker.partition(":")
+    maker = getattr(import_module(f"latolato.numerics.{module}"), name)
+    make = functools.partial(maker, **dict(recipe.settings))
+    kernel: Any = compile_kernel(make, recipe.key, *recipe.laws, allocates=False)
+    arguments, _ = normalize_signature(recipe.kind)  # type: ignore[no-untyped-call]
+    kernel.compile(arguments)
+    found = kernel.overloads[arguments]
     address = found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name)
     return Piece(address, kernel)
 

@@ -1,4 +1,4 @@
-"""The engine as a compiled piece: its argument is one record, in which arrays are addresses."""
+"""Entries to the engine and to sweeps as compiled pieces."""
 
 from __future__ import annotations
 
@@ -6,17 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once, law_key
-from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.events import Output
-from latolato.numerics.engine.laws import Formula
-from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import run_dtype
-from latolato.numerics.hooks import make_calling_watch
-from latolato.numerics.many import Points, Progress, Scratch, make_many
-from latolato.numerics.pieces import (
+from latolato.numerics.addresses import (
     address_of,
     bundle_at,
     caller_of,
@@ -24,12 +15,16 @@ from latolato.numerics.pieces import (
     record_at,
     writer_of,
 )
+from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.laws import Formula, laws_of
+from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.record import run_dtype
+from latolato.numerics.hooks import make_calling_watch
+from latolato.numerics.many import empty_job, make_many
+from latolato.numerics.pieces import ENGINE
 from latolato.numerics.records import stretch_dtype
-from latolato.numerics.trajectory import make_trajectory, motion_of
 from latolato.numerics.watch import Eyes
-
-# ``rows(run, stop, most_steps)``, where `run` is an address; see `latolato.numerics.engine.loop`.
-ENGINE = types.int64(types.int64, types.float64, types.int64)
 
 
 class Arguments(NamedTuple):
@@ -38,20 +33,6 @@ class Arguments(NamedTuple):
     timetable: Timetable
     output: Output
     eyes: Eyes
-
-
-class Job(NamedTuple):
-    """What `numerics.many` works on."""
-
-    order: Any
-    points: Points
-    scratch: Scratch
-    progress: Progress
-    cancel: Any
-
-
-# ``(words)`` of what `numerics.many` and `numerics.lanes` work on.
-SWEEP = types.void(types.int64)
 
 
 def example_of(stretch: np.dtype[Any]) -> Arguments:
@@ -65,59 +46,40 @@ def example_of(stretch: np.dtype[Any]) -> Arguments:
     )
 
 
-@compiled_once
-def many_piece(balls: int, job: types.Type) -> Piece:
-    """Return what runs points of `balls` balls one after the other; `job` is the type of a `Job`.
+def make_many_entry(part: Part, *, balls: int, stretch: np.dtype[Any]) -> Callable[[int], None]:
+    """Return the function ``(address)`` that runs the points of a `Job` one after the other."""
+    job_at, watch = bundle_at(kind_of(empty_job(stretch))), make_calling_watch(part)
+    many = part(make_many(make_caller(part), watch, part, balls=balls))
 
-    It is called with the address of a job's words.
-    """
-    job_at = bundle_at(job)
+    def run_points(address: int) -> None:
+        job = job_at(address)
+        many(job.order, job.points, job.scratch, job.progress, job.cancel)
 
-    def make(part: Part) -> Callable[..., None]:
-        watch = make_calling_watch(part)
-        many = part(make_many(make_caller(part), watch, part, balls=balls))
-
-        def run_points(address: int) -> None:
-            given = job_at(address)
-            many(given.order, given.points, given.scratch, given.progress, given.cancel)
-
-        return run_points
-
-    return compile_piece(make, f"many {balls} {job}", SWEEP)
+    return run_points
 
 
-@compiled_once
-def engine_piece(
-    count: int, stretch: np.dtype[Any], *laws: Formula, motion: str = "exact"
-) -> Piece:
-    """Return the compiled engine of `count` balls.
-
-    Parameters
-    ----------
-    stretch : dtype
-        The layout of the drive's stretches.
-    laws : formulas
-        Pivot acceleration, restoring factor and its potential.
-    motion : str
-        One of `trajectory.MOTIONS`.
-    """
+def make_entry(
+    make_motion: Callable[..., Callable[..., int]],
+    pivot_acceleration: Formula,
+    restoring: Formula,
+    potential: Formula,
+    part: Part,
+    *,
+    count: int,
+    stretch: np.dtype[Any],
+) -> Callable[..., int]:
+    """Return the engine ``(run, stop, most_steps)`` of a motion; `run` is an address."""
     run_at, arguments_at = record_at(run_dtype(stretch)), bundle_at(kind_of(example_of(stretch)))
+    laws = laws_of(pivot_acceleration, restoring, potential, part)
+    carry_on = part(make_motion(laws, count, make_calling_watch(part), part))
 
-    def make(*laws_and_part: Any) -> Callable[..., int]:
-        *found, part = laws_and_part
-        watch = make_calling_watch(part)
-        carry_on = part(make_trajectory(*found, count=count, watch=watch, motion=motion, part=part))
+    def engine(address: int, stop: float, most_steps: int) -> int:
+        run = run_at(address)
+        given = arguments_at(address_of(run.words))
+        rows: int = carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
+        return rows
 
-        def engine(address: int, stop: float, most_steps: int) -> int:
-            run = run_at(address)
-            given = arguments_at(address_of(run.words))
-            rows: int = carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
-            return rows
-
-        return engine
-
-    name = f"engine {motion} {law_key(motion_of(motion))} {count} {stretch}"
-    return compile_piece(make, name, ENGINE, *laws)
+    return engine
 
 
 def make_caller(part: Part) -> Callable[..., int]:

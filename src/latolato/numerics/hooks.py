@@ -5,17 +5,12 @@ Where points run in lanes, one call shows a step of all lanes: see `lane_flight`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import types
-from numpy.typing import NDArray
 
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once
-from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.record import MATRIX_SHAPE
-from latolato.numerics.pieces import (
+from latolato.numerics.addresses import (
     ANY_SIZE,
     address_of,
     array_at,
@@ -24,11 +19,12 @@ from latolato.numerics.pieces import (
     value_at,
     writer_of,
 )
-from latolato.numerics.watch import OCCASIONS, Eyes, Hooks, Watch
+from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.record import MATRIX_SHAPE
+from latolato.numerics.pieces import HOOK
+from latolato.numerics.watch import OCCASIONS, Eyes, Watch
 from latolato.observables import Segment
 
-# ``(slots, index of the first one, distance of slots, words of what is shown)``
-_KIND = types.void(*[types.int64] * 4)
 # What observables are shown on each occasion, behind their slots: see `Observable`.
 _SHOWN = tuple(map(kind_of, (
     (Segment(*[0.0] * len(Segment._fields)),),
@@ -39,47 +35,19 @@ _SHOWN = tuple(map(kind_of, (
 )))  # fmt: skip
 
 
-@compiled_once
-def hook_piece(occasion: int, formula: Callable[..., None]) -> Piece:
-    """Return the compiled piece of a formula that is called on an occasion."""
+def make_hook(formula: Any, part: Part, *, occasion: int) -> Callable[..., None]:
+    """Return what calls the formula of an observable on an occasion."""
     numbers_at, shown_at = array_at(), value_at(_SHOWN[occasion])
 
-    def make(formula: Any, part: Part) -> Callable[..., None]:
-        def show(acc: int, i: int, n: int, shown: int) -> None:
-            formula(numbers_at(acc, ANY_SIZE), i, n, *shown_at(shown))
+    def show(acc: int, i: int, n: int, shown: int) -> None:
+        formula(numbers_at(acc, ANY_SIZE), i, n, *shown_at(shown))
 
-        return show
-
-    return compile_piece(make, f"on {OCCASIONS[occasion]}", _KIND, formula)
-
-
-def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int64]:
-    """Return the table of pieces that compiled code walks through, with their first slots.
-
-    For each occasion it says where its pieces begin: pairs of address and first slot, up to an
-    address of zero.
-    """
-    begins: list[int] = []
-    pairs: list[int] = []
-    for found in pieces:
-        begins.append(len(pieces) + len(pairs))
-        for first, piece in found:
-            pairs += [piece.address, first]
-        pairs += [0]
-    return np.array(begins + pairs, dtype=np.int64)
-
-
-def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
-    """Return for each occasion the pieces of `watch.hooks_of` with their first slots."""
-    return [
-        [(first, hook_piece(occasion, formula)) for first, formula in found]
-        for occasion, found in enumerate(hooks)
-    ]
+    return show
 
 
 def make_calling_watch(part: Part) -> Watch:
     """Return functions that call the pieces whose table lies at ``run.hooks``."""
-    call, numbers_at = caller_of(_KIND), array_at(np.dtype(np.int64))
+    call, numbers_at = caller_of(HOOK), array_at(np.dtype(np.int64))
 
     @part
     def call_all(run: Any, eyes: Eyes, ball: int, occasion: int) -> None:

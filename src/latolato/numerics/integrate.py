@@ -218,9 +218,7 @@ def engine_of(
             return written
 
         return carry_on_plainly
-    from latolato.numerics.entry import engine_piece
-    from latolato.numerics.hooks import hook_table, pieces_of
-    from latolato.numerics.pieces import words_of
+    from latolato.numerics.pieces import engine_piece, hook_table, pieces_of, words_of
 
     piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, motion=motion)
     looking = pieces_of(hooks)

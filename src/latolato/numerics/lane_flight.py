@@ -6,65 +6,20 @@ Loops run over all lanes without branches, so that they become vector instructio
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import types
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once
+from latolato.numerics.addresses import ANY_SIZE, array_at
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
-from latolato.numerics.pieces import ANY_SIZE, array_at
-from latolato.numerics.watch import Hooks
 from latolato.observables import Segment
 from latolato.physics.pendulum import SLOPES
 
 Law = Callable[..., float]
-
-# ``lanes that wait(workspace, table, kicks, drifts of a step)``
-FLY = types.float64(*[types.int64] * 4)
-# ``(slots, workspace, matrix, number of the restoring law)``
-SHOW = types.void(*[types.int64] * 4)
-
-
-@compiled_once
-def fly_piece(restoring: Law, *, damped: bool, walled: bool, works: bool, tangents: bool) -> Piece:
-    """Return the step of all lanes.
-
-    Parameters
-    ----------
-    damped, walled, works, tangents : bool
-        Whether any point has drag, whether any has walls, whether works and matrices are asked for.
-    """
-    make = partial(make_fly, damped=damped, walled=walled, works=works, tangents=tangents)
-    return compile_piece(make, f"fly {damped} {walled} {works} {tangents}", FLY, restoring)
-
-
-@compiled_once
-def show_piece(formula: Callable[..., None], restoring: Law, potential: Law) -> Piece:
-    """Return what shows an observable the step of every lane."""
-    return compile_piece(make_show, "show", SHOW, formula, restoring, potential)
-
-
-@compiled_once
-def follow_piece(formula: Callable[..., None]) -> Piece:
-    """Return what shows an observable the matrix of every step."""
-    return compile_piece(make_follow, "follow", SHOW, formula)
-
-
-def lane_pieces(
-    hooks: tuple[Hooks, Hooks], restoring: Law, potential: Law
-) -> list[list[tuple[int, Piece]]]:
-    """Return the pieces that show steps and matrices, with the first slots of `watch.hooks_of`."""
-    steps, tangents = hooks
-    return [
-        [(first, show_piece(formula, restoring, potential)) for first, formula in steps],
-        [(first, follow_piece(formula)) for first, formula in tangents],
-    ]
 
 
 def make_fly(

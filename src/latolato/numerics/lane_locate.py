@@ -7,15 +7,11 @@ share is taken, and what is missing to the wall is a short glide.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
-from numba import types
-
 from latolato.numerics import lane_rows as r
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once
+from latolato.numerics.addresses import array_at
 from latolato.numerics.engine.compiling import Part
-from latolato.numerics.pieces import array_at
 from latolato.scalar import cosine, formula
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
@@ -35,17 +31,6 @@ def reach_series(x: float) -> float:
     for n in range(11, 1, -1):
         total = 1.0 - x / n * total
     return total
-
-
-# ``(workspace, kicks, drifts, nodes, stages)``
-LOCATE = types.void(*[types.int64] * 5)
-
-
-@compiled_once
-def locate_piece(restoring: Callable[..., float], *, damped: bool, works: bool) -> Piece:
-    """Return what locates all noted impacts; the flags are those of `lane_flight.fly_piece`."""
-    make = partial(make_locate, damped=damped, works=works)
-    return compile_piece(make, f"locate {damped} {works}", LOCATE, restoring)
 
 
 def make_locate(

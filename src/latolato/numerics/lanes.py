@@ -15,26 +15,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numba import types
-from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.compiled import Piece, compile_piece, compiled_once
+from latolato.numerics.addresses import address_of, bundle_at, caller_of, kind_of
 from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import laws_of
 from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
-from latolato.numerics.entry import SWEEP, make_caller
+from latolato.numerics.entry import make_caller
 from latolato.numerics.hooks import make_calling_watch
-from latolato.numerics.lane_flight import FLY, SHOW
 from latolato.numerics.lane_impacts import make_lane_impacts
-from latolato.numerics.lane_locate import LOCATE
-from latolato.numerics.many import Points, Progress, Scratch, Weights, make_steering
-from latolato.numerics.pieces import address_of, bundle_at, caller_of
+from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task, make_steering
+from latolato.numerics.pieces import FLY, LOCATE, SHOW
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
 from latolato.scalar import cosine, sine
@@ -52,63 +47,6 @@ _FEW = 3 * r.IMPACTS
 _STEPS, _MATRICES = 0, 1
 
 
-class LaneSpace(NamedTuple):
-    """The memory of lanes, and the addresses of their pieces; see `make_lane_space`."""
-
-    w: Any  # rows of `lane_rows`, each LANES wide
-    z: Any  # rows of noted impacts
-    table: Any  # rows of a step's table
-    acc: Any  # (slot * LANES,)
-    point: Any  # (LANES,): which point a lane carries, -1 for none
-    index: Any  # (LANES,): its next stop
-    lane: Any  # (IMPACTS,): whose impact is noted
-    fly: Any
-    locate: Any
-    hooks: Any  # see `hooks.hook_table`
-
-
-class Task(NamedTuple):
-    """What lanes work on."""
-
-    order: Any  # numbers of the points
-    points: Points
-    weights: Weights
-    scratch: Scratch
-    progress: Progress
-    space: LaneSpace
-    cancel: Any
-
-
-def make_lane_space(
-    stages: int, slots: int, fly: int, locate: int, hooks: NDArray[np.int64]
-) -> LaneSpace:
-    """Return the memory of lanes whose step has so many stages, for observables with so many slots.
-
-    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `hooks` the
-    table of what shows steps and matrices.
-    """
-    return LaneSpace(
-        np.zeros(r.ROWS * r.LANES),
-        np.zeros(r.IMPACT_ROWS * r.IMPACTS),
-        np.zeros((stages + 1) * r.TABLE_ROWS * r.LANES),
-        np.zeros(r.LANES * slots),
-        np.full(r.LANES, -1),
-        np.zeros(r.LANES, dtype=np.int64),
-        np.zeros(r.IMPACTS, dtype=np.int64),
-        fly,
-        locate,
-        hooks,
-    )
-
-
-@compiled_once
-def lanes_piece(task: types.Type, *laws: Law) -> Piece:
-    """Return the compiled piece of `make_lanes`; `task` is the type of a `Task`."""
-    return compile_piece(
-        partial(make_lanes, task_at=bundle_at(task)), f"lanes {task}", SWEEP, *laws
-    )
-
-
 def make_lanes(
     acceleration: Law,
     restoring_of: Law,
@@ -116,20 +54,20 @@ def make_lanes(
     rotation: Callable[..., tuple[float, float, float]],
     part: Part,
     *,
-    task_at: Callable[[int], Any],
+    stretch: np.dtype[Any],
 ) -> Callable[[int], None]:
-    """Return the function ``(address)`` that runs points in lanes.
+    """Return the function ``(address)`` that runs the points of a `Task` in lanes.
 
     Parameters
     ----------
     rotation : formula of a stretch
         Strength [m/s^2], frequency [rad/s] and phase of the drive's acceleration.
-    task_at : callable
-        Returns a `Task` from the address of its words.
+    stretch : dtype
+        The layout of the drive's stretches.
     """
     # What every impact needs is inlined.
     inline = inlined(part)
-    watch = make_calling_watch(part)
+    watch, task_at = make_calling_watch(part), bundle_at(kind_of(empty_task(stretch)))
     steering = make_steering(make_caller(part), watch, part)
     carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part)

@@ -13,17 +13,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.numerics import lane_rows as r
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import STATE, run_dtype
 from latolato.numerics.records import (
     AT_REST,
+    BODY,
     CONVERGED,
     EVENT_LIMIT,
     FAILED,
     GRAZING,
     SAMPLE_ROWS,
+    SETTINGS,
 )
 from latolato.numerics.watch import ON_CONTACT, Eyes, Watch
 
@@ -110,6 +113,89 @@ def make_scratch(stretch: np.dtype[Any] | None = None) -> Scratch:
         np.zeros(0),
         np.zeros((SAMPLE_ROWS, 0)),
     )
+
+
+class Job(NamedTuple):
+    """What runs points one after the other works on."""
+
+    order: Any  # numbers of the points
+    points: Points
+    scratch: Scratch
+    progress: Progress
+    cancel: Any
+
+
+class LaneSpace(NamedTuple):
+    """The memory of lanes, and the addresses of their pieces; see `make_lane_space`."""
+
+    w: Any  # rows of `lane_rows`, each LANES wide
+    z: Any  # rows of noted impacts
+    table: Any  # rows of a step's table
+    acc: Any  # (slot * LANES,)
+    point: Any  # (LANES,): which point a lane carries, -1 for none
+    index: Any  # (LANES,): its next stop
+    lane: Any  # (IMPACTS,): whose impact is noted
+    fly: Any
+    locate: Any
+    hooks: Any  # see `pieces.hook_table`
+
+
+class Task(NamedTuple):
+    """What lanes work on."""
+
+    order: Any  # numbers of the points
+    points: Points
+    weights: Weights
+    scratch: Scratch
+    progress: Progress
+    space: LaneSpace
+    cancel: Any
+
+
+def make_lane_space(
+    stages: int, slots: int, fly: int, locate: int, hooks: NDArray[np.int64]
+) -> LaneSpace:
+    """Return the memory of lanes whose step has so many stages, for observables with so many slots.
+
+    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `hooks` the
+    table of what shows steps and matrices.
+    """
+    return LaneSpace(
+        np.zeros(r.ROWS * r.LANES),
+        np.zeros(r.IMPACT_ROWS * r.IMPACTS),
+        np.zeros((stages + 1) * r.TABLE_ROWS * r.LANES),
+        np.zeros(r.LANES * slots),
+        np.full(r.LANES, -1),
+        np.zeros(r.LANES, dtype=np.int64),
+        np.zeros(r.IMPACTS, dtype=np.int64),
+        fly,
+        locate,
+        hooks,
+    )
+
+
+def empty_points(stretch: np.dtype[Any]) -> Points:
+    """Return no points, in arrays of the kinds that points have."""
+    floats, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
+    records = np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=stretch)
+    kicks = numbers, floats, np.zeros((1, 0)), numbers
+    return Points(*records, floats, floats, *kicks, np.zeros((0, 2)), 0)
+
+
+def empty_job(stretch: np.dtype[Any]) -> Job:
+    """Return a job without points."""
+    numbers = np.zeros(0, dtype=np.int64)
+    return Job(
+        numbers, empty_points(stretch), make_scratch(stretch), make_progress(0, 0, 1), numbers
+    )
+
+
+def empty_task(stretch: np.dtype[Any]) -> Task:
+    """Return a task without points."""
+    floats, job = np.zeros(0), empty_job(stretch)
+    space = make_lane_space(0, 0, 0, 0, job.order)
+    weights = Weights(floats, floats, floats)
+    return Task(job.order, job.points, weights, job.scratch, job.progress, space, job.cancel)
 
 
 class Steering(NamedTuple):

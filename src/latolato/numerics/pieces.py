@@ -1,299 +1,245 @@
-"""Compiled pieces that call each other by address: none is compiled into another one.
+"""All pieces of compiled code by name, shipped with the package or compiled here.
 
 A piece takes and returns numbers and addresses of arrays and records, as C has them. What calls it
-knows its address and nothing of its contents, so that a sweep with other observables, or another
-mode of calling the engine, compiles what is new and nothing else. Plain Python and GPUs call the
-same functions directly instead.
+knows its address and does not depend on the code behind it, so a sweep with other observables
+needs new pieces for these and nothing else. Plain Python and GPUs call the same functions directly.
+
+Nothing here imports a compiler: `latolato.numerics.shipped` has the package's own pieces, and
+`latolato.numerics.compiled` is imported where a piece is not among them.
 """
 
 from __future__ import annotations
 
-import hashlib
-import math
-from collections.abc import Callable, Iterator
-from itertools import count
-from typing import Any
+import functools
+import struct
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
+from typing import Any, NamedTuple
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core.datamodel import models
-from numba.core.imputils import lower_getattr_generic
-from numba.core.typing.templates import AttributeTemplate, Signature, infer_getattr
-from numba.extending import intrinsic, register_model
-from numba.np.numpy_support import from_dtype
+from numpy.typing import NDArray
 
-_WORD = ir.IntType(64)
-_DOUBLE = np.dtype(np.float64)
-# Of arrays whose end a piece does not look for.
-ANY_SIZE = 1 << 40
+from latolato.numerics.records import stretch_dtype
+from latolato.numerics.trajectory import motion_of
+from latolato.numerics.watch import OCCASIONS, ON_STEP, ON_TANGENT, Hooks
+
+Formula = Callable[..., Any]
 
 
-def _constant(number: int) -> Any:
-    """Return a word."""
-    return ir.Constant(_WORD, number)
+class Piece(NamedTuple):
+    """A piece: its address for other pieces, and what calls it from Python.
 
-
-def _address_of(typing_context: Any, memory: Any) -> Any:
-    """Return where a record or an array lies."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        at = args[0]
-        if isinstance(memory, types.Array):
-            at = context.make_array(memory)(context, builder, at).data
-        return builder.ptrtoint(at, _WORD)
-
-    return types.int64(memory), generate
-
-
-address_of: Any = intrinsic(_address_of)
-
-
-def record_at(layout: np.dtype[Any]) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the record of this layout that lies there."""
-    kind = from_dtype(layout)
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return builder.inttoptr(args[0], context.get_value_type(kind))
-
-        return kind(types.int64), generate
-
-    found: Any = at
-    return found
-
-
-def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, int], Any]:
-    """Return the function ``(address, size)`` of the array that lies there, row by row.
-
-    `further` are the sizes of all dimensions but the first.
+    Its code stays where it is as long as there is a reference to `call`.
     """
-    kind = types.Array(from_dtype(layout), 1 + len(further), "C")
-    row = layout.itemsize * math.prod(further)
-    strides = [row // math.prod(further[:i]) for i in range(1 + len(further))]
 
-    @intrinsic
-    def at(typing_context: Any, address: Any, size: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            shape = [args[1], *(_constant(n) for n in further)]
-            steps = [_constant(n) for n in strides]
-            return _array(context, builder, kind, args[0], shape, steps)
-
-        return kind(types.int64, types.int64), generate
-
-    found: Any = at
-    return found
+    address: int
+    call: Callable[..., Any]
 
 
-def kind_of(value: Any) -> Any:
-    """Return the type that compiled code sees a value as: a number, an array, a tuple of these."""
-    key = _key_of(value)
-    if key not in _kinds:  # a tuple with many layouts takes numba some milliseconds
-        _kinds[key] = numba.typeof(value)  # type: ignore[no-untyped-call]
-    return _kinds[key]
+class Recipe(NamedTuple):
+    """How a piece is made.
+
+    Attributes
+    ----------
+    maker : str
+        ``module:function`` within `latolato.numerics`; called with the laws, with what makes a
+        function a part, and with the settings it returns the function to compile.
+    kind : str
+        What the piece returns and takes, such as ``void(int64, float64)``.
+    laws : tuple of formulas
+    settings : tuple of pairs
+        Further arguments of the maker, by name.
+    """
+
+    maker: str
+    kind: str
+    laws: tuple[Formula, ...] = ()
+    settings: tuple[tuple[str, Any], ...] = ()
+
+    @property
+    def key(self) -> str:
+        """A text that tells recipes apart, the same in every version of Python."""
+        laws = [f"{law.__module__}.{law.__qualname__}" for law in self.laws]
+        return f"{self.maker}({', '.join([*laws, *(f'{n}={v}' for n, v in self.settings)])})"
 
 
-_kinds: dict[Any, Any] = {}
+_lock = threading.RLock()
 
 
-def _key_of(value: Any) -> Any:
-    """Return what the type of a value depends on."""
-    if isinstance(value, tuple):
-        return type(value), *map(_key_of, value)
-    if isinstance(value, np.ndarray):
-        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.f_contiguous
-    return type(value)
+def piece_of(recipe: Recipe) -> Piece:
+    """Return the piece of a recipe; threads that want the same one wait for it."""
+    with _lock:
+        return _made(recipe)
+
+
+@functools.lru_cache(maxsize=512)
+def _made(recipe: Recipe) -> Piece:
+    from latolato.numerics import shipped
+
+    found = shipped.load(recipe.key, recipe.kind)
+    if found is not None:
+        return found
+    from latolato.numerics.compiled import compile_piece
+
+    return compile_piece(recipe)
+
+
+# ``rows(run, stop, most_steps)``, where `run` is an address; see `latolato.numerics.engine.loop`.
+ENGINE = "int64(int64, float64, int64)"
+# ``(words)`` of what a sweep works on.
+SWEEP = "void(int64)"
+# ``lanes that wait(workspace, table, kicks, drifts of a step)``
+FLY = "float64(int64, int64, int64, int64)"
+# ``(workspace, kicks, drifts, nodes, stages)``
+LOCATE = "void(int64, int64, int64, int64, int64)"
+# ``(slots, workspace, matrix, number of the restoring law)``
+SHOW = "void(int64, int64, int64, int64)"
+# ``(slots, index of the first one, distance of slots, words of what is shown)``
+HOOK = "void(int64, int64, int64, int64)"
+
+
+def engine_piece(
+    count: int, stretch: np.dtype[Any], *laws: Formula, motion: str = "exact"
+) -> Piece:
+    """Return the engine of `count` balls.
+
+    Parameters
+    ----------
+    stretch : dtype
+        The layout of the drive's stretches.
+    laws : formulas
+        Pivot acceleration, restoring factor and its potential.
+    motion : str
+        One of `trajectory.MOTIONS`.
+    """
+    settings = ("count", count), ("stretch", stretch)
+    return piece_of(Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings))
+
+
+def many_piece(balls: int, stretch: np.dtype[Any]) -> Piece:
+    """Return what runs points of `balls` balls one after the other, by calling pieces."""
+    settings = ("balls", balls), ("stretch", stretch)
+    return piece_of(Recipe("entry:make_many_entry", SWEEP, (), settings))
+
+
+def lanes_piece(stretch: np.dtype[Any], *laws: Formula) -> Piece:
+    """Return what runs points in lanes; laws are those of `lanes.make_lanes`."""
+    return piece_of(Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),)))
+
+
+def fly_piece(
+    restoring: Formula, *, damped: bool, walled: bool, works: bool, tangents: bool
+) -> Piece:
+    """Return the step of all lanes.
+
+    Parameters
+    ----------
+    damped, walled, works, tangents : bool
+        Whether any point has drag, whether any has walls, whether works and matrices are asked for.
+    """
+    settings = ("damped", damped), ("walled", walled), ("works", works), ("tangents", tangents)
+    return piece_of(Recipe("lane_flight:make_fly", FLY, (restoring,), settings))
+
+
+def locate_piece(restoring: Formula, *, damped: bool, works: bool) -> Piece:
+    """Return what locates all noted impacts of lanes; the flags are those of `fly_piece`."""
+    settings = ("damped", damped), ("works", works)
+    return piece_of(Recipe("lane_locate:make_locate", LOCATE, (restoring,), settings))
+
+
+def show_piece(formula: Formula, restoring: Formula, potential: Formula) -> Piece:
+    """Return what shows an observable the step of every lane."""
+    return piece_of(Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential)))
+
+
+def follow_piece(formula: Formula) -> Piece:
+    """Return what shows an observable the matrix of every lane's step."""
+    return piece_of(Recipe("lane_flight:make_follow", SHOW, (formula,)))
+
+
+def hook_piece(occasion: int, formula: Formula) -> Piece:
+    """Return what calls the formula of an observable on an occasion."""
+    return piece_of(Recipe("hooks:make_hook", HOOK, (formula,), (("occasion", occasion),)))
+
+
+def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int64]:
+    """Return the table of pieces that compiled code walks through, with their first slots.
+
+    For each occasion it says where its pieces begin: pairs of address and first slot, up to an
+    address of zero.
+    """
+    begins: list[int] = []
+    pairs: list[int] = []
+    for found in pieces:
+        begins.append(len(pieces) + len(pairs))
+        for first, piece in found:
+            pairs += [piece.address, first]
+        pairs += [0]
+    return np.array(begins + pairs, dtype=np.int64)
+
+
+def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
+    """Return for each occasion the pieces of `watch.hooks_of` with their first slots."""
+    return [
+        [(first, hook_piece(occasion, formula)) for first, formula in found]
+        for occasion, found in enumerate(hooks)
+    ]
+
+
+def lane_pieces(
+    hooks: tuple[Hooks, ...], restoring: Formula, potential: Formula
+) -> list[list[tuple[int, Piece]]]:
+    """Return the pieces that show steps and matrices of lanes, with their first slots."""
+    return [
+        [(first, show_piece(formula, restoring, potential)) for first, formula in hooks[ON_STEP]],
+        [(first, follow_piece(formula)) for first, formula in hooks[ON_TANGENT]],
+    ]
 
 
 def words_of(value: Any) -> list[int]:
-    """Return the words of a value, for `Bundle`.
+    """Return the words of a value, from which compiled code reads it; see `addresses.Bundle`.
 
-    A value is an integer, an array, or a tuple of values. An array's words are its address, its
+    A value is a number, an array, or a tuple of values. An array's words are its address, its
     shape and its strides.
     """
     if isinstance(value, tuple):
         return [word for part in value for word in words_of(part)]
     if isinstance(value, np.ndarray):
         return [value.ctypes.data, *value.shape, *value.strides]
+    if isinstance(value, float):
+        return list(struct.unpack("q", struct.pack("d", value)))
     return [int(value)]
 
 
-class Bundle(types.Type):
-    """The type of a named tuple of arrays and integers that is passed as the address of its words.
+def every_piece(observables: Iterable[type]) -> Iterator[Callable[[], Piece]]:
+    """Yield what returns each piece that the package's laws and these observables need."""
+    from latolato.physics.drives.stretch import pivot_acceleration, rotation
+    from latolato.physics.pendulum import potential_sine, restoring_linear, restoring_sine
 
-    Compiled code reads a field where it needs it; to pass the tuple itself would be to pass the
-    hundred numbers that describe its arrays, from part to part.
-    """
-
-    def __init__(self, kind: Any) -> None:
-        self.kind = kind
-        digest = hashlib.sha256(str(kind).encode()).hexdigest()[:16]
-        super().__init__(name=f"{kind.instance_class.__name__}_{digest}")
-
-
-@register_model(Bundle)
-class _BundleModel(models.PrimitiveModel):
-    """An address."""
-
-    def __init__(self, manager: Any, kind: Bundle) -> None:
-        super().__init__(manager, kind, _WORD)  # type: ignore[no-untyped-call]
-
-
-@infer_getattr
-class _BundleFields(AttributeTemplate):
-    """Types of the fields."""
-
-    key = Bundle
-
-    def generic_resolve(self, bundle: Any, name: str) -> Any:  # type: ignore[override]
-        """Return the type of a field, `None` if there is none of that name."""
-        if name not in bundle.kind.fields:
-            return None
-        kind = bundle.kind[bundle.kind.fields.index(name)]
-        return Bundle(kind) if isinstance(kind, types.BaseNamedTuple) else kind
-
-
-def _size_of(kind: Any) -> int:
-    """Return how many words there are of a value of this type."""
-    if isinstance(kind, types.BaseTuple):
-        kinds: Any = kind
-        return sum(map(_size_of, kinds))
-    return 1 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
-
-
-def _read(context: Any, builder: Any, kind: Any, words: Any, places: Iterator[int]) -> Any:
-    """Return a value of this type from words at these places."""
-
-    def following(size: int) -> list[Any]:
-        found = [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
-        for load in found:  # a piece never changes words it was given, so one reading will do
-            load.set_metadata("invariant.load", builder.module.add_metadata([]))
-        return found
-
-    if isinstance(kind, types.BaseTuple):
-        kinds: Any = kind
-        found = [_read(context, builder, inner, words, places) for inner in kinds]
-        return context.make_tuple(builder, kind, found)
-    if isinstance(kind, types.Array):
-        address, shape = following(1)[0], following(kind.ndim)
-        return _array(context, builder, kind, address, shape, following(kind.ndim))
-    return builder.bitcast(following(1)[0], context.get_value_type(kind))
-
-
-@lower_getattr_generic(Bundle)  # type: ignore[no-untyped-call]
-def _read_field(context: Any, builder: Any, bundle: Bundle, address: Any, name: str) -> Any:
-    """Return the value of a field."""
-    number = bundle.kind.fields.index(name)
-    kind, first = bundle.kind[number], sum(map(_size_of, bundle.kind.types[:number]))
-    if isinstance(kind, types.BaseNamedTuple):
-        return builder.add(address, _constant(8 * first))
-    words = builder.inttoptr(address, _WORD.as_pointer())
-    return _read(context, builder, kind, words, count(first))
-
-
-def bundle_at(kind: Any) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the bundle whose words lie there."""
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return args[0]
-
-        return Bundle(kind)(types.int64), generate
-
-    found: Any = at
-    return found
-
-
-def value_at(kind: Any) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the value of this type whose words lie there."""
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            words = builder.inttoptr(args[0], _WORD.as_pointer())
-            return _read(context, builder, kind, words, count())
-
-        return kind(types.int64), generate
-
-    found: Any = at
-    return found
-
-
-def writer_of(wanted: Any) -> Callable[[int, Any], None]:
-    """Return the function ``(address, value)`` that writes the words of a value of this type."""
-
-    @intrinsic
-    def write(typing_context: Any, address: Any, value: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            words, places = builder.inttoptr(args[0], _WORD.as_pointer()), count()
-
-            def store(word: Any) -> None:
-                builder.store(word, builder.gep(words, [_constant(next(places))]))
-
-            def write(value: Any, kind: Any, wanted: Any) -> None:
-                if isinstance(wanted, types.BaseTuple):
-                    inner: Any = wanted
-                    for i, sought in enumerate(inner):
-                        write(builder.extract_value(value, i), kind[i], sought)
-                elif isinstance(wanted, types.Array):
-                    array = context.make_array(kind)(context, builder, value)
-                    store(builder.ptrtoint(array.data, _WORD))
-                    for sizes in (array.shape, array.strides):
-                        for i in range(kind.ndim):
-                            store(builder.extract_value(sizes, i))
-                else:
-                    store(builder.bitcast(context.cast(builder, value, kind, wanted), _WORD))
-
-            write(args[1], value, wanted)
-            return context.get_dummy_value()
-
-        return types.void(types.int64, value), generate
-
-    found: Any = write
-    return found
-
-
-def _array(
-    context: Any, builder: Any, kind: Any, address: Any, shape: list[Any], strides: list[Any]
-) -> Any:
-    """Return an array of memory that somebody else owns."""
-    from numba.np.arrayobj import populate_array  # needed by compiling only, and slow to import
-
-    found = context.make_array(kind)(context, builder)
-    item = context.get_constant(types.intp, context.get_abi_sizeof(found.data.type.pointee))
-    populate_array(  # type: ignore[no-untyped-call]
-        found,
-        data=builder.inttoptr(address, found.data.type),
-        shape=shape,
-        strides=strides,
-        itemsize=item,
-        meminfo=None,
-    )
-    return found._getvalue()
-
-
-def caller_of(kind: Signature) -> Callable[..., Any]:
-    """Return what compiled code calls as ``call(address, (argument, ...))``.
-
-    `kind` is the signature of pieces, in numba's types; arguments are converted to them.
-    """
-
-    @intrinsic
-    def call(typing_context: Any, address: Any, given: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            kinds = [context.get_value_type(argument) for argument in kind.args]
-            function = ir.FunctionType(context.get_value_type(kind.return_type), kinds)
-            values = [
-                context.cast(builder, builder.extract_value(args[1], i), was, wanted)
-                for i, (was, wanted) in enumerate(zip(given.types, kind.args, strict=True))
-            ]
-            found = builder.call(builder.inttoptr(args[0], function.as_pointer()), values)
-            return context.get_dummy_value() if kind.return_type == types.void else found
-
-        return kind.return_type(types.int64, given), generate
-
-    found: Callable[..., Any] = call
-    return found
+    usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
+    for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
+        engine = functools.partial(engine_piece, count, usual, pivot_acceleration, *laws)
+        yield functools.partial(engine, motion=motion)
+    for balls in (1, 2):
+        yield functools.partial(many_piece, balls, usual)
+    yield functools.partial(lanes_piece, usual, pivot_acceleration, *laws, rotation)
+    answers = (False, True)
+    for restoring in (restoring_sine, restoring_linear):
+        for damped, works in product(answers, answers):
+            yield functools.partial(locate_piece, restoring, damped=damped, works=works)
+            for walled, tangents in product(answers, answers):
+                yield functools.partial(
+                    fly_piece, restoring, damped=damped, works=works, walled=walled,
+                    tangents=tangents,
+                )  # fmt: skip
+    for observable in observables:
+        for occasion, name in enumerate(OCCASIONS):
+            formula = getattr(observable, name)
+            if not callable(formula):  # an observable without it, or one that chooses it later
+                continue
+            yield functools.partial(hook_piece, occasion, formula)
+            if occasion == ON_STEP:
+                yield functools.partial(show_piece, formula, *laws)
+            if occasion == ON_TANGENT:
+                yield functools.partial(follow_piece, formula)

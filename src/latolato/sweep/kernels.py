@@ -9,17 +9,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.entry import Job, engine_piece, many_piece
-from latolato.numerics.hooks import hook_table, pieces_of
 from latolato.numerics.integrate import laws_key, write_stepper
-from latolato.numerics.lane_flight import fly_piece, lane_pieces
-from latolato.numerics.lane_locate import locate_piece
-from latolato.numerics.lanes import Task, lanes_piece, make_lane_space
-from latolato.numerics.many import Progress, Scratch, Weights, make_many, make_scratch
-from latolato.numerics.pieces import kind_of, words_of
+from latolato.numerics.many import (
+    Job,
+    Progress,
+    Scratch,
+    Task,
+    Weights,
+    make_lane_space,
+    make_many,
+    make_scratch,
+)
+from latolato.numerics.pieces import (
+    engine_piece,
+    fly_piece,
+    hook_table,
+    lane_pieces,
+    lanes_piece,
+    locate_piece,
+    many_piece,
+    pieces_of,
+    words_of,
+)
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
-from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of, make_watch
+from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch, is_arithmetic, is_smooth
@@ -84,7 +98,8 @@ def run_scalar(
     scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
     job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
-    many, words = many_piece(plan.system.angles, kind_of(job)), np.array(words_of(job))
+    many = many_piece(plan.system.angles, batch.points.stretches.dtype)
+    words = np.array(words_of(job))
     many.call(words.ctypes.data)
     del pieces  # until now their code was called
 
@@ -111,7 +126,7 @@ def run_fastest(
         tangents=bool(hooks[ON_TANGENT]),
     )  # fmt: skip
     locate = locate_piece(system.restoring, damped=damped, works=works)
-    looking = lane_pieces((hooks[ON_STEP], hooks[ON_TANGENT]), *laws_key(system))
+    looking = lane_pieces(hooks, *laws_key(system))
     scratch, pieces = _prepared(plan, batch, stepper)
     space = make_lane_space(
         len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
@@ -122,7 +137,8 @@ def run_fastest(
     stop = never if cancel is None else cancel
     task = Task(order, batch.points, weights, scratch, progress, space, stop)
     laws = drive.acceleration, *laws_key(system), drive.rotation
-    lanes, words = lanes_piece(kind_of(task), *laws), np.array(words_of(task))
+    lanes = lanes_piece(batch.points.stretches.dtype, *laws)
+    words = np.array(words_of(task))
     lanes.call(words.ctypes.data)
     del pieces, looking  # until now their code was called
 
