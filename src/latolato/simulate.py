@@ -19,9 +19,9 @@ from latolato.numerics.integrate import (
     choose_step,
     choose_stepper,
     integrate,
-    observer_of,
+    observe,
 )
-from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, ball_records
+from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
@@ -358,18 +358,13 @@ def _observe(
     balls = ball_records(system.balls)
     pivot = np.empty((len(PIVOT_ROWS), len(times)))
     out = np.empty((len(balls), len(BALL_ROWS), len(times)))
-    observe = observer_of(
-        drive.height,
-        drive.velocity,
-        drive.acceleration,
-        system.restoring,
-        system.potential,
-    )
-    modes = trajectory.samples[records.S_MODE]
-    observe(
-        times, trajectory.samples, modes, stretches, starts, balls, system.gravity, with_lab,
-        pivot, out,
+    samples = trajectory.samples
+    observation = Observation(
+        times, samples[records.S_MODE], samples, stretches, starts, balls, float(system.gravity),
+        int(with_lab), pivot, out,
     )  # fmt: skip
+    laws = drive.height, drive.velocity, drive.acceleration, system.restoring, system.potential
+    observe(observation, *laws)
     found = dict(zip(PIVOT_ROWS, pivot, strict=True))
     found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
     with np.errstate(over="ignore"):  # a linear run may grow beyond all numbers

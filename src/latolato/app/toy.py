@@ -25,13 +25,20 @@ from latolato.numerics.integrate import (
     engine_of,
     initial_states,
     laws_key,
-    observer_of,
+    observe,
     rate_of,
     settings_values,
     step_for,
     write_stepper,
 )
-from latolato.numerics.observe import BALL_ROWS, KINETIC, PIVOT_ROWS, POTENTIAL, ball_records
+from latolato.numerics.observe import (
+    BALL_ROWS,
+    KINETIC,
+    PIVOT_ROWS,
+    POTENTIAL,
+    Observation,
+    ball_records,
+)
 from latolato.numerics.watch import Eyes
 from latolato.physics.contacts import BOTTOM, TOP, NoContact
 from latolato.physics.drives.stages import moved
@@ -110,7 +117,7 @@ class Toy:
         self._stepper = choose_stepper(system)
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
         self._carry_on = engine_of(system.angles, pivot_acceleration, *laws_key(system))
-        self._observe = observer_of(*drive_laws, system.restoring, system.potential)
+        self._laws = *drive_laws, system.restoring, system.potential
         self._runs = np.zeros(1, dtype=run_dtype())
         write_stepper(self._runs, self._stepper)
         self._runs["state"] = initial_states(start.angles, start.velocities)
@@ -382,10 +389,11 @@ class Toy:
                 (self.angles, self.velocities)
             ).ravel()
             samples[records.S_WORK :, 0] = 0.0
-        self._observe(
-            instants, samples, samples[records.S_MODE], self._stretches, self._starts, self._balls,
-            self.system.gravity, False, pivot, out,
+        observation = Observation(
+            instants, samples[records.S_MODE], samples, self._stretches, self._starts, self._balls,
+            float(self.system.gravity), 0, pivot, out,
         )  # fmt: skip
+        observe(observation, *self._laws)
         self.pivot = tuple(map(float, pivot[:, -1]))
         twins = 2.0 if isinstance(self.system, LatoLato) else 1.0
         self.kinetic = twins * float(out[:, KINETIC, -1].sum())

@@ -22,6 +22,7 @@ from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.many import empty_job, make_many
+from latolato.numerics.observe import empty_observation, make_observer
 from latolato.numerics.pieces import ENGINE
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.watch import Eyes
@@ -80,6 +81,26 @@ def make_entry(
         return rows
 
     return engine
+
+
+def make_observer_entry(
+    height: Formula,
+    velocity: Formula,
+    acceleration: Formula,
+    restoring: Formula,
+    potential: Formula,
+    part: Part,
+    *,
+    stretch: np.dtype[Any],
+) -> Callable[[int], None]:
+    """Return the function ``(address)`` that fills an `Observation`."""
+    observation_at = bundle_at(kind_of(empty_observation(stretch)))
+    observe = part(make_observer(height, velocity, acceleration, restoring, potential, part))
+
+    def observer(address: int) -> None:
+        observe(observation_at(address))
+
+    return observer
 
 
 def make_caller(part: Part) -> Callable[..., int]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
+from latolato.numerics.observe import Observation
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
@@ -238,13 +238,15 @@ def engine_of(
     return carry_on
 
 
-@lru_cache(maxsize=64)
-def observer_of(*laws: Law) -> Callable[..., None]:
-    """Return the compiled kernel of `latolato.numerics.observe`."""
-    from latolato.numerics.compiled import compile_kernel
-    from latolato.numerics.observe import make_observer
+def observe(observation: Observation, *laws: Law) -> None:
+    """Fill the pivot's motion and the balls' quantities of an observation.
 
-    return compile_kernel(make_observer, "observe", *laws)
+    Laws are those of `observe.make_observer`.
+    """
+    from latolato.numerics.pieces import observer_piece, words_of
+
+    words = np.array(words_of(observation))
+    observer_piece(observation.stretches.dtype, *laws).call(words.ctypes.data)
 
 
 def make_runs(

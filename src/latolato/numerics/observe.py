@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,6 +41,47 @@ def ball_records(balls: tuple[Ball, ...]) -> Any:
     return np.array([tuple(getattr(b, n) for n in names) for b in balls], dtype=BALL)
 
 
+class Observation(NamedTuple):
+    """What is observed, and where the result goes.
+
+    Attributes
+    ----------
+    times, modes : ndarray, shape (time,)
+    samples : ndarray, shape (SAMPLE_ROWS, time)
+    stretches, starts : ndarray, shape (stretch,)
+        See `records.stretch_records`.
+    balls : ndarray, shape (ball,)
+        See `ball_records`.
+    gravity : float
+        [m/s^2]
+    with_lab : int
+        Whether the laboratory's rows are filled as well.
+    pivot : ndarray, shape (3, time)
+        Rows are `PIVOT_ROWS`.
+    out : ndarray, shape (ball, row, time)
+        Rows are `BALL_ROWS`.
+    """
+
+    times: Any
+    modes: Any
+    samples: Any
+    stretches: Any
+    starts: Any
+    balls: Any
+    gravity: Any
+    with_lab: Any
+    pivot: Any
+    out: Any
+
+
+def empty_observation(stretch: np.dtype[Any]) -> Observation:
+    """Return an observation of nothing."""
+    floats, table = np.zeros(0), np.zeros((1, 0))
+    stretches, balls = np.zeros(0, dtype=stretch), np.zeros(0, dtype=BALL)
+    out = np.zeros((1, 1, 0))
+    return Observation(floats, floats, table, stretches, floats, balls, 0.0, 0, table, out)
+
+
 def make_observer(
     height: Callable[..., float],
     velocity: Callable[..., float],
@@ -49,10 +90,7 @@ def make_observer(
     potential: Callable[..., float],
     part: Part = as_it_stands,
 ) -> Callable[..., None]:
-    """Return the function that fills `pivot` (3, time) and `out` (ball, row, time).
-
-    The laboratory's rows are left alone unless `with_lab`.
-    """
+    """Return the function that fills `pivot` and `out` of an `Observation`."""
 
     @part
     def free(angle: float, speed: float, ay: float, gravity: float, b: Any) -> float:
@@ -61,18 +99,9 @@ def make_observer(
         force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
         return swung(gravity + ay, 1.0 / b.length, restoring(angle)) - force / (b.mass * b.length)
 
-    def observe(
-        times: Any,
-        samples: Any,
-        modes: Any,
-        stretches: Any,
-        starts: Any,
-        balls: Any,
-        gravity: float,
-        with_lab: bool,
-        pivot: Any,
-        out: Any,
-    ) -> None:
+    def observe(o: Any) -> None:
+        times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
+        stretches, starts, gravity, pivot, out = o.stretches, o.starts, o.gravity, o.pivot, o.out
         k = 0
         for i in range(len(times)):
             t = times[i]
@@ -106,7 +135,7 @@ def make_observer(
                 gap = samples[0, i] - samples[2, i]
                 out[0, TENSION, i] += radial_push(torque, b1.length, b2.length, gap)
                 out[1, TENSION, i] += radial_push(torque, b2.length, b1.length, gap)
-            for j in range(len(balls) if with_lab else 0):
+            for j in range(len(balls) if o.with_lab != 0 else 0):
                 b = balls[j]
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
                 sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)

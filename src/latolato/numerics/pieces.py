@@ -128,6 +128,11 @@ def lanes_piece(stretch: np.dtype[Any], *laws: Formula) -> Piece:
     return piece_of(Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),)))
 
 
+def observer_piece(stretch: np.dtype[Any], *laws: Formula) -> Piece:
+    """Return what fills an `observe.Observation`; laws are those of `observe.make_observer`."""
+    return piece_of(Recipe("entry:make_observer_entry", SWEEP, laws, (("stretch", stretch),)))
+
+
 def fly_piece(
     restoring: Formula, *, damped: bool, walled: bool, works: bool, tangents: bool
 ) -> Piece:
@@ -214,8 +219,18 @@ def words_of(value: Any) -> list[int]:
 
 def every_piece(observables: Iterable[type]) -> Iterator[Callable[[], Piece]]:
     """Yield what returns each piece that the package's laws and these observables need."""
-    from latolato.physics.drives.stretch import pivot_acceleration, rotation
-    from latolato.physics.pendulum import potential_sine, restoring_linear, restoring_sine
+    from latolato.physics.drives.stretch import (
+        pivot_acceleration,
+        pivot_height,
+        pivot_velocity,
+        rotation,
+    )
+    from latolato.physics.pendulum import (
+        potential_linear,
+        potential_sine,
+        restoring_linear,
+        restoring_sine,
+    )
 
     usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
@@ -224,6 +239,9 @@ def every_piece(observables: Iterable[type]) -> Iterator[Callable[[], Piece]]:
     for balls in (1, 2):
         yield functools.partial(many_piece, balls, usual)
     yield functools.partial(lanes_piece, usual, pivot_acceleration, *laws, rotation)
+    motion_laws = (pivot_height, pivot_velocity, pivot_acceleration)
+    for pair in (laws, (restoring_linear, potential_linear)):
+        yield functools.partial(observer_piece, usual, *motion_laws, *pair)
     answers = (False, True)
     for restoring in (restoring_sine, restoring_linear):
         for damped, works in product(answers, answers):
