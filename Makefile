@@ -26,15 +26,15 @@ help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 .PHONY: demo
-demo: $(STAMPS)/video ## install, reproduce the paper's figures quickly, print the claims table
+demo: $(STAMPS)/video kernels ## install, reproduce the paper's figures quickly, print the claims table
 	$(BIN)/latolato reproduce --quick
 
 .PHONY: play
-play: $(STAMPS)/app ## install, open the application in the browser
+play: $(STAMPS)/app kernels ## install, open the application in the browser
 	$(BIN)/latolato app
 
 .PHONY: measure
-measure: $(STAMPS)/video ## install, film a swing, track it, fit its damping: into measured/
+measure: $(STAMPS)/video kernels ## install, film a swing, track it, fit its damping: into measured/
 	@mkdir -p measured
 	$(BIN)/latolato synthesise --system pendulum --length "36.3 cm" --mass "108 g" \
 		--damping 0.00274 --initial-angle "30 deg" --duration 10 --output measured/swing.mp4
@@ -44,27 +44,32 @@ measure: $(STAMPS)/video ## install, film a swing, track it, fit its damping: in
 		--plot measured/fit.png
 
 .PHONY: research
-research: $(STAMPS)/video ## install, map 16,281 runs with their stability tongue: into researched/
+research: $(STAMPS)/video kernels ## install, map 16,281 runs with their stability tongue: into researched/
 	@mkdir -p researched
 	$(BIN)/latolato sweep fig03cd --output researched/map.nc
 	$(BIN)/latolato plot researched/map.nc --variable mean_energy --log --overlay tongue \
 		--output researched/map.png
 
+.PHONY: kernels
+kernels: | $(STAMPS)/venv ## compile what latolato computes with, unless it is there
+	@$(BIN)/python -c "import numba" 2>/dev/null || $(PIP) install -q -e .
+	@$(BIN)/python .ci/kernels.py
+
 .PHONY: test
-test: $(STAMPS)/test $(STAMPS)/chromium ## install with test extras, run all tests and the examples in docstrings
+test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run all tests and the examples in docstrings
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src \
 		--ignore tests/smoke $(PYTEST_ARGS)
 
 .PHONY: smoke
-smoke: $(STAMPS)/test $(STAMPS)/chromium ## every preset, example, question and documented command once
+smoke: $(STAMPS)/test $(STAMPS)/chromium kernels ## every preset, example, question and documented command once
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/smoke $(PYTEST_ARGS)
 
 .PHONY: doctest
-doctest: $(STAMPS)/test ## run the examples in docstrings only
+doctest: $(STAMPS)/test kernels ## run the examples in docstrings only
 	$(BIN)/python -m pytest --doctest-modules src $(PYTEST_ARGS)
 
 .PHONY: coverage
-coverage: $(STAMPS)/test ## run the tests and report the lines not reached
+coverage: $(STAMPS)/test kernels ## run the tests and report the lines not reached
 	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
 
 .PHONY: lint
@@ -94,7 +99,7 @@ docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
 .PHONY: bench
-bench: $(STAMPS)/test ## print speeds beside SciPy and heyoka
+bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
 	@for script in benchmarks/*.py; do \
 		echo "== $$script"; $(BIN)/python "$$script" || exit 1; \
 	done

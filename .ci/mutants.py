@@ -24,7 +24,7 @@ from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
 from latolato.cache import cache_directory
-from latolato.numerics.compiled import sources_hash
+from latolato.numerics.sources import sources_hash
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent

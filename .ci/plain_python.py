@@ -19,6 +19,8 @@ import numpy as np
 from latolato.cache import cache_directory
 from latolato.numerics import compiled, integrate
 from latolato.numerics.engine.record import as_objects
+from latolato.numerics.observe import make_observer
+from latolato.numerics.sources import sources_hash
 
 TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
 known = json.loads(TIMES.read_text()) if TIMES.exists() else {}
@@ -30,19 +32,14 @@ hypothesis.settings.register_profile("plain", derandomize=True, deadline=None, m
 
 
 def _folder(cache):
-    is_observable = cache._key.startswith(("on ", "show:", "follow:"))
-    of_mutant = Path("mutants", compiled.sources_hash())
+    is_observable = cache._key.startswith(("hooks:", "lane_flight:make_show", "lane_flight:make_follow"))
+    of_mutant = Path("mutants", sources_hash())
     return cache_directory() / (of_mutant if is_observable else KERNELS)
 
 
-def _plain_kernel(make, name, *laws, **options):
-    function = make(*laws)
-
-    def kernel(*args):
-        with np.errstate(all="ignore"):
-            return function(*map(_readable, args))
-
-    return kernel
+def _observe(observation, *laws):
+    with np.errstate(all="ignore"):
+        make_observer(*laws)(type(observation)(*map(_readable, observation)))
 
 
 def _readable(value):
@@ -55,7 +52,7 @@ if KERNELS:
 else:
     engine_of = integrate.engine_of
     integrate.engine_of = lambda *laws, **given: engine_of(*laws, **{**given, "compiled": False})
-    compiled.compile_kernel = _plain_kernel
+    integrate.observe = _observe
     from latolato.sweep import kernels  # imports what was just replaced
 
     kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)

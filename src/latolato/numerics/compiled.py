@@ -10,7 +10,6 @@ import contextlib
 import functools
 import hashlib
 import pickle
-import sys
 import warnings
 from collections.abc import Callable
 from importlib import import_module
@@ -18,7 +17,6 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-import llvmlite
 import numba
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
@@ -30,7 +28,7 @@ from latolato import cache
 from latolato.numerics.compiler import tell_it_is_there
 from latolato.numerics.linking import link_once
 from latolato.numerics.pieces import Piece, Recipe
-from latolato.numerics.sources import digest_of_sources
+from latolato.numerics.sources import sources_hash
 from latolato.scalar import for_each_formula
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
@@ -44,13 +42,6 @@ def _make_callable(function: Callable[..., Any]) -> None:
 
 for_each_formula(_make_callable)
 tell_it_is_there()
-
-
-@functools.cache
-def sources_hash() -> str:
-    """Return a digest of the kernel layers' sources and of the compiler's version."""
-    text = f"{digest_of_sources()} {numba.__version__} {llvmlite.__version__} {sys.version}"
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
 class _KernelCache(_Cache):
@@ -147,12 +138,12 @@ def _code(code: CodeType) -> bytes:
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract"}}
 
 
-def compile_piece(recipe: Recipe) -> Piece:
-    """Return the piece of a recipe; it allocates nothing."""
+def compile_piece(recipe: Recipe, note: Callable[[str], None] | None = None) -> Piece:
+    """Return the piece of a recipe; it allocates nothing. See `link_once` for `note`."""
     module, _, name = recipe.maker.partition(":")
     maker = getattr(import_module(f"latolato.numerics.{module}"), name)
     make = functools.partial(maker, **dict(recipe.settings))
-    kernel: Any = compile_kernel(make, recipe.key, *recipe.laws, allocates=False)
+    kernel: Any = compile_kernel(make, recipe.key, *recipe.laws, allocates=False, note=note)
     arguments, _ = normalize_signature(recipe.kind)  # type: ignore[no-untyped-call]
     kernel.compile(arguments)
     found = kernel.overloads[arguments]
@@ -165,6 +156,7 @@ def compile_kernel(
     name: str,
     *laws: Callable[..., Any],
     allocates: bool = True,
+    note: Callable[[str], None] | None = None,
 ) -> Callable[..., Any]:
     """Return the kernel that `make` folds from laws, compiled, with a disk cache.
 
@@ -191,6 +183,6 @@ def compile_kernel(
     rename(function)
     dispatcher = numba.njit(**options)(function)
     dispatcher._cache = _KernelCache(function.__name__, key)
-    link_once(dispatcher, parts)
+    link_once(dispatcher, parts, note)
     compiled: Callable[..., Any] = dispatcher
     return compiled

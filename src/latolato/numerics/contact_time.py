@@ -1,7 +1,11 @@
-"""Bracketed Newton search for the instant within a step at which something happens."""
+"""Searches for the instant within a step at which something happens."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+from latolato.numerics.engine.compiling import Part
 from latolato.scalar import formula
 
 # More halvings than a double has bits below a step: a search that needs them has no root.
@@ -34,3 +38,22 @@ def is_located(move: float, slope: float, curvature: float, step: float) -> bool
     if abs(move) <= 4e-16 * step:
         return True
     return abs(curvature) * move * move <= 2e-16 * step * abs(slope) and abs(move) < 1e-3 * step
+
+
+def make_lowest(function: Callable[..., float], part: Part) -> Callable[..., float]:
+    """Return the search for where ``function(run, s, *rest)`` is smallest, by golden section.
+
+    Called as ``lowest(run, begin, end, *rest)``.
+    """
+
+    @part
+    def lowest(run: Any, begin: float, end: float, *rest: Any) -> float:
+        for _ in range(80):
+            left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
+            if function(run, left, *rest) < function(run, right, *rest):
+                end = right
+            else:
+                begin = left
+        return 0.5 * (begin + end)
+
+    return lowest

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from latolato.numerics.addresses import (
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula, laws_of
-from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.loop import Timetable, empty_arguments
 from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.many import empty_job, make_many
@@ -26,25 +26,6 @@ from latolato.numerics.observe import empty_observation, make_observer
 from latolato.numerics.pieces import ENGINE
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.watch import Eyes
-
-
-class Arguments(NamedTuple):
-    """What an engine is given besides the run."""
-
-    timetable: Timetable
-    output: Output
-    eyes: Eyes
-
-
-def example_of(stretch: np.dtype[Any]) -> Arguments:
-    """Return arrays of the kinds that an engine is given, without content."""
-    floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
-    kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
-    return Arguments(
-        Timetable(np.empty(0, dtype=stretch), floats, floats, floats, kicks),
-        Output(floats, table, floats, numbers, table),
-        Eyes(floats, 0, 0),
-    )
 
 
 def make_many_entry(part: Part, *, balls: int, stretch: np.dtype[Any]) -> Callable[[int], None]:
@@ -70,7 +51,10 @@ def make_entry(
     stretch: np.dtype[Any],
 ) -> Callable[..., int]:
     """Return the engine ``(run, stop, most_steps)`` of a motion; `run` is an address."""
-    run_at, arguments_at = record_at(run_dtype(stretch)), bundle_at(kind_of(example_of(stretch)))
+    run_at, arguments_at = (
+        record_at(run_dtype(stretch)),
+        bundle_at(kind_of(empty_arguments(stretch))),
+    )
     laws = laws_of(pivot_acceleration, restoring, potential, part)
     carry_on = part(make_motion(laws, count, make_calling_watch(part), part))
 
@@ -106,7 +90,7 @@ def make_observer_entry(
 def make_caller(part: Part) -> Callable[..., int]:
     """Return what calls the engine whose address is ``run.engine``, as if it were it."""
     call = caller_of(ENGINE)
-    write = writer_of(kind_of(example_of(stretch_dtype())))
+    write = writer_of(kind_of(empty_arguments(stretch_dtype())))
 
     @part
     def carry_on(

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
-from latolato.numerics.engine.loop import Timetable
+from latolato.numerics.engine.loop import Timetable, empty_arguments
 from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
-from latolato.numerics.observe import Observation
+from latolato.numerics.observe import Observation, empty_observation
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
@@ -218,18 +218,19 @@ def engine_of(
             return written
 
         return carry_on_plainly
-    from latolato.numerics.pieces import engine_piece, hook_table, pieces_of, words_of
+    from latolato.numerics.pieces import engine_recipe, hook_table, piece_of, pieces_of, words_of
 
-    piece = engine_piece(count, stretch or records.stretch_dtype(), *laws, motion=motion)
+    piece = piece_of(engine_recipe(count, stretch or records.stretch_dtype(), *laws, motion=motion))
     looking = pieces_of(hooks)
     table = hook_table(looking)
+    example = empty_arguments(stretch or records.stretch_dtype())
 
     def carry_on(
         runs: NDArray[Any], timetable: Timetable, output: Output, eyes: Eyes, stop: float,
         most_steps: int,
     ) -> int:  # fmt: skip
         assert looking is not None  # the code of the pieces must not go while they are called
-        words = words_of((timetable, output, eyes))
+        words = words_of((timetable, output, eyes), example)
         runs["words"][0, : len(words)] = words
         runs["engine"], runs["hooks"] = piece.address, table.ctypes.data
         rows: int = piece.call(runs.ctypes.data, stop, most_steps)
@@ -243,10 +244,11 @@ def observe(observation: Observation, *laws: Law) -> None:
 
     Laws are those of `observe.make_observer`.
     """
-    from latolato.numerics.pieces import observer_piece, words_of
+    from latolato.numerics.pieces import observer_recipe, piece_of, words_of
 
-    words = np.array(words_of(observation))
-    observer_piece(observation.stretches.dtype, *laws).call(words.ctypes.data)
+    stretch = observation.stretches.dtype
+    words = np.array(words_of(observation, empty_observation(stretch)))
+    piece_of(observer_recipe(stretch, *laws)).call(words.ctypes.data)
 
 
 def make_runs(

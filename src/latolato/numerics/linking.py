@@ -8,7 +8,7 @@ kernel gathers what it calls, directly or not, and only then is anything optimis
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -48,12 +48,16 @@ class _Part(JITCodeLibrary):
 class _Kernel(JITCodeLibrary):
     """The code of a kernel, into which all parts are linked."""
 
+    note: Callable[[str], None] | None = None
+
     def finalize(self) -> None:
         """Link all that is called, directly or not, then optimise."""
         for library in _called(self):
             if library is not self:
                 self._final_module.link_in(_code_of(library), preserve=True)
         self._linking_libraries: list[Any] = []
+        if self.note is not None:
+            self.note(str(self._final_module))
         super().finalize()  # type: ignore[no-untyped-call]
 
 
@@ -91,14 +95,19 @@ def _code_of(library: Any) -> Any:
     return JITCodeLibrary._get_module_for_linking(library)  # type: ignore[no-untyped-call]
 
 
-def link_once(dispatcher: Any, parts: list[Any]) -> None:
-    """Let a kernel be linked and optimised once; its parts are given back when it is compiled."""
+def link_once(
+    dispatcher: Any, parts: list[Any], note: Callable[[str], None] | None = None
+) -> None:
+    """Let a kernel be linked and optimised once; its parts are given back when it is compiled.
+
+    `note` is called with all its code, as LLVM's assembly, before anything is optimised.
+    """
     plain, kernel = dispatcher.compile, dispatcher.py_func.__qualname__
 
     def compile(signature: Any) -> Any:
         codegen, typing = dispatcher.targetctx.codegen(), dispatcher.typingctx
         rtsys.initialize(dispatcher.targetctx)  # numba's own code is linked as ever
-        with global_compiler_lock, _libraries(codegen, kernel), _remembered(typing):
+        with global_compiler_lock, _libraries(codegen, kernel, note), _remembered(typing):
             entry = plain(signature)
             for found in dispatcher.overloads.values():
                 found.library._linking_libraries.clear()
@@ -113,11 +122,17 @@ def link_once(dispatcher: Any, parts: list[Any]) -> None:
 
 
 @contextmanager
-def _libraries(codegen: Any, kernel: str) -> Iterator[None]:
+def _libraries(
+    codegen: Any, kernel: str, note: Callable[[str], None] | None
+) -> Iterator[None]:
     """Let numba keep the code of the kernel of that name and of its parts as above."""
 
     def library(codegen: Any, name: str) -> Any:
-        return (_Kernel if name == kernel else _Part)(codegen, name)
+        if name != kernel:
+            return _Part(codegen, name)
+        found = _Kernel(codegen, name)
+        found.note = note
+        return found
 
     library._unserialize = JITCodeLibrary._unserialize  # type: ignore[attr-defined]
     codegen._library_class = library

@@ -99,9 +99,9 @@ SHOW = "void(int64, int64, int64, int64)"
 HOOK = "void(int64, int64, int64, int64)"
 
 
-def engine_piece(
+def engine_recipe(
     count: int, stretch: np.dtype[Any], *laws: Formula, motion: str = "exact"
-) -> Piece:
+) -> Recipe:
     """Return the engine of `count` balls.
 
     Parameters
@@ -114,28 +114,28 @@ def engine_piece(
         One of `trajectory.MOTIONS`.
     """
     settings = ("count", count), ("stretch", stretch)
-    return piece_of(Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings))
+    return Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings)
 
 
-def many_piece(balls: int, stretch: np.dtype[Any]) -> Piece:
+def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
     """Return what runs points of `balls` balls one after the other, by calling pieces."""
     settings = ("balls", balls), ("stretch", stretch)
-    return piece_of(Recipe("entry:make_many_entry", SWEEP, (), settings))
+    return Recipe("entry:make_many_entry", SWEEP, (), settings)
 
 
-def lanes_piece(stretch: np.dtype[Any], *laws: Formula) -> Piece:
+def lanes_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
     """Return what runs points in lanes; laws are those of `lanes.make_lanes`."""
-    return piece_of(Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),)))
+    return Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),))
 
 
-def observer_piece(stretch: np.dtype[Any], *laws: Formula) -> Piece:
+def observer_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
     """Return what fills an `observe.Observation`; laws are those of `observe.make_observer`."""
-    return piece_of(Recipe("entry:make_observer_entry", SWEEP, laws, (("stretch", stretch),)))
+    return Recipe("entry:make_observer_entry", SWEEP, laws, (("stretch", stretch),))
 
 
-def fly_piece(
+def fly_recipe(
     restoring: Formula, *, damped: bool, walled: bool, works: bool, tangents: bool
-) -> Piece:
+) -> Recipe:
     """Return the step of all lanes.
 
     Parameters
@@ -144,28 +144,28 @@ def fly_piece(
         Whether any point has drag, whether any has walls, whether works and matrices are asked for.
     """
     settings = ("damped", damped), ("walled", walled), ("works", works), ("tangents", tangents)
-    return piece_of(Recipe("lane_flight:make_fly", FLY, (restoring,), settings))
+    return Recipe("lane_flight:make_fly", FLY, (restoring,), settings)
 
 
-def locate_piece(restoring: Formula, *, damped: bool, works: bool) -> Piece:
-    """Return what locates all noted impacts of lanes; the flags are those of `fly_piece`."""
+def locate_recipe(restoring: Formula, *, damped: bool, works: bool) -> Recipe:
+    """Return what locates all noted impacts of lanes; the flags are those of `fly_recipe`."""
     settings = ("damped", damped), ("works", works)
-    return piece_of(Recipe("lane_locate:make_locate", LOCATE, (restoring,), settings))
+    return Recipe("lane_locate:make_locate", LOCATE, (restoring,), settings)
 
 
-def show_piece(formula: Formula, restoring: Formula, potential: Formula) -> Piece:
+def show_recipe(formula: Formula, restoring: Formula, potential: Formula) -> Recipe:
     """Return what shows an observable the step of every lane."""
-    return piece_of(Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential)))
+    return Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential))
 
 
-def follow_piece(formula: Formula) -> Piece:
+def follow_recipe(formula: Formula) -> Recipe:
     """Return what shows an observable the matrix of every lane's step."""
-    return piece_of(Recipe("lane_flight:make_follow", SHOW, (formula,)))
+    return Recipe("lane_flight:make_follow", SHOW, (formula,))
 
 
-def hook_piece(occasion: int, formula: Formula) -> Piece:
+def hook_recipe(occasion: int, formula: Formula) -> Recipe:
     """Return what calls the formula of an observable on an occasion."""
-    return piece_of(Recipe("hooks:make_hook", HOOK, (formula,), (("occasion", occasion),)))
+    return Recipe("hooks:make_hook", HOOK, (formula,), (("occasion", occasion),))
 
 
 def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int64]:
@@ -187,38 +187,51 @@ def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int6
 def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
     """Return for each occasion the pieces of `watch.hooks_of` with their first slots."""
     return [
-        [(first, hook_piece(occasion, formula)) for first, formula in found]
+        [(first, piece_of(hook_recipe(occasion, formula))) for first, formula in found]
         for occasion, found in enumerate(hooks)
     ]
 
 
-def lane_pieces(
-    hooks: tuple[Hooks, ...], restoring: Formula, potential: Formula
-) -> list[list[tuple[int, Piece]]]:
-    """Return the pieces that show steps and matrices of lanes, with their first slots."""
+def lane_pieces(hooks: tuple[Hooks, ...], *laws: Formula) -> list[list[tuple[int, Piece]]]:
+    """Return the pieces that show steps and matrices of lanes, with their first slots.
+
+    Laws are the restoring factor and its potential.
+    """
     return [
-        [(first, show_piece(formula, restoring, potential)) for first, formula in hooks[ON_STEP]],
-        [(first, follow_piece(formula)) for first, formula in hooks[ON_TANGENT]],
+        [(first, piece_of(show_recipe(shown, *laws))) for first, shown in hooks[ON_STEP]],
+        [(first, piece_of(follow_recipe(shown))) for first, shown in hooks[ON_TANGENT]],
     ]
 
 
-def words_of(value: Any) -> list[int]:
+def words_of(value: Any, example: Any) -> list[int]:
     """Return the words of a value, from which compiled code reads it; see `addresses.Bundle`.
 
     A value is a number, an array, or a tuple of values. An array's words are its address, its
     shape and its strides.
+
+    Raises
+    ------
+    TypeError
+        If an array is not of the kind that it has in `example`, for which the code was compiled.
     """
     if isinstance(value, tuple):
-        return [word for part in value for word in words_of(part)]
+        pairs = zip(value, example, strict=True)
+        return [word for part, like in pairs for word in words_of(part, like)]
     if isinstance(value, np.ndarray):
+        is_contiguous = value.flags.c_contiguous or not example.flags.c_contiguous
+        if value.dtype != example.dtype or value.ndim != example.ndim or not is_contiguous:
+            raise TypeError(
+                f"compiled code expects a contiguous array of {example.dtype} in {example.ndim} "
+                f"dimensions, not one of {value.dtype} in {value.ndim} with strides {value.strides}"
+            )
         return [value.ctypes.data, *value.shape, *value.strides]
     if isinstance(value, float):
         return list(struct.unpack("q", struct.pack("d", value)))
     return [int(value)]
 
 
-def every_piece(observables: Iterable[type]) -> Iterator[Callable[[], Piece]]:
-    """Yield what returns each piece that the package's laws and these observables need."""
+def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
+    """Yield each piece that the package's laws and these kinds of observables need."""
     from latolato.physics.drives.stretch import (
         pivot_acceleration,
         pivot_height,
@@ -234,30 +247,27 @@ def every_piece(observables: Iterable[type]) -> Iterator[Callable[[], Piece]]:
 
     usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
-        engine = functools.partial(engine_piece, count, usual, pivot_acceleration, *laws)
-        yield functools.partial(engine, motion=motion)
+        yield engine_recipe(count, usual, pivot_acceleration, *laws, motion=motion)
     for balls in (1, 2):
-        yield functools.partial(many_piece, balls, usual)
-    yield functools.partial(lanes_piece, usual, pivot_acceleration, *laws, rotation)
-    motion_laws = (pivot_height, pivot_velocity, pivot_acceleration)
+        yield many_recipe(balls, usual)
+    yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)
     for pair in (laws, (restoring_linear, potential_linear)):
-        yield functools.partial(observer_piece, usual, *motion_laws, *pair)
+        yield observer_recipe(usual, pivot_height, pivot_velocity, pivot_acceleration, *pair)
     answers = (False, True)
     for restoring in (restoring_sine, restoring_linear):
         for damped, works in product(answers, answers):
-            yield functools.partial(locate_piece, restoring, damped=damped, works=works)
+            yield locate_recipe(restoring, damped=damped, works=works)
             for walled, tangents in product(answers, answers):
-                yield functools.partial(
-                    fly_piece, restoring, damped=damped, works=works, walled=walled,
-                    tangents=tangents,
-                )  # fmt: skip
+                yield fly_recipe(
+                    restoring, damped=damped, works=works, walled=walled, tangents=tangents
+                )
     for observable in observables:
         for occasion, name in enumerate(OCCASIONS):
             formula = getattr(observable, name)
-            if not callable(formula):  # an observable without it, or one that chooses it later
+            if formula is None:
                 continue
-            yield functools.partial(hook_piece, occasion, formula)
+            yield hook_recipe(occasion, formula)
             if occasion == ON_STEP:
-                yield functools.partial(show_piece, formula, *laws)
+                yield show_recipe(formula, *laws)
             if occasion == ON_TANGENT:
-                yield functools.partial(follow_piece, formula)
+                yield follow_recipe(formula)

@@ -1,9 +1,11 @@
-"""A digest of the sources that compiled code is made of."""
+"""Digests of the sources that compiled code is made of."""
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import sys
+from importlib.metadata import version
 from pathlib import Path
 
 _LAYERS = ("scalar.py", "physics", "observables", "numerics")
@@ -19,3 +21,10 @@ def digest_of_sources() -> str:
         for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             digest.update(file.read_bytes())
     return digest.hexdigest()[:24]
+
+
+@functools.cache
+def sources_hash() -> str:
+    """Return a digest of the kernel layers' sources and of the compiler's version."""
+    text = f"{digest_of_sources()} {version('numba')} {version('llvmlite')} {sys.version}"
+    return hashlib.sha256(text.encode()).hexdigest()[:24]

@@ -16,18 +16,21 @@ from latolato.numerics.many import (
     Scratch,
     Task,
     Weights,
+    empty_job,
+    empty_task,
     make_lane_space,
     make_many,
     make_scratch,
 )
 from latolato.numerics.pieces import (
-    engine_piece,
-    fly_piece,
+    engine_recipe,
+    fly_recipe,
     hook_table,
     lane_pieces,
-    lanes_piece,
-    locate_piece,
-    many_piece,
+    lanes_recipe,
+    locate_recipe,
+    many_recipe,
+    piece_of,
     pieces_of,
     words_of,
 )
@@ -51,10 +54,10 @@ def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
 def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
     """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
     stretch = batch.points.stretches.dtype
-    engine = engine_piece(
+    engine = piece_of(engine_recipe(
         plan.system.angles, stretch, plan.drive.acceleration, *laws_key(plan.system),
         motion=plan.contact.motion,
-    )  # fmt: skip
+    ))  # fmt: skip
     looking = pieces_of(hooks_of(plan.observables))
     table = hook_table(looking)
     scratch = make_scratch(stretch)
@@ -98,8 +101,8 @@ def run_scalar(
     scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
     job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
-    many = many_piece(plan.system.angles, batch.points.stretches.dtype)
-    words = np.array(words_of(job))
+    many = piece_of(many_recipe(plan.system.angles, batch.points.stretches.dtype))
+    words = np.array(words_of(job, empty_job(batch.points.stretches.dtype)))
     many.call(words.ctypes.data)
     del pieces  # until now their code was called
 
@@ -120,12 +123,12 @@ def run_fastest(
     system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
     damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
-    fly = fly_piece(
+    fly = piece_of(fly_recipe(
         system.restoring, damped=damped,
         walled=system.has_contacts and plan.contact.meets, works=works,
         tangents=bool(hooks[ON_TANGENT]),
-    )  # fmt: skip
-    locate = locate_piece(system.restoring, damped=damped, works=works)
+    ))  # fmt: skip
+    locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
     looking = lane_pieces(hooks, *laws_key(system))
     scratch, pieces = _prepared(plan, batch, stepper)
     space = make_lane_space(
@@ -137,8 +140,8 @@ def run_fastest(
     stop = never if cancel is None else cancel
     task = Task(order, batch.points, weights, scratch, progress, space, stop)
     laws = drive.acceleration, *laws_key(system), drive.rotation
-    lanes = lanes_piece(batch.points.stretches.dtype, *laws)
-    words = np.array(words_of(task))
+    lanes = piece_of(lanes_recipe(batch.points.stretches.dtype, *laws))
+    words = np.array(words_of(task, empty_task(batch.points.stretches.dtype)))
     lanes.call(words.ctypes.data)
     del pieces, looking  # until now their code was called
 

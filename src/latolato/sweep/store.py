@@ -22,7 +22,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.files import atomic_path, checked_path
-from latolato.numerics.compiled import sources_hash
+from latolato.numerics.sources import sources_hash
 from latolato.observables import observables
 from latolato.sweep import lock
 from latolato.sweep.chunk import STATUS, Values, status_counts

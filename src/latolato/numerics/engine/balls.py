@@ -13,6 +13,7 @@ from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
+from latolato.scalar import formula
 
 # What a search looks for.
 GAP, RATE = 0, 1
@@ -34,6 +35,13 @@ class Balls(NamedTuple):
     energy: Callable[..., float]
     plan_length: Callable[..., None]
     shorten: Callable[..., None]
+
+
+@formula
+def share_of(run: Any) -> float:
+    """Return the first ball's share of the inertia of two."""
+    share: float = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
+    return share
 
 
 def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) -> Balls:
@@ -65,7 +73,7 @@ def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) 
     def separate(run: Any, points: Any, angle: float, velocity: float) -> None:
         """Widen the gap and its rate, with the mean angle and the angular momentum kept."""
         if two:
-            share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
+            share = share_of(run)
             points[0].angle += 0.5 * angle
             points[1].angle -= 0.5 * angle
             points[0].velocity += (1.0 - share) * velocity

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.bounce import meet_wall
-from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.record import (
@@ -66,11 +66,6 @@ def make_events(
     """Return the events of `count` balls under exact contact."""
     two = count == 2
     lasting = JOINT if two else REST
-
-    @part
-    def share_of(run: Any) -> float:
-        """Return the first ball's share of the inertia."""
-        return run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
 
     @part
     def write_row(run: Any, output: Output, kind: int, before_1: float, before_2: float) -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.numerics.contact_time import make_lowest
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import Swing
@@ -47,7 +48,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     pivot_acceleration, restoring = laws.pivot_acceleration, laws.restoring
 
     @part
-    def hold(run: Any, ball: int, side: float, t: float, angle: float) -> float:
+    def hold(run: Any, t: float, ball: int, side: float, angle: float) -> float:
         """Return how far [rad/s^2] the ball is from moving; negative once it does.
 
         `side` is that of the wall, or 0 where only friction holds the ball.
@@ -55,18 +56,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         free, friction = swing.free(run, ball, t, angle), run.bodies[ball].coulomb
         return friction - abs(free) if side == 0.0 else friction + side * free
 
-    @part
-    def bottom_of(
-        run: Any, ball: int, side: float, angle: float, begin: float, end: float
-    ) -> float:
-        """Return where the hold is smallest, by golden section."""
-        for _ in range(80):
-            left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
-            if hold(run, ball, side, left, angle) < hold(run, ball, side, right, angle):
-                end = right
-            else:
-                begin = left
-        return 0.5 * (begin + end)
+    find_lowest = make_lowest(hold, part)
 
     @part
     def release_time(
@@ -76,7 +66,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
 
         The hold is sampled four times a step; a dip between samples is followed to its bottom.
         """
-        old = hold(run, ball, side, begin, angle)
+        old = hold(run, begin, ball, side, angle)
         if old < 0.0:
             return begin
         gravity, bound = run.settings.gravity, run.settings.pivot_bound
@@ -91,7 +81,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         older, old_t = math.inf, begin
         for i in range(1, math.ceil((goal - begin) / dt) + 1):
             now_t = min(begin + i * dt, goal)
-            now = hold(run, ball, side, now_t, angle)
+            now = hold(run, now_t, ball, side, angle)
             low, high = old_t, now_t
             if now >= 0.0:
                 # The parabola through three samples tells how deep a dip between them can be.
@@ -101,8 +91,8 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
                     dips = bottom <= 0.02 * (now + older)
                 if dips:
                     low = old_t - dt
-                    high = bottom_of(run, ball, side, angle, low, now_t)
-                    dips = hold(run, ball, side, high, angle) < 0.0
+                    high = find_lowest(run, low, now_t, ball, side, angle)
+                    dips = hold(run, high, ball, side, angle) < 0.0
                 if not dips:
                     older, old, old_t = old, now, now_t
                     continue
@@ -110,7 +100,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
                 middle = 0.5 * (low + high)
                 if middle <= low or middle >= high:
                     break
-                if hold(run, ball, side, middle, angle) < 0.0:
+                if hold(run, middle, ball, side, angle) < 0.0:
                     high = middle
                 else:
                     low = middle

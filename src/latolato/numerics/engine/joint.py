@@ -9,8 +9,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.contact_time import MOST_TRIALS
-from latolato.numerics.engine.balls import Balls
+from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
+from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.held import add_slack
 from latolato.numerics.engine.laws import Laws
@@ -83,6 +83,8 @@ def make_joint(
             pressed = min(pressed, run.bodies[body].coulomb - slip)
         return pressed
 
+    find_lowest = make_lowest(margin, part)
+
     @part
     def dip(run: Any, length: float, last: float) -> float:
         """Return when the margin is negative though it is not at the ends, or the length.
@@ -95,14 +97,7 @@ def make_joint(
             lowest = middle - 0.125 * (last - first) ** 2 / bend
         if lowest > 0.02 * (first + last):
             return length
-        begin, end = 0.0, length
-        for _ in range(80):  # golden section
-            left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
-            if margin(run, left) < margin(run, right):
-                end = right
-            else:
-                begin = left
-        s = 0.5 * (begin + end)
+        s = find_lowest(run, 0.0, length)
         return s if margin(run, s) < 0.0 else length
 
     @part
@@ -194,10 +189,9 @@ def make_joint(
             a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])
             look.step(run, eyes, i, a0, a1, 1.0)
         if look.sees_matrices(run):
-            share = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
             swing.prepare(run, body, _TABLE, run.length)
             matrix = swing.tangent(run, body, _TABLE, begin)
-            write_joint_matrix(run.jacobian, share, matrix)
+            write_joint_matrix(run.jacobian, share_of(run), matrix)
             look.matrix(run, eyes, 4, run.length, -math.inf)
 
     functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from latolato.numerics.engine.balls import Balls, make_balls
 from latolato.numerics.engine.book import follow_ledger, write_sample
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
@@ -42,6 +44,25 @@ class Timetable(NamedTuple):
     jumps: Any  # of the pivot's velocity [m/s]
     kick_times: Any
     kick_sizes: Any  # rad/s, shape (ball, kick)
+
+
+class Arguments(NamedTuple):
+    """What an engine is given besides the run."""
+
+    timetable: Timetable
+    output: Output
+    eyes: Eyes
+
+
+def empty_arguments(stretch: np.dtype[Any]) -> Arguments:
+    """Return arrays of the kinds that an engine is given, without content."""
+    floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
+    kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
+    return Arguments(
+        Timetable(np.empty(0, dtype=stretch), floats, floats, floats, kicks),
+        Output(floats, table, floats, numbers, table),
+        Eyes(floats, 0, 0),
+    )
 
 
 class Kit(NamedTuple):

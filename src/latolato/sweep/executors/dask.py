@@ -13,7 +13,7 @@ from itertools import islice
 from typing import Any
 
 from latolato.errors import InputError, import_extra
-from latolato.numerics.compiled import sources_hash
+from latolato.numerics.sources import sources_hash
 from latolato.registry import checked_count
 from latolato.sweep.chunk import Values, run_chunk
 from latolato.sweep.executors.threads import available_processors
