@@ -32,7 +32,8 @@ hypothesis.settings.register_profile("plain", derandomize=True, deadline=None, m
 
 
 def _folder(cache):
-    is_observable = cache._key.startswith(("hooks:", "lane_flight:make_show", "lane_flight:make_follow"))
+    observables = "hooks:", "lane_flight:make_show", "lane_flight:make_follow"
+    is_observable = cache._key.startswith(observables)
     of_mutant = Path("mutants", sources_hash())
     return cache_directory() / (of_mutant if is_observable else KERNELS)
 

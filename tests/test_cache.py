@@ -254,31 +254,42 @@ def test_what_many_write_at_once_is_read_whole_or_not_at_all(folder):
 
 @pytest.fixture
 def damaged(tmp_path, monkeypatch):
-    """A cache with the kernels of a run, every one of them empty."""
+    """A cache with the machine code of a run, every file of it empty."""
     from latolato.scenario import load_scenario
 
     load_scenario("zeno").record()
-    kept = cache.cache_directory() / compiled.sources_hash()
     folder = tmp_path / "damaged"
-    folder.mkdir(mode=0o700)
-    shutil.copytree(kept, folder / kept.name)
-    files = list(folder.rglob("*.kernel"))
+    shutil.copytree(cache.cache_directory() / "shipped", folder / "shipped")
+    for each in (folder, folder / "shipped"):
+        each.chmod(0o700)
+    files = list(folder.rglob("*.o"))
     assert files
     for file in files:
         file.write_bytes(b"")
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
+    return folder
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("damaged")
-def test_the_command_line_warns_of_damaged_kernels_in_one_line():
+def test_damaged_machine_code_is_made_again(damaged):
     command = [sys.executable, "-m", "latolato", "simulate", "zeno"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "complete" in done.stdout
+    assert "warning" not in done.stderr
+    assert any(file.stat().st_size > 1000 for file in damaged.rglob("*.o"))
+
+
+@pytest.mark.slow
+def test_the_command_line_warns_in_one_line_that_nothing_can_be_kept(tmp_path, monkeypatch):
+    file = tmp_path / "file"
+    file.touch()
+    monkeypatch.setenv("LATOLATO_CACHE_DIR", str(file))
+    command = [sys.executable, "-m", "latolato", "simulate", "zeno"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
     (line,) = [line for line in done.stderr.splitlines() if "warning" in line]
-    assert line.startswith("latolato: warning: ")
-    assert "checksum" in line
+    assert line.startswith("latolato: warning: machine code cannot be kept")
 
 
 @pytest.mark.slow

@@ -129,8 +129,8 @@ def _libraries(
 
     def library(codegen: Any, name: str) -> Any:
         if name != kernel:
-            return _Part(codegen, name)
-        found = _Kernel(codegen, name)
+            return _Part(codegen, name)  # type: ignore[no-untyped-call]
+        found = _Kernel(codegen, name)  # type: ignore[no-untyped-call]
         found.note = note
         return found
 

@@ -28,7 +28,7 @@ _TYPES = {"void": None, "int64": ctypes.c_int64, "float64": ctypes.c_double}
 
 
 class Machine(NamedTuple):
-    """This processor: LLVM's target, an engine that holds its code, a text that identifies it."""
+    """A processor: LLVM's target, an engine that holds its code, and a text that identifies it."""
 
     target: Any
     engine: Any
@@ -50,7 +50,7 @@ def load(key: str, kind: str) -> Piece | None:
         with zipfile.ZipFile(ARCHIVE) as archive:
             address = _address(names[key], archive.read(names[key]))
     except (OSError, RuntimeError, zipfile.BadZipFile) as error:
-        _warn(str(error) or type(error).__name__)
+        _cannot_be_used(str(error) or type(error).__name__)
         return None
     returned, *taken = kind.replace("(", ",").rstrip(")").split(",")
     types: list[Any] = [_TYPES[name.strip()] for name in (returned, *taken)]
@@ -69,28 +69,31 @@ def _names() -> dict[str, str]:
     except FileNotFoundError:
         return {}
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        _warn(f"{ARCHIVE.name}: {error}")
+        _cannot_be_used(f"{ARCHIVE.name}: {error}")
         return {}
     if about["sources"] != digest_of_sources():  # they were edited
         return {}
     _this_machine()  # from then on LLVM knows the functions of this process
     missing = [name for name in about["calls"] if not llvm.address_of_symbol(name)]
     if missing:
-        _warn(f"this process has no {', '.join(missing)}")
+        _cannot_be_used(f"this process has no {', '.join(missing)}")
         return {}
     names: dict[str, str] = about["pieces"]
     return names
 
 
-@functools.cache
-def _warn(reason: str) -> None:
+def _cannot_be_used(reason: str) -> None:
     """Say once why numba compiles."""
-    warnings.warn(
-        f"the compiled code that comes with latolato cannot be used here ({reason}), so numba "
-        "compiles it, which takes up to a minute once",
-        RuntimeWarning,
-        stacklevel=2,
+    _warn(
+        "the compiled code that comes with latolato cannot be used here "
+        f"({' '.join(reason.split())}), so numba compiles it, which takes up to a minute once"
     )
+
+
+@functools.cache
+def _warn(message: str) -> None:
+    """Warn once in a process."""
+    warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 @functools.cache
@@ -124,7 +127,7 @@ def _address(name: str, bitcode: bytes) -> int:
 def machine_code(bitcode: bytes, target: Any) -> bytes:
     """Return a piece as an object file for a target machine of LLVM."""
     module = llvm.parse_bitcode(bitcode)
-    module.triple = target.triple
+    module.triple, module.data_layout = target.triple, str(target.target_data)
     tuning = llvm.create_pipeline_tuning_options(3)
     tuning.loop_vectorization = tuning.slp_vectorization = True
     builder = llvm.create_pass_builder(target, tuning)
@@ -146,9 +149,7 @@ def _keep(path: Path, code: bytes) -> None:
     try:
         cache.write(cache.cache_directory() / path, code)
     except OSError as error:
-        warnings.warn(
+        _warn(
             f"machine code cannot be kept ({error.strerror or error}), so every process makes it "
-            "again; set LATOLATO_CACHE_DIR to a folder that only you can write to",
-            RuntimeWarning,
-            stacklevel=2,
+            "again; set LATOLATO_CACHE_DIR to a folder that only you can write to"
         )

@@ -1,0 +1,220 @@
+"""The compiled pieces that come with the package."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato import cache
+from latolato.numerics import pieces, shipped
+from latolato.observables import Observable
+
+# Every kind of system, drive, contact and observable, and a question; prints what was imported.
+EVERYTHING = """
+import json, sys
+import numpy as np
+import latolato as ll
+body = dict(length=1.0, mass=0.8)
+ball = ll.Ball(**body, radius=0.1, damping=0.02)
+harmonic = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
+crank = dict(drive_amplitude=0.1, drive_frequency=6.26, connecting_rod_length=0.4)
+times = np.linspace(0.0, 6.0, 30)
+drives = [
+    None, ll.Static(), harmonic, ll.CrankSlider(**crank),
+    ll.Chirp(drive_amplitude=0.1, drive_frequency=3.0, drive_frequency_final=9.0, sweep_time=5.0),
+    ll.MeasuredPivot(times=times, pivot_heights=0.1 * np.sin(6.0 * times)),
+]
+systems = [
+    ll.Pendulum(**body), ll.Pendulum(**body, quadratic_damping=0.1, coulomb_damping=0.05),
+    ll.Mathieu(**body), ll.LatoLato(**body, radius=0.1, restitution=0.9),
+    ll.BallPair(right=ball, left=ball, restitution=0.9),
+]
+for system in systems:
+    for drive in drives:
+        start = (0.5, -0.4) if system.angles == 2 else 0.5
+        ll.simulate(system, drive, initial_angle=start, duration=5.0)
+toy = systems[3]
+ll.simulate(toy, harmonic, initial_angle=0.5, duration=5.0, contact=ll.Clamp(step=1e-3))
+axes = {"drive_amplitude": np.linspace(0.05, 0.3, 3), "drive_frequency": np.linspace(2.0, 9.0, 3)}
+for system in systems[:4]:
+    for name in sys.argv[1:]:
+        ll.sweep(system, harmonic, axes=axes, observables=[name], duration=5.0, initial_angle=0.5)
+ll.sweep(
+    systems[4], harmonic, axes=axes, observables=["transverse_exponent", "mean_energy"],
+    duration=5.0, initial_angle=(0.5, -0.5),
+)
+ll.analysis.floquet(systems[0], harmonic, initial_angle=0.0)
+ll.analysis.lyapunov_spectrum(toy, harmonic, initial_angle=0.5, duration=5.0)
+print(json.dumps("numba" in sys.modules))
+"""
+
+
+def kinds(kind: type = Observable) -> list[type]:
+    """Return every observable of the package."""
+    found = [each for each in kind.__subclasses__() if each.__module__.startswith("latolato.")]
+    return [one for each in found for one in (each, *kinds(each))]
+
+
+@pytest.fixture
+def forgotten(monkeypatch, tmp_path):
+    """A process that has no piece yet, and an empty cache folder."""
+    folder = tmp_path / "cache"
+    folder.mkdir(mode=0o700)
+    monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
+    known = pieces._made, shipped._names, shipped._warn
+    for function in known:
+        function.cache_clear()
+    yield folder
+    for function in known:
+        function.cache_clear()
+
+
+def engine() -> tuple[str, str]:
+    """Return key and kind of the engine of one ball."""
+    recipe = next(pieces.every_recipe([]))
+    return recipe.key, recipe.kind
+
+
+def test_every_piece_is_there():
+    """`make kernels` was run, and nothing was edited since."""
+    recipes = list(pieces.every_recipe(kinds()))
+    assert len(recipes) > 50
+    assert {recipe.key for recipe in recipes} == set(shipped._names())
+
+
+def test_what_comes_with_the_package_never_imports_numba(tmp_path):
+    from latolato.observables.base import observables
+
+    names = [name for name in observables if name != "transverse_exponent"]
+    done = subprocess.run(
+        [sys.executable, "-c", EVERYTHING, *names],
+        env={**os.environ, "LATOLATO_CACHE_DIR": str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) is False
+    assert not list(tmp_path.rglob("*.kernel"))
+
+
+def runs(count: int) -> list[list[float]]:
+    """Return ends and ledgers of random runs of all kinds."""
+    random, found = np.random.default_rng(16), []
+    for number in range(count):
+        body = {"length": random.uniform(0.3, 2.0), "mass": random.uniform(0.1, 1.0)}
+        body["damping"] = random.choice([0.0, 0.05])
+        body["coulomb_damping"] = random.choice([0.0, 0.0, 0.1])
+        drive = ll.Harmonic(
+            drive_amplitude=random.uniform(0.0, 0.4), drive_frequency=random.uniform(1.0, 12.0)
+        )
+        ball, other = ll.Ball(**body, radius=0.1), ll.Ball(**{**body, "mass": 0.5}, radius=0.1)
+        restitution = random.uniform(0.5, 1.0)
+        system = (
+            ll.Pendulum(**body),
+            ll.LatoLato(**body, radius=0.1, restitution=restitution),
+            ll.BallPair(right=ball, left=other, restitution=restitution),
+        )[number % 3]
+        angle = random.uniform(0.4, 0.9)
+        start = (angle, -0.4) if system.angles == 2 else angle
+        run = ll.simulate(system, drive, initial_angle=start, duration=4.0)
+        ends = [run[name].values.ravel()[-1] for name in ("angle", "drive_work", "tension")]
+        found.append([*map(float, ends), run.attrs["contacts"]])
+    return found
+
+
+@pytest.mark.slow
+def test_numba_computes_the_same(forgotten, monkeypatch):
+    as_shipped = np.array(runs(60))
+    pieces._made.cache_clear()
+    monkeypatch.setattr(shipped, "load", lambda key, kind: None)
+    assert list(forgotten.rglob("*.o"))
+    np.testing.assert_allclose(np.array(runs(60)), as_shipped, rtol=1e-7, atol=1e-9)
+    assert list(forgotten.rglob("*.kernel"))
+
+
+def test_machine_code_is_kept_and_checked(forgotten):
+    assert shipped.load(*engine()).address != 0
+    (file,) = forgotten.rglob("*.o")
+    made = file.stat().st_mtime_ns
+    assert shipped.load(*engine()).address != 0
+    assert file.stat().st_mtime_ns == made
+    content = cache.read(file)
+    file.write_bytes(file.read_bytes()[:-1] + b"?")
+    assert shipped.load(*engine()).address != 0
+    assert cache.read(file) == content
+
+
+def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):
+    monkeypatch.setattr(shipped, "digest_of_sources", lambda: "edited")
+    assert shipped.load(*engine()) is None
+    monkeypatch.undo()
+    monkeypatch.setattr(shipped, "ARCHIVE", forgotten / "none.zip")
+    shipped._names.cache_clear()
+    assert shipped.load(*engine()) is None
+
+
+def archive(folder: Path, **changes: object) -> Path:
+    """Return a copy of the package's pieces with another description, or of a damaged piece."""
+    with zipfile.ZipFile(shipped.ARCHIVE) as given:
+        about = json.loads(given.read("about.json"))
+        code = given.read(about["pieces"][engine()[0]])
+    content = {"about.json": json.dumps({**about, **changes}).encode()}
+    content[about["pieces"][engine()[0]]] = code[: len(code) // 2] if not changes else code
+    copy = folder / "copy.zip"
+    with zipfile.ZipFile(copy, "w") as written:
+        for name, data in content.items():
+            written.writestr(name, data)
+    return copy
+
+
+@pytest.mark.parametrize(
+    "trouble, reason", [("cut", "zip"), ("calls", "no_such_function"), ("damaged", "bitcode")]
+)
+def test_what_cannot_be_used_is_said_once(forgotten, monkeypatch, tmp_path, trouble, reason):
+    if trouble == "cut":
+        copy = tmp_path / "cut.zip"
+        copy.write_bytes(shipped.ARCHIVE.read_bytes()[:5000])
+    elif trouble == "calls":
+        copy = archive(tmp_path, calls=["sqrt", "no_such_function"])
+    else:
+        copy = archive(tmp_path)
+    monkeypatch.setattr(shipped, "ARCHIVE", copy)
+    words = f"cannot be used here.*{reason}.*numba compiles it"
+    with pytest.warns(RuntimeWarning, match=words) as told:
+        found = [shipped.load(*engine()) for _ in range(2)]
+    assert found == [None, None]
+    assert len(told) == 1
+
+
+# The first bytes of an object file: of ELF, Mach-O and COFF, then the processor.
+@pytest.mark.parametrize(
+    "triple, first, at, processor",
+    [
+        ("aarch64-unknown-linux-gnu", b"\x7fELF", 18, 183),
+        ("x86_64-apple-macosx11", b"\xcf\xfa\xed\xfe", 4, 7),
+        ("arm64-apple-macosx11", b"\xcf\xfa\xed\xfe", 4, 12),
+        ("x86_64-pc-windows-msvc", b"\x64\x86", 0, 0x8664),
+    ],
+)
+def test_other_platforms_get_their_machine_code(triple, first, at, processor):
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(triple).create_target_machine(opt=3)
+    with zipfile.ZipFile(shipped.ARCHIVE) as given:
+        about = json.loads(given.read("about.json"))
+        names = list(about["pieces"].values())
+        for name in (names[0], names[1], names[5], names[-1]):
+            code = shipped.machine_code(given.read(name), target)
+            assert code.startswith(first)
+            assert int.from_bytes(code[at : at + 2], "little") == processor
+            assert name.encode() in code
