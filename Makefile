@@ -90,7 +90,7 @@ lowest: $(STAMPS)/test ## try the lowest versions of the packages that pyproject
 	$(BIN)/python .ci/lowest.py
 
 .PHONY: mutants
-mutants: $(STAMPS)/mutants ## try thirty mutants of the sources on the tests; SEED=2 for others
+mutants: $(STAMPS)/mutants kernels ## try thirty mutants of the sources on the tests; SEED=2 for others
 	$(BIN)/python .ci/mutants.py $(SEED)
 
 .PHONY: docs

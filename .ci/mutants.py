@@ -24,7 +24,7 @@ from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
 from latolato.cache import cache_directory
-from latolato.numerics.sources import sources_hash
+from latolato.numerics.sources import digest_of_sources
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -77,7 +77,7 @@ def run_tests(group: dict[str, Any], folder: Path) -> str:
         "PYTHONDONTWRITEBYTECODE": "1",  # two mutants may be of one size and one second
         "TIMES": str(times),
         "LONGEST": str(group["longest"]),
-        "KERNELS": sources_hash() if group["is_compiled"] else "",
+        "KERNELS": digest_of_sources() if group["is_compiled"] else "",
     }
     options = ["-p", "plain_python", "-p", "no:cacheprovider", "-p", "no:xdist", "-q", "--tb=no"]
     stop = ["-x"] if times.exists() else []
