@@ -13,6 +13,7 @@ import xarray as xr
 import latolato as ll
 from latolato.errors import InputError
 from latolato.files import SUFFIXES, atomic_path, load, save
+from latolato.simulate import record
 from latolato.sweep.plan import make_plan
 from latolato.sweep.results import Memory
 
@@ -66,6 +67,28 @@ def test_a_saved_run_comes_back_to_the_last_bit(run, tmp_path, suffix):
     xr.testing.assert_identical(
         found.drop_attrs(deep=False).drop_encoding(), run.drop_attrs(deep=False)
     )
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".csv"])
+@pytest.mark.parametrize("kind", ["toy", "pair", "pendulum"])
+def test_a_record_is_written_as_its_dataset_is(tmp_path, kind, suffix):
+    system = {
+        "toy": TOY,
+        "pair": ll.BallPair(right=BALL, left=BALL),
+        "pendulum": ll.Pendulum(length=1.0, mass=1.0),
+    }[kind]
+    start = (0.5, -0.4) if kind == "pair" else 0.5
+    found = record(system, SCHEDULE, initial_angle=start, duration=3.0)
+    paths = [tmp_path / f"{name}{suffix}" for name in ("record", "dataset")]
+    save(found, paths[0])
+    save(found.to_dataset(), paths[1])
+    one, other = map(load, paths)
+    xr.testing.assert_identical(one, other)
+    if suffix == ".nc":
+        for name in one.variables:
+            kept = [each[name].encoding for each in (one, other)]
+            assert repr(kept[0].get("_FillValue")) == repr(kept[1].get("_FillValue"))
+            assert kept[0]["dtype"] == kept[1]["dtype"]
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from latolato import units as module
 from latolato.quantities import QUANTITIES
 from latolato.units import to_si, to_si_list
 
@@ -170,3 +171,13 @@ def test_a_file_that_cannot_be_read_is_refused_with_its_name(tmp_path, name, mes
 def test_arrays_pass_unchanged():
     values = np.array([0.0, 1.0])
     assert to_si_list("times", values, "s") is values
+
+
+@pytest.mark.parametrize("given, unit", module._COMMON)
+def test_common_conversions_are_those_of_pint(given, unit, monkeypatch):
+    random = np.random.default_rng(3)
+    texts = [f"{number!r} {given}" for number in map(float, random.lognormal(0.0, 5.0, 200))]
+    texts += [f"{number} {given}" for number in ("24.5", "-0.1", "1e-3", "360", "nan", "inf")]
+    quickly = [to_si("quantity", text, unit) for text in texts]
+    monkeypatch.setattr(module, "_COMMON", {})
+    np.testing.assert_array_equal(quickly, [to_si("quantity", text, unit) for text in texts])

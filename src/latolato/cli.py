@@ -114,7 +114,7 @@ def simulate(
         ready = run_command.scenario_of(scenario, rerun, given)
         run_command.check_targets(output, plot, animate, speed, fps)
         with bar("simulating") as progress:
-            run = ready.simulate(progress=progress)
+            run = ready.record(progress=progress)
         files = run_command.write(run, output, None, None, speed, fps)
     files += run_command.write(run, None, plot, animate, speed, fps)
     from latolato.summary import summarise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import platform
@@ -14,8 +15,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from latolato.errors import InputError, import_extra
 from latolato.quantities import QUANTITIES
+from latolato.record import Record
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,7 +124,7 @@ def check_target(path: str | Path) -> None:
         import_pyarrow()
 
 
-def save(dataset: xr.Dataset, path: str | Path) -> Path:
+def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
 
     NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
@@ -133,8 +137,8 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        A run or a sweep, or for NetCDF any dataset.
+    dataset : xarray.Dataset or Record
+        A run or a sweep, or for NetCDF any dataset. NetCDF of a record is written without xarray.
     path : str or Path
         A name ending in ``.nc``, ``.csv`` or ``.parquet``; an existing file is replaced.
 
@@ -147,10 +151,11 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    import xarray as xr
+    if not isinstance(dataset, Record):
+        import xarray as xr
 
-    if not isinstance(dataset, xr.Dataset):
-        raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
+        if not isinstance(dataset, xr.Dataset):
+            raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
     path = checked_path("path", path)
     check_target(path)
     for each in (path, _contacts_path(path)):
@@ -158,8 +163,10 @@ def save(dataset: xr.Dataset, path: str | Path) -> Path:
     suffix = path.suffix.lower()
     if suffix == ".nc":
         with atomic_path(path) as unfinished:
-            _write_netcdf(dataset, unfinished)
+            unfinished.write_bytes(_netcdf(dataset))
         return path
+    if isinstance(dataset, Record):
+        dataset = dataset.to_dataset()
     write = _write_csv if suffix == ".csv" else _write_parquet
     if is_sweep(dataset):
         from latolato.sweep.table import as_table
@@ -275,11 +282,34 @@ def _remove_contacts(path: Path, read: Callable[[Path], tuple[Columns, dict[str,
                 path.unlink()
 
 
-def _write_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """Write everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
+def _netcdf(dataset: xr.Dataset | Record) -> bytes:
+    """Return everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
+    if isinstance(dataset, Record):
+        return _netcdf_of(dataset)
     # Chunks and codecs of a store would be meant for Zarr.
     plain = without_complex(dataset.drop_encoding())
-    path.write_bytes(plain.to_netcdf(engine="h5netcdf"))
+    return bytes(plain.to_netcdf(engine="h5netcdf"))
+
+
+def _netcdf_of(record: Record) -> bytes:
+    """Return the same as `_netcdf` of the record's dataset, without importing xarray."""
+    import h5netcdf
+    import h5py
+
+    memory = io.BytesIO()
+    with h5netcdf.File(memory, "w") as file:
+        for name, dimensions, values, attrs in record.described():
+            for dimension, size in zip(dimensions, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+            if values.dtype.kind == "U":
+                kind, fill, values = h5py.string_dtype(), None, values.astype(object)
+            else:
+                kind, fill = values.dtype, np.nan if values.dtype.kind == "f" else None
+            made = file.create_variable(name, dimensions, kind, values, fillvalue=fill)
+            made.attrs.update(attrs if fill is None else {"_FillValue": fill, **attrs})
+        file.attrs.update(record.attrs)
+    return memory.getvalue()
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,6 +31,19 @@ LEDGER = {
     "capture_loss": records.S_CAPTURED,
     "noise_work": records.S_NOISE,
 }
+
+
+# Variables that are those of one ball, though there are two.
+_OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
+
+
+class Variable(NamedTuple):
+    """A variable of a record."""
+
+    name: str
+    dimensions: tuple[str, ...]
+    values: Any
+    attrs: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -61,29 +75,33 @@ class Record:
         """Return whether there is such a variable."""
         return name == "time" or name in self.variables
 
+    def described(self) -> Iterator[Variable]:
+        """Yield coordinates and variables with their units and names, as in the dataset."""
+        two = self.system.angles == 2
+        coordinates: dict[str, tuple[tuple[str, ...], Any]] = {"time": (("time",), self.times)}
+        if two:
+            coordinates["ball"] = (("ball",), np.array(["right", "left"]))
+        for name, (dimensions, values) in {**coordinates, **self.variables}.items():
+            attrs = {"units": "1", "long_name": name, "symbol": ""}
+            if name in QUANTITIES:
+                quantity = QUANTITIES[name]
+                attrs = {
+                    "units": quantity.unit,
+                    "long_name": quantity.long_name,
+                    "symbol": quantity.symbol,
+                }
+            if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
+                of_both = two and name in LEDGER
+                attrs["long_name"] += ", both balls" if of_both else ", per ball"
+            yield Variable(name, dimensions, np.asarray(values), attrs)
+
     def to_dataset(self) -> xr.Dataset:
         """Return the labelled variables, with units and names."""
         import xarray as xr
 
-        two = self.system.angles == 2
-        coordinates: dict[str, Any] = {"time": self.times}
-        if two:
-            about = {"units": "1", "long_name": "ball", "symbol": ""}
-            coordinates["ball"] = ("ball", ["right", "left"], about)
-        dataset = xr.Dataset(self.variables, coords=coordinates)
-        for key, variable in dataset.variables.items():
-            if key in QUANTITIES:
-                quantity = QUANTITIES[str(key)]
-                variable.attrs.update(
-                    units=quantity.unit, long_name=quantity.long_name, symbol=quantity.symbol
-                )
-        mirrored = isinstance(self.system, LatoLato)
-        for name in (*BALL_ROWS, "total_energy", *LEDGER):
-            if name in dataset and (mirrored or two):
-                of_both = two and name in LEDGER
-                dataset[name].attrs["long_name"] += ", both balls" if of_both else ", per ball"
-        dataset.attrs.update(self.attrs)
-        return dataset
+        found = {each.name: (each.dimensions, each.values, each.attrs) for each in self.described()}
+        coordinates = {name: found.pop(name) for name in ("time", "ball") if name in found}
+        return xr.Dataset(found, coords=coordinates, attrs=self.attrs)
 
 
 def record_of(

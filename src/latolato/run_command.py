@@ -10,6 +10,7 @@ from latolato.errors import InputError
 from latolato.options import changes
 from latolato.physics.pendulum import systems
 from latolato.progress import bar
+from latolato.record import Record
 from latolato.scenario import Scenario, find, overridden, read_tables
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def check_targets(
 
 
 def write(
-    run: xr.Dataset,
+    run: xr.Dataset | Record,
     output: Path | None,
     plot: Path | None,
     animate: Path | None,
@@ -77,16 +78,19 @@ def write(
         from latolato.files import save
 
         written.append(save(run, output))
+    if plot is None and animate is None:
+        return written
+    shown = run.to_dataset() if isinstance(run, Record) else run
     if plot is not None:
         from latolato.figures.plot import plot as draw
         from latolato.figures.style import save_figure
 
-        written.append(save_figure(draw(run), plot))
+        written.append(save_figure(draw(shown), plot))
     if animate is not None:
         from latolato.figures import animate as movie
 
         with bar("animating") as progress:
-            written.append(movie.animate(run, animate, speed=speed, fps=fps, progress=progress))
+            written.append(movie.animate(shown, animate, speed=speed, fps=fps, progress=progress))
     return written
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from decimal import Decimal
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,20 @@ _DEFINITIONS = (
     "pixel = [pixel]",
 )
 
+# The commonest conversions, as pint does them: importing it takes longer than a run.
+_TURN = 2 * Decimal(_PI)
+_COMMON = {
+    ("mm", "m"): Decimal("1e-3"),
+    ("cm", "m"): Decimal("1e-2"),
+    ("g", "kg"): Decimal("1e-3"),
+    ("ms", "s"): Decimal("1e-3"),
+    ("min", "s"): Decimal(60),
+    ("deg", "rad"): _TURN / 360,
+    ("°", "rad"): _TURN / 360,
+    ("deg/s", "rad/s"): _TURN / 360,
+    ("Hz", "rad/s"): _TURN,
+}
+
 _TEXT = re.compile(
     r"\s*(?P<number>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|inf(?:inity)?))"
     r"\s*(?P<unit>[a-zA-Zµμ°%/(][\w µμ°%/*^().+\-²³]*)?\s*",
@@ -59,8 +74,6 @@ _TEXT = re.compile(
 @lru_cache(maxsize=1)
 def _registry() -> Any:
     """Return the unit registry; decimal numbers keep 24.5 cm equal to 0.245 m to the last bit."""
-    from decimal import Decimal
-
     import pint
 
     registry: Any = pint.UnitRegistry(None, non_int_type=Decimal)
@@ -100,8 +113,8 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     number, given = float(found["number"]), (found["unit"] or "").strip()
     if given.replace(" ", "*") in ("", unit):
         return number
-    from decimal import Decimal
-
+    if (given, unit) in _COMMON:
+        return float(Decimal(found["number"]) * _COMMON[given, unit])
     import pint
 
     registry = _registry()

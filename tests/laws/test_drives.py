@@ -347,6 +347,9 @@ class TestMeasuredPivot:
         times = np.arange(0.0, 5.0 + 0.5 / rate, 1.0 / rate)
         return ll.MeasuredPivot(times=times, pivot_heights=0.02 * np.cos(15.0 * times), **given)
 
+    def test_the_fastest_frequency_is_that_of_a_cosine(self):
+        assert self.sampled_cosine(120.0).fastest_frequency == pytest.approx(15.0, rel=0.02)
+
     def test_sampled_cosine_is_close_to_harmonic(self):
         # A quintic spline's second derivative is of order h^4: two rates differ by 16.
         same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)

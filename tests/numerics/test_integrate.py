@@ -1,5 +1,6 @@
 """The kernels: plain Python equals compiled code, and cutting the work changes no bit."""
 
+import itertools
 import math
 import os
 import subprocess
@@ -229,3 +230,24 @@ def test_kernels_of_several_processes_share_one_cache(tmp_path):
     alone = [*lines("harmonic"), *lines("static")]
     assert lines("harmonic", "static") == alone
     assert lines("static", "harmonic") == alone[::-1]
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_run_stops_within_a_hop_too_small_to_be_seen(compiled):
+    """The last hops of a cascade are taken whole, but never beyond the end of a run."""
+    toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.5)
+    start, walls = Start((toy.contact_angle_low + 0.2,), (0.0,)), walls_of(toy)
+
+    def until(end):
+        return integrate(
+            toy, ll.Static(), start, np.array([0.0, end]), end, walls=walls, step=0.02,
+            rest_speed=0.0, compiled=compiled,
+        )  # fmt: skip
+
+    times = until(2.0).contact_times
+    hops = [(a, b) for a, b in itertools.pairwise(times) if 1e-9 < b - a < 1e-6]
+    assert len(hops) > 3
+    for a, b in hops:
+        middle = 0.5 * (a + b)
+        state = until(middle).state
+        assert state.t_base + state.steps * 0.02 == middle

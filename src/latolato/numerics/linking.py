@@ -95,9 +95,7 @@ def _code_of(library: Any) -> Any:
     return JITCodeLibrary._get_module_for_linking(library)  # type: ignore[no-untyped-call]
 
 
-def link_once(
-    dispatcher: Any, parts: list[Any], note: Callable[[str], None] | None = None
-) -> None:
+def link_once(dispatcher: Any, parts: list[Any], note: Callable[[str], None] | None = None) -> None:
     """Let a kernel be linked and optimised once; its parts are given back when it is compiled.
 
     `note` is called with all its code, as LLVM's assembly, before anything is optimised.
@@ -122,9 +120,7 @@ def link_once(
 
 
 @contextmanager
-def _libraries(
-    codegen: Any, kernel: str, note: Callable[[str], None] | None
-) -> Iterator[None]:
+def _libraries(codegen: Any, kernel: str, note: Callable[[str], None] | None) -> Iterator[None]:
     """Let numba keep the code of the kernel of that name and of its parts as above."""
 
     def library(codegen: Any, name: str) -> Any:
