@@ -51,7 +51,7 @@ research: $(STAMPS)/video kernels ## install, map 16,281 runs with their stabili
 		--output researched/map.png
 
 .PHONY: kernels
-kernels: | $(STAMPS)/venv ## compile what latolato computes with, unless it is there
+kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python -c "import numba" 2>/dev/null || $(PIP) install -q -e .
 	@$(BIN)/python .ci/kernels.py
 

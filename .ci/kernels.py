@@ -1,11 +1,12 @@
 """Compiles the package's pieces into LLVM bitcode, ``kernels.zip``: `make kernels`.
 
 ``python .ci/kernels.py [FILE]``; the file that the package reads is the default. Nothing is done
-if it was made of these very sources by no newer LLVM.
+if it was made of these very sources, by no newer LLVM.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -19,14 +20,17 @@ from pathlib import Path
 
 import llvmlite.binding as llvm
 
-# Nothing is read from a cache: what numba compiled before has been optimised for a processor.
-os.environ["LATOLATO_CACHE_DIR"] = tempfile.gettempdir()
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
 from latolato.numerics import pieces, shipped
 from latolato.numerics.sources import digest_of_sources
 from latolato.observables import Observable
 
+# Functions of C that LLVM writes as instructions of its own.
+_INTRINSICS = {
+    "acos", "asin", "atan", "ceil", "cos", "exp", "fabs", "floor", "fma", "fmod", "log", "memcpy",
+    "memmove", "memset", "pow", "sin", "sqrt", "tan",
+}  # fmt: skip
 _LLVM_TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 
 
@@ -79,8 +83,19 @@ def _bitcode(text: str, kind: str, name: str) -> tuple[bytes, list[str]]:
     tuning.loop_vectorization = tuning.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
-    called = [f.name for f in module.functions if f.is_declaration and "llvm." not in f.name]
-    return module.as_bitcode(), called
+    called = [f.name for f in module.functions if f.is_declaration]
+    return module.as_bitcode(), [name for name in map(_function_of, called) if name]
+
+
+def _function_of(name: str) -> str | None:
+    """Return the function of C behind a declaration, None where LLVM needs none.
+
+    A processor may have an instruction for some of them.
+    """
+    if not name.startswith("llvm."):
+        return name
+    inner = name.split(".")[1]
+    return inner if inner in _INTRINSICS else None
 
 
 def _name(number: int) -> str:
@@ -106,14 +121,20 @@ def _piece(number: int) -> tuple[bytes, list[str]]:
 
 
 def _is_fresh(path: Path) -> bool:
-    """Return whether the file was made of these sources, and this LLVM can read it."""
+    """Return whether the file was made of these sources by this program, for an LLVM like ours."""
     try:
         with zipfile.ZipFile(path) as archive:
-            about = json.loads(archive.read("about.json"))
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+            damaged, about = archive.testzip(), json.loads(archive.read("about.json"))
+        is_readable = about["llvm"] <= list(llvm.llvm_version_info)
+        sources = about["builder"], about["sources"]
+    except Exception:  # no such file, or one of anything else
         return False
-    is_readable = about["llvm"] <= list(llvm.llvm_version_info)
-    return is_readable and about["sources"] == digest_of_sources()
+    return is_readable and damaged is None and sources == (_builder(), digest_of_sources())
+
+
+def _builder() -> str:
+    """Return a digest of this program."""
+    return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 def main() -> None:
@@ -124,21 +145,27 @@ def main() -> None:
     begin, recipes = time.monotonic(), _recipes()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    with ProcessPoolExecutor(min(os.cpu_count() or 1, 8)) as processes:
-        made = list(processes.map(_piece, range(len(recipes))))
+    with tempfile.TemporaryDirectory() as empty:
+        # What numba compiled before has been optimised for a processor.
+        os.environ["LATOLATO_CACHE_DIR"] = empty
+        with ProcessPoolExecutor(min(os.cpu_count() or 1, 8)) as processes:
+            made = list(processes.map(_piece, range(len(recipes))))
     about = {
         "sources": digest_of_sources(),
+        "builder": _builder(),
         "llvm": llvm.llvm_version_info,
         "calls": sorted({name for _, called in made for name in called}),
         "pieces": {recipe.key: _name(i) for i, recipe in enumerate(recipes)},
     }
-    new = path.with_suffix(".new")
+    handle, new = tempfile.mkstemp(suffix=".zip", dir=path.parent)
+    os.close(handle)
     contents = [("about.json", json.dumps(about, indent=1).encode())]
     contents += [(_name(i), code) for i, (code, _) in enumerate(made)]
     with zipfile.ZipFile(new, "w") as archive:
         for name, content in contents:  # without the time of day: equal sources, equal files
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, 9)
-    new.replace(path)
+    os.chmod(new, 0o644)
+    os.replace(new, path)
     size, seconds = path.stat().st_size, time.monotonic() - begin
     print(f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, in {seconds:.0f} s")
 

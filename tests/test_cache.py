@@ -19,13 +19,14 @@ from app_server import start_server, stop_server
 from latolato import cache
 from latolato.app.blocks import unpack
 from latolato.numerics import compiled
+from latolato.numerics.sources import sources_hash
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """An empty cache folder of a process that has not warned yet."""
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(tmp_path / "kernels"))
-    compiled._warn.cache_clear()
+    cache.warn.cache_clear()
     return tmp_path / "kernels"
 
 
@@ -232,7 +233,7 @@ def test_a_user_without_a_home_gets_one_warning(monkeypatch):
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.setattr(Path, "home", fail)
-    compiled._warn.cache_clear()
+    cache.warn.cache_clear()
     was_read, (warning,) = run_kernel()
     assert not was_read
     assert "no home folder" in warning
@@ -259,9 +260,9 @@ def damaged(tmp_path, monkeypatch):
 
     load_scenario("zeno").record()
     folder = tmp_path / "damaged"
-    shutil.copytree(cache.cache_directory() / "shipped", folder / "shipped")
-    for each in (folder, folder / "shipped"):
-        each.chmod(0o700)
+    folder.mkdir(mode=0o700)
+    kept = cache.cache_directory() / sources_hash()
+    shutil.copytree(kept, folder / kept.name)
     files = list(folder.rglob("*.o"))
     assert files
     for file in files:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import stat
 import sys
 import tempfile
+import warnings
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,6 +17,19 @@ _DIGEST_SIZE = hashlib.sha256().digest_size
 
 class UntrustedFolderError(PermissionError):
     """A folder in which another user may put files."""
+
+
+def reason_of(error: Exception) -> str:
+    """Return what an error says, in a few words on one line."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}: '{error.filename}'" if error.filename else error.strerror
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+@functools.cache
+def warn(message: str) -> None:
+    """Warn once in a process."""
+    warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 def cache_directory() -> Path:

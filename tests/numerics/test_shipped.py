@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import subprocess
 import sys
 import zipfile
@@ -70,7 +71,7 @@ def forgotten(monkeypatch, tmp_path):
     folder = tmp_path / "cache"
     folder.mkdir(mode=0o700)
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
-    known = pieces._made, shipped._names, shipped._warn
+    known = pieces._made, shipped._archive, cache.warn
     for function in known:
         function.cache_clear()
     yield folder
@@ -88,7 +89,7 @@ def test_every_piece_is_there():
     """`make kernels` was run, and nothing was edited since."""
     recipes = list(pieces.every_recipe(kinds()))
     assert len(recipes) > 50
-    assert {recipe.key for recipe in recipes} == set(shipped._names())
+    assert {recipe.key for recipe in recipes} == set(shipped._archive().names)
 
 
 def test_what_comes_with_the_package_never_imports_numba(tmp_path):
@@ -159,7 +160,7 @@ def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):
     assert shipped.load(*engine()) is None
     monkeypatch.undo()
     monkeypatch.setattr(shipped, "ARCHIVE", forgotten / "none.zip")
-    shipped._names.cache_clear()
+    shipped._archive.cache_clear()
     assert shipped.load(*engine()) is None
 
 
@@ -177,39 +178,98 @@ def archive(folder: Path, **changes: object) -> Path:
     return copy
 
 
+def flipped(folder: Path) -> Path:
+    """Return a copy of the package's pieces with one wrong byte in the first of them."""
+    with zipfile.ZipFile(shipped.ARCHIVE) as given:
+        name = json.loads(given.read("about.json"))["pieces"][engine()[0]]
+        at = given.getinfo(name).header_offset + 1000
+    content = bytearray(shipped.ARCHIVE.read_bytes())
+    content[at] ^= 255
+    copy = folder / "flipped.zip"
+    copy.write_bytes(content)
+    return copy
+
+
 @pytest.mark.parametrize(
-    "trouble, reason", [("cut", "zip"), ("calls", "no_such_function"), ("damaged", "bitcode")]
+    "trouble, reason",
+    [
+        ("cut", "zip"),
+        ("flipped", ""),
+        ("calls", "no_such_function"),
+        ("odd", "int"),
+        ("damaged", "bitcode"),
+    ],
 )
 def test_what_cannot_be_used_is_said_once(forgotten, monkeypatch, tmp_path, trouble, reason):
     if trouble == "cut":
         copy = tmp_path / "cut.zip"
         copy.write_bytes(shipped.ARCHIVE.read_bytes()[:5000])
+    elif trouble == "flipped":
+        copy = flipped(tmp_path)
     elif trouble == "calls":
         copy = archive(tmp_path, calls=["sqrt", "no_such_function"])
+    elif trouble == "odd":
+        copy = archive(tmp_path, calls=7)
     else:
         copy = archive(tmp_path)
     monkeypatch.setattr(shipped, "ARCHIVE", copy)
-    words = f"cannot be used here.*{reason}.*numba compiles it"
+    words = f"cannot be used here .*{reason}.*, so numba compiles it"
     with pytest.warns(RuntimeWarning, match=words) as told:
         found = [shipped.load(*engine()) for _ in range(2)]
     assert found == [None, None]
     assert len(told) == 1
 
 
-# The first bytes of an object file: of ELF, Mach-O and COFF, then the processor.
+def test_replacing_the_file_changes_nothing_in_a_process_that_runs(
+    forgotten, monkeypatch, tmp_path
+):
+    copy = tmp_path / "kernels.zip"
+    copy.write_bytes(shipped.ARCHIVE.read_bytes())
+    monkeypatch.setattr(shipped, "ARCHIVE", copy)
+    names = dict(shipped._archive().names)
+    copy.write_bytes(flipped(tmp_path).read_bytes()[:3000])
+    assert shipped.load(*engine()).address != 0
+    assert shipped._archive().names == names
+
+
+def words(code: bytes, at: int, layout: str) -> tuple[int, ...]:
+    """Return numbers of an object file."""
+    return struct.unpack_from("<" + layout, code, at)
+
+
+def elf_of(code: bytes) -> tuple[set[int], set[str]]:
+    """Return the kinds of relocations of an ELF file of 64 bits, and what it does not define."""
+    first, size, count = *words(code, 40, "Q"), *words(code, 58, "HH")
+    sections = [words(code, first + i * size, "IIQQQQIIQQ") for i in range(count)]
+    kinds, missing = set(), set()
+    for _, kind, _, _, at, length, link, _, _, step in sections:
+        for i in range(at, at + length, step or length or 1):
+            if kind == 4:  # relocations
+                kinds.add(words(code, i, "QIIq")[1])
+            elif kind == 2:  # symbols
+                name, _, _, section, _, _ = words(code, i, "IBBHQQ")
+                begin = sections[link][4] + name
+                text = code[begin : code.index(b"\0", begin)].decode()
+                if section == 0 and text:
+                    missing.add(text)
+    return kinds, missing
+
+
+# The first bytes of an object file, of ELF or Mach-O, and where it names the processor.
 @pytest.mark.parametrize(
     "triple, first, at, processor",
     [
+        ("x86_64-unknown-linux-gnu", b"\x7fELF", 18, 62),
         ("aarch64-unknown-linux-gnu", b"\x7fELF", 18, 183),
         ("x86_64-apple-macosx11", b"\xcf\xfa\xed\xfe", 4, 7),
         ("arm64-apple-macosx11", b"\xcf\xfa\xed\xfe", 4, 12),
-        ("x86_64-pc-windows-msvc", b"\x64\x86", 0, 0x8664),
+        ("x86_64-pc-windows-msvc-elf", b"\x7fELF", 18, 62),  # llvmlite loads ELF there as well
     ],
 )
 def test_other_platforms_get_their_machine_code(triple, first, at, processor):
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    target = llvm.Target.from_triple(triple).create_target_machine(opt=3)
+    target = shipped.target_for(triple)
     with zipfile.ZipFile(shipped.ARCHIVE) as given:
         about = json.loads(given.read("about.json"))
         names = list(about["pieces"].values())
@@ -218,3 +278,34 @@ def test_other_platforms_get_their_machine_code(triple, first, at, processor):
             assert code.startswith(first)
             assert int.from_bytes(code[at : at + 2], "little") == processor
             assert name.encode() in code
+            if processor == 62:
+                kinds, missing = elf_of(code)
+                assert kinds <= {1, 24}  # absolute and relative addresses of 64 bits: no tables
+                assert missing <= set(about["calls"])
+
+
+def test_the_functions_that_all_pieces_call_are_known(forgotten):
+    archive = shipped._archive()
+    target = shipped._this_machine().target
+    with zipfile.ZipFile(shipped.ARCHIVE) as given:
+        calls = set(json.loads(given.read("about.json"))["calls"])
+    for name in archive.names.values():
+        _, missing = elf_of(shipped.machine_code(archive.content.read(name), target))
+        assert missing <= calls, name
+
+
+def test_words_are_those_of_the_kind_that_is_expected():
+    example = (1.0, 1, np.zeros(2))
+    good = pieces.words_of((2, np.int64(3), np.ones(3)), example)
+    assert struct.unpack("d", struct.pack("q", good[0])) == (2.0,)
+    assert good[1] == 3
+    assert good[3:] == [3, 8]
+    for bad in (
+        (1.0, 2.5, np.ones(3)),
+        (1.0, 2, 5),
+        (1.0, 2, np.ones(3, dtype=np.int64)),
+        (1.0, 2, np.ones((3, 3))),
+        (1.0, 2, np.ones(6)[::2]),
+    ):
+        with pytest.raises(TypeError):
+            pieces.words_of(bad, example)

@@ -10,7 +10,6 @@ import contextlib
 import functools
 import hashlib
 import pickle
-import warnings
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -68,10 +67,10 @@ class _KernelCache(_Cache):
         except (FileNotFoundError, NotADirectoryError, cache.UntrustedFolderError):
             return None  # saving explains what is wrong with a folder
         except Exception as error:
-            reason = _reason(error)
+            reason = cache.reason_of(error)
         with contextlib.suppress(OSError):
             path.unlink()
-        _warn(f"a kernel kept in '{path.parent}' is not used ({reason}) and compiled again")
+        cache.warn(f"a kernel kept in '{path.parent}' is not used ({reason}) and compiled again")
         return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -83,8 +82,8 @@ class _KernelCache(_Cache):
             cache.write(self._path(sig, data.codegen), content)
             return
         except Exception as error:
-            reason = _reason(error)
-        _warn(
+            reason = cache.reason_of(error)
+        cache.warn(
             f"compiled kernels cannot be kept ({reason}), so every process compiles them again; "
             "set LATOLATO_CACHE_DIR to a folder that only you can write to"
         )
@@ -104,19 +103,6 @@ class _KernelCache(_Cache):
     def _path(self, sig: Any, codegen: Any) -> Path:
         key = hashlib.sha256(repr((sig, codegen.magic_tuple(), self._key)).encode())
         return self._folder() / f"{self._name}-{key.hexdigest()[:32]}.kernel"
-
-
-def _reason(error: Exception) -> str:
-    """Return what an error says, in a few words."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.strerror}: '{error.filename}'" if error.filename else error.strerror
-    return str(error) or type(error).__name__
-
-
-@functools.cache
-def _warn(message: str) -> None:
-    """Warn once in a process."""
-    warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 def law_key(*laws: Callable[..., Any]) -> str:

@@ -1,4 +1,4 @@
-"""Runs actions once numba is imported, which the first kernel does."""
+"""Runs actions once numba is imported, which the first kernel that it compiles does."""
 
 from __future__ import annotations
 

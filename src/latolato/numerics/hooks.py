@@ -1,4 +1,4 @@
-"""Observables as compiled pieces: each formula is compiled for itself and called by its address.
+"""Observables as compiled pieces: each formula is compiled on its own and called by its address.
 
 Where points run in lanes, one call shows a step of all lanes: see `lane_flight`.
 """

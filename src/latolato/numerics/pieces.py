@@ -11,6 +11,7 @@ Nothing here imports a compiler: `latolato.numerics.shipped` has the package's o
 from __future__ import annotations
 
 import functools
+import operator
 import struct
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -30,7 +31,7 @@ Formula = Callable[..., Any]
 class Piece(NamedTuple):
     """A piece: its address for other pieces, and what calls it from Python.
 
-    Its code stays where it is as long as there is a reference to `call`.
+    What numba compiled stays where it is as long as there is a reference to `call`.
     """
 
     address: int
@@ -193,7 +194,7 @@ def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
 
 
 def lane_pieces(hooks: tuple[Hooks, ...], *laws: Formula) -> list[list[tuple[int, Piece]]]:
-    """Return the pieces that show steps and matrices of lanes, with their first slots.
+    """Return the pieces that pass the lanes' steps and matrices on, with their first slots.
 
     Laws are the restoring factor and its potential.
     """
@@ -212,22 +213,29 @@ def words_of(value: Any, example: Any) -> list[int]:
     Raises
     ------
     TypeError
-        If an array is not of the kind that it has in `example`, for which the code was compiled.
+        If something is not of the kind that it has in `example`, for which the code was compiled.
     """
-    if isinstance(value, tuple):
+    if isinstance(example, tuple):
         pairs = zip(value, example, strict=True)
         return [word for part, like in pairs for word in words_of(part, like)]
-    if isinstance(value, np.ndarray):
-        is_contiguous = value.flags.c_contiguous or not example.flags.c_contiguous
-        if value.dtype != example.dtype or value.ndim != example.ndim or not is_contiguous:
-            raise TypeError(
-                f"compiled code expects a contiguous array of {example.dtype} in {example.ndim} "
-                f"dimensions, not one of {value.dtype} in {value.ndim} with strides {value.strides}"
-            )
+    if isinstance(example, np.ndarray):
+        _check_array(value, example)
         return [value.ctypes.data, *value.shape, *value.strides]
-    if isinstance(value, float):
+    if isinstance(example, float):
         return list(struct.unpack("q", struct.pack("d", value)))
-    return [int(value)]
+    return [operator.index(value)]
+
+
+def _check_array(value: Any, example: NDArray[Any]) -> None:
+    """Raise unless a value is an array that compiled code can take for `example`."""
+    if not isinstance(value, np.ndarray):
+        raise TypeError(f"compiled code expects an array, got {type(value).__name__}")
+    is_contiguous = value.flags.c_contiguous or not example.flags.c_contiguous
+    if value.dtype != example.dtype or value.ndim != example.ndim or not is_contiguous:
+        raise TypeError(
+            f"compiled code expects a contiguous array of {example.dtype} in {example.ndim} "
+            f"dimensions, got {value.dtype} in {value.ndim} with strides {value.strides}"
+        )
 
 
 def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:

@@ -1,4 +1,4 @@
-"""Pieces that come with the package as LLVM bitcode: made for this processor without numba.
+"""Pieces that come with the package as LLVM bitcode: compiled for this processor without numba.
 
 `make kernels` compiles the pieces of `latolato.numerics.pieces.every_recipe` into ``kernels.zip``,
 with a digest of the sources that they were made of. Where these have been edited since, or where
@@ -10,8 +10,8 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
+import io
 import json
-import warnings
 import zipfile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ import llvmlite.binding as llvm
 
 from latolato import cache
 from latolato.numerics.pieces import Piece
-from latolato.numerics.sources import digest_of_sources
+from latolato.numerics.sources import digest_of_sources, sources_hash
 
 ARCHIVE = Path(__file__).with_name("kernels.zip")
 _TYPES = {"void": None, "int64": ctypes.c_int64, "float64": ctypes.c_double}
@@ -35,6 +35,21 @@ class Machine(NamedTuple):
     name: str
 
 
+class Archive(NamedTuple):
+    """The package's pieces, read whole: the file may be replaced while a process runs.
+
+    Attributes
+    ----------
+    content : ZipFile
+        A piece is a module, which exports a function of its own name.
+    names : dict
+        The pieces' names by the keys of their recipes.
+    """
+
+    content: zipfile.ZipFile
+    names: dict[str, str]
+
+
 def load(key: str, kind: str) -> Piece | None:
     """Return a piece of the package, None if numba must compile it.
 
@@ -43,14 +58,14 @@ def load(key: str, kind: str) -> Piece | None:
     key, kind : str
         Of its `pieces.Recipe`.
     """
-    names = _names()
-    if key not in names:
-        return None
     try:
-        with zipfile.ZipFile(ARCHIVE) as archive:
-            address = _address(names[key], archive.read(names[key]))
-    except (OSError, RuntimeError, zipfile.BadZipFile) as error:
-        _cannot_be_used(str(error) or type(error).__name__)
+        archive = _archive()
+        if archive is None or key not in archive.names:
+            return None
+        name = archive.names[key]
+        address = _address(name, archive.content.read(name))
+    except Exception as error:  # zlib, zipfile and LLVM have many, and numba needs none of them
+        _cannot_be_used(cache.reason_of(error))
         return None
     returned, *taken = kind.replace("(", ",").rstrip(")").split(",")
     types: list[Any] = [_TYPES[name.strip()] for name in (returned, *taken)]
@@ -58,42 +73,36 @@ def load(key: str, kind: str) -> Piece | None:
 
 
 @functools.cache
-def _names() -> dict[str, str]:
-    """Return the pieces' names in the archive, by key; none if it is not that of these sources.
-
-    A piece is a module of that name, which exports a function of that name.
-    """
+def _archive() -> Archive | None:
+    """Return the package's pieces, None if there are none of these very sources."""
     try:
-        with zipfile.ZipFile(ARCHIVE) as archive:
-            about = json.loads(archive.read("about.json"))
+        content = zipfile.ZipFile(io.BytesIO(ARCHIVE.read_bytes()))
     except FileNotFoundError:
-        return {}
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        _cannot_be_used(f"{ARCHIVE.name}: {error}")
-        return {}
+        return None
+    about = json.loads(content.read("about.json"))
     if about["sources"] != digest_of_sources():  # they were edited
-        return {}
+        return None
     _this_machine()  # from then on LLVM knows the functions of this process
     missing = [name for name in about["calls"] if not llvm.address_of_symbol(name)]
     if missing:
-        _cannot_be_used(f"this process has no {', '.join(missing)}")
-        return {}
-    names: dict[str, str] = about["pieces"]
-    return names
+        raise LookupError(f"this process has no {', '.join(missing)}")
+    return Archive(content, about["pieces"])
 
 
 def _cannot_be_used(reason: str) -> None:
-    """Say once why numba compiles."""
-    _warn(
-        "the compiled code that comes with latolato cannot be used here "
-        f"({' '.join(reason.split())}), so numba compiles it, which takes up to a minute once"
+    """Warn once why numba compiles."""
+    cache.warn(
+        f"the compiled code that comes with latolato cannot be used here ({reason}), so numba "
+        "compiles it, which takes up to a minute"
     )
 
 
-@functools.cache
-def _warn(message: str) -> None:
-    """Warn once in a process."""
-    warnings.warn(message, RuntimeWarning, stacklevel=2)
+def target_for(triple: str, name: str = "", features: str = "") -> Any:
+    """Return LLVM's target machine for code that is loaded into a running process."""
+    # With tables of addresses, one for each object file, the first would be taken for all.
+    reloc = "static" if triple.startswith("x86_64") else "default"
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(name, features, opt=3, reloc=reloc, jit=True)
 
 
 @functools.cache
@@ -101,19 +110,21 @@ def _this_machine() -> Machine:
     """Return what makes and holds code for this processor."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    triple = llvm.Target.from_default_triple()
-    target, of_engine = (
-        triple.create_target_machine(cpu=name, features=features, opt=3) for _ in range(2)
-    )
+    try:
+        features = llvm.get_host_cpu_features().flatten()
+    except RuntimeError:  # LLVM does not know this processor's
+        features = ""
+    name, triple = llvm.get_host_cpu_name(), llvm.get_process_triple()
+    target, of_engine = (target_for(triple, name, features) for _ in range(2))
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), of_engine)
-    return Machine(target, engine, f"{llvmlite.__version__} {triple.triple} {name} {features}")
+    return Machine(target, engine, f"{llvmlite.__version__} {target.triple} {name} {features}")
 
 
 def _address(name: str, bitcode: bytes) -> int:
     """Return the address of a piece, whose code is put into memory."""
     machine = _this_machine()
-    path = Path("shipped", hashlib.sha256(machine.name.encode() + bitcode).hexdigest()[:32] + ".o")
+    digest = hashlib.sha256(machine.name.encode() + bitcode).hexdigest()[:32]
+    path = Path(sources_hash(), f"{name}-{digest}.o")
     code = _kept(path)
     if code is None:
         code = machine_code(bitcode, machine.target)
@@ -149,7 +160,7 @@ def _keep(path: Path, code: bytes) -> None:
     try:
         cache.write(cache.cache_directory() / path, code)
     except OSError as error:
-        _warn(
-            f"machine code cannot be kept ({error.strerror or error}), so every process makes it "
+        cache.warn(
+            f"machine code cannot be kept ({cache.reason_of(error)}), so every process makes it "
             "again; set LATOLATO_CACHE_DIR to a folder that only you can write to"
         )

@@ -5,8 +5,9 @@ from __future__ import annotations
 import functools
 import hashlib
 import sys
-from importlib.metadata import version
 from pathlib import Path
+
+from latolato.versions import version_of
 
 _LAYERS = ("scalar.py", "physics", "observables", "numerics")
 
@@ -25,6 +26,6 @@ def digest_of_sources() -> str:
 
 @functools.cache
 def sources_hash() -> str:
-    """Return a digest of the kernel layers' sources and of the compiler's version."""
-    text = f"{digest_of_sources()} {version('numba')} {version('llvmlite')} {sys.version}"
+    """Return a digest of the kernel layers' sources and of the versions of the compilers here."""
+    text = f"{digest_of_sources()} {version_of('numba')} {version_of('llvmlite')} {sys.version}"
     return hashlib.sha256(text.encode()).hexdigest()[:24]
