@@ -24,6 +24,13 @@ import latolato as ll
 for name in ("run.nc", "run.parquet"):
     assert ll.play(ll.load(name)) is not None
 """
+# What numba compiles for laws of one's own, here for all.
+COMPILE = """
+import latolato as ll
+from latolato.numerics import shipped
+shipped._archive = lambda: None
+assert ll.load_scenario("fig02").simulate(duration=8.0).status == "complete"
+"""
 COMMANDS = """
 latolato simulate fig02 --duration 8 --output run.nc --plot run.png --animate run.mp4
 latolato simulate fig02 --duration 8 --output run.parquet
@@ -82,8 +89,9 @@ def main() -> None:
         for command in COMMANDS.strip().splitlines():
             print("$", command, flush=True)
             subprocess.run(command.split(), cwd=files, env=environment, check=True)
-        print("$ latolato.play", flush=True)
-        subprocess.run(["python", "-c", PLAY], cwd=files, env=environment, check=True)
+        for code in (PLAY, COMPILE):
+            print("$ python -c", code, flush=True)
+            subprocess.run(["python", "-c", code], cwd=files, env=environment, check=True)
         try_the_application(files, environment)
 
 
