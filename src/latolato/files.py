@@ -19,14 +19,12 @@ import numpy as np
 
 from latolato.errors import InputError, import_extra
 from latolato.quantities import QUANTITIES
-from latolato.record import Record
+from latolato.record import BALL, BALLS, Record
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SUFFIXES = (".nc", ".csv", ".parquet")
-_BALLS = ("right", "left")
-_BALL = {"units": "1", "long_name": "ball", "symbol": ""}
 # Complex variables as NetCDF holds them: two variables with this attribute.
 _PARTS = ("real", "imag")
 _PART = "complex_part"
@@ -384,18 +382,21 @@ def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) 
     import numpy as np
     import xarray as xr
 
-    two = f"angle_{_BALLS[0]}" in columns
+    two = f"angle_{BALLS[0]}" in columns
     variables: dict[str, Any] = {}
     for dimension, part in (("time", columns), ("contact", contacts or _no_contacts(two))):
         for name, (values, about) in part.items():
             base, _, ball = name.rpartition("_")
-            if not (two and ball in _BALLS):
+            if not (two and ball in BALLS):
                 variables[name] = ((dimension,), values, about)
-            elif ball == _BALLS[0]:
-                both = np.stack([part[f"{base}_{each}"][0] for each in _BALLS])
+            elif ball == BALLS[0]:
+                both = np.stack([part[f"{base}_{each}"][0] for each in BALLS])
                 variables[base] = (("ball", dimension), both, about)
     dataset = xr.Dataset(variables, attrs=attributes).set_coords("time")
-    return dataset.assign_coords(ball=("ball", list(_BALLS), _BALL)) if two else dataset
+    if not two:
+        return dataset
+    about = {"units": BALL.unit, "long_name": BALL.long_name, "symbol": BALL.symbol}
+    return dataset.assign_coords(ball=("ball", list(BALLS), about))
 
 
 def _no_contacts(two: bool) -> Columns:
@@ -404,7 +405,7 @@ def _no_contacts(two: bool) -> Columns:
 
     names = ["contact_time", "contact_kind"]
     for name in ("angular_velocity_before", "angular_velocity_after"):
-        names += [f"{name}_{ball}" for ball in _BALLS] if two else [name]
+        names += [f"{name}_{ball}" for ball in BALLS] if two else [name]
     return {name: (np.array([], dtype=_kind(name)), _about(name)) for name in names}
 
 
@@ -521,7 +522,7 @@ def _parsed(text: str) -> Any:
 
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column's variable, as far as they are known."""
-    for ball in _BALLS:
+    for ball in BALLS:
         name = name.removesuffix(f"_{ball}")
     if name not in QUANTITIES:
         return {}

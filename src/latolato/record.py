@@ -16,7 +16,7 @@ from latolato.physics.contacts import CONTACT_KINDS, Clamp, ContactLaw, contact_
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
-from latolato.quantities import QUANTITIES
+from latolato.quantities import QUANTITIES, Quantity
 from latolato.registry import describe
 from latolato.versions import version_of
 
@@ -33,7 +33,9 @@ LEDGER = {
 }
 
 
-# Variables that are those of one ball, though there are two.
+# The coordinate of two balls, and what it is called.
+BALLS, BALL = ("right", "left"), Quantity("1", "", "ball")
+# Variables whose names say whether they are those of one ball or of both.
 _OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
 
 
@@ -80,16 +82,10 @@ class Record:
         two = self.system.angles == 2
         coordinates: dict[str, tuple[tuple[str, ...], Any]] = {"time": (("time",), self.times)}
         if two:
-            coordinates["ball"] = (("ball",), np.array(["right", "left"]))
+            coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
-            attrs = {"units": "1", "long_name": name, "symbol": ""}
-            if name in QUANTITIES:
-                quantity = QUANTITIES[name]
-                attrs = {
-                    "units": quantity.unit,
-                    "long_name": quantity.long_name,
-                    "symbol": quantity.symbol,
-                }
+            about = BALL if name == "ball" else QUANTITIES[name]
+            attrs = {"units": about.unit, "long_name": about.long_name, "symbol": about.symbol}
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
                 attrs["long_name"] += ", both balls" if of_both else ", per ball"
