@@ -110,11 +110,13 @@ def write(path: Path, content: bytes) -> None:
 
 def _make_private(folder: Path) -> None:
     """Create a folder and its missing parents for this user alone."""
-    if not folder.is_dir():
-        if folder.exists():
-            raise NotADirectoryError(f"'{folder}' is not a folder")
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)  # as one step: others may create it just now
+    except FileNotFoundError:
         _make_private(folder.parent)
         folder.mkdir(mode=0o700, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(f"'{folder}' is not a folder") from None
 
 
 def _check_folders(folder: Path) -> None:
