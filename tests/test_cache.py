@@ -12,6 +12,7 @@ import urllib.request
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 
@@ -241,16 +242,18 @@ def test_a_user_without_a_home_gets_one_warning(monkeypatch):
 
 def test_what_many_write_at_once_is_read_whole_or_not_at_all(folder):
     contents = [bytes([i]) * 200_000 for i in range(8)]
-    file = folder / "file"
+    together = Barrier(len(contents))
 
     def write_and_read(content):
-        for _ in range(20):
+        for i in range(20):
+            file = folder / str(i) / "file"  # all of them find no folder, and make it
+            together.wait(timeout=60)
             cache.write(file, content)
             assert cache.read(file) in contents
 
     with ThreadPoolExecutor(len(contents)) as pool:
         list(pool.map(write_and_read, contents))
-    assert only_file(folder) == file
+    assert sum(path.is_file() for path in folder.rglob("*")) == 20
 
 
 @pytest.fixture

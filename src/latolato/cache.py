@@ -112,7 +112,7 @@ def _make_private(folder: Path) -> None:
     """Create a folder and its missing parents for this user alone."""
     try:
         folder.mkdir(mode=0o700, exist_ok=True)  # as one step: others may create it just now
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):  # the parent is missing, or is a file
         _make_private(folder.parent)
         folder.mkdir(mode=0o700, exist_ok=True)
     except FileExistsError:
