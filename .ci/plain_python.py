@@ -17,7 +17,7 @@ import hypothesis
 import numpy as np
 
 from latolato.cache import cache_directory
-from latolato.numerics import compiled, integrate, shipped
+from latolato.numerics import compiled, integrate, prepare, shipped
 from latolato.numerics.engine.record import as_objects
 from latolato.numerics.observe import make_observer
 from latolato.numerics.sources import sources_hash
@@ -58,6 +58,8 @@ else:
     engine_of = integrate.engine_of
     integrate.engine_of = lambda *laws, **given: engine_of(*laws, **{**given, "compiled": False})
     integrate.observe = _observe
+    prepare_cases = prepare.prepare_cases
+    prepare.prepare_cases = lambda given, **_: prepare_cases(given, compiled=False)
     from latolato.sweep import kernels  # imports what was just replaced
 
     kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)

@@ -26,7 +26,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import latolato as ll
-from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1)
 DRIVE = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
@@ -49,10 +49,8 @@ def cpu(action: Callable[[], Any], repeats: int = 7) -> float:
 def own(duration: float, tolerance: float, times: np.ndarray) -> float:
     """Return the angle at the end by latolato's integration alone."""
     start = Start((START,), (0.0,))
-    step = choose_step(TOY, DRIVE, start, tolerance, choose_stepper(TOY))
-    run = integrate(
-        TOY, DRIVE, start, times, duration, walls=(LOW, HIGH), step=step, rest_speed=1e-7
-    )
+    step = choose_step(TOY, DRIVE, start, tolerance)
+    run = integrate(TOY, DRIVE, start, times, duration, step=step, rest_speed=1e-7)
     return float(run.samples[0, -1])
 
 

@@ -16,20 +16,26 @@ from pathlib import Path
 import numpy as np
 
 import latolato as ll
-from latolato.numerics import steppers
-from latolato.numerics.integrate import Start, choose_step, fastest_rate, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.numerics.prepare import choose_stepper, step_for
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL
 
 DURATION = 300.0
 STEP_ANGLES = (0.4, 0.28, 0.2, 0.14, 0.1)  # step times the fastest rate
-NO_WALLS = (-math.inf, math.inf)
 
 
 def final_angle(system: ll.Pendulum, drive: ll.Harmonic, angle: float, step: float) -> float:
     """Return the angle after `DURATION` [rad]."""
     end = np.array([DURATION])
     start = Start((angle,), (0.0,))
-    run = integrate(system, drive, start, end, DURATION, walls=NO_WALLS, step=step)
+    run = integrate(system, drive, start, end, DURATION, step=step)
     return float(run.samples[0, 0])
+
+
+def fastest_rate(system: ll.Pendulum, drive: ll.Harmonic, start: Start) -> float:
+    """Return the fastest angular rate of a run that is known beforehand [rad/s]."""
+    is_rough = choose_stepper(system) is BLANES_MOAN_GENERAL
+    return step_for(1.0, 1.0, is_rough) / choose_step(system, drive, start, 1.0)
 
 
 def points(count: int = 6) -> list[ll.Harmonic]:
@@ -87,12 +93,9 @@ def main() -> None:
                   f"  90 percent below {row['error_of_90_percent']:.2e}"
                   f"  step at unit tolerance {unit:.2f}")  # fmt: skip
         for tolerance in (1e-6, 1e-8, 1e-10):
-            method = steppers.BLANES_MOAN_RKN
-            if name != "no drag":
-                method = steppers.BLANES_MOAN_GENERAL
             drive = points()[20]
             start = Start((0.1,), (0.0,))
-            step = choose_step(system, drive, start, tolerance, method)
+            step = choose_step(system, drive, start, tolerance)
             print(f"  tolerance {tolerance:g}: step {step * fastest_rate(system, drive, start):.3f}"
                   "/rate")  # fmt: skip
     machine = {"processor": platform.processor() or platform.machine(), "numpy": np.__version__}

@@ -579,7 +579,6 @@ class TestKernelChunks:
     def test_samples_do_not_change_the_motion(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)
         drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=7.5)
-        walls = (toy.contact_angle_low, toy.contact_angle_high)
         found = [
             integrate(
                 toy,
@@ -587,7 +586,6 @@ class TestKernelChunks:
                 Start((0.6,), (0.0,)),
                 times,
                 20.0,
-                walls=walls,
                 step=0.02,
                 rest_speed=1e-6,
             )

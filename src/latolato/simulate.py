@@ -17,11 +17,11 @@ from latolato.numerics.integrate import (
     Floats,
     Trajectory,
     choose_step,
-    choose_stepper,
     integrate,
     observe,
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, Observation, ball_records
+from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
@@ -52,8 +52,6 @@ _MOST_STEPS_TO_REPEAT = 20_000_000
 # step.
 _ROUNDING = 2e-12
 _ROUNDING_OF_SUMS = 1e-13
-# Hours of computing; beyond it the input is taken for a mistake.
-MOST_STEPS = 1e10
 
 
 def simulate(
@@ -217,7 +215,7 @@ def _recorded(
         )
     stepper = choose_stepper(system)
     clamped = law.fixed_step is not None
-    step = law.fixed_step or choose_step(system, drive, start, tolerance, stepper, law)
+    step = choose_step(system, drive, start, tolerance, law)
     if end / step > MOST_STEPS:
         raise InputError(
             f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
@@ -231,7 +229,6 @@ def _recorded(
             start,
             instants,
             end,
-            walls=walls,
             step=step,
             rest_speed=rest_speed,
             contact_limit=contact_limit,
@@ -354,13 +351,13 @@ def _observe(
     with_lab: bool,
 ) -> dict[str, Floats]:
     """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
-    stretches, starts = records.stretch_records(drive, end)
+    stretches = records.stretch_records(drive, end)
     balls = ball_records(system.balls)
     pivot = np.empty((len(PIVOT_ROWS), len(times)))
     out = np.empty((len(balls), len(BALL_ROWS), len(times)))
     samples = trajectory.samples
     observation = Observation(
-        times, samples[records.S_MODE], samples, stretches, starts, balls, float(system.gravity),
+        times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
         int(with_lab), pivot, out,
     )  # fmt: skip
     laws = drive.height, drive.velocity, drive.acceleration, system.restoring, system.potential

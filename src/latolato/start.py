@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.numerics.integrate import Floats, Start
+from latolato.numerics.prepare import ON_WALL
 from latolato.physics.contacts import ContactLaw, NoContact, contact_laws
 from latolato.physics.drives import Drive, Static, drives
 from latolato.physics.noise import VelocityKicks
@@ -17,8 +18,6 @@ from latolato.quantities import ANY, NON_NEGATIVE, QUANTITIES
 from latolato.registry import checked_number
 
 DEFAULT_REST_SPEED = 1e-7  # rad/s
-# A start this close to a wall is on it.
-ON_WALL = 1e-12  # rad
 # More velocity kicks than this would fill the memory.
 MOST_KICKS = 20_000_000
 

@@ -103,8 +103,8 @@ def test_the_registry_names_units_and_ranges_of_every_number():
 
 def height_of(drive, t):
     """Return the height of the pivot by the drive's own formula [m]."""
-    found, starts = records.stretch_records(drive, 10.0)
-    stretch = as_objects(found)[np.searchsorted(starts, t, side="right") - 1]
+    found = records.stretch_records(drive, 10.0)
+    stretch = as_objects(found)[np.searchsorted(found["start"], t, side="right") - 1]
     return drive.height(t, stretch)
 
 

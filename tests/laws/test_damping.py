@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from latolato.numerics.records import body_record
+from latolato.numerics.prepare import body_record
 from latolato.physics.damping import damping_power, decay_time, drag, drift
 from latolato.physics.pendulum import Ball
 

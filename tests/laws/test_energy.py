@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import latolato as ll
-from latolato.numerics.records import body_record
+from latolato.numerics.prepare import body_record
 from latolato.physics import energy as law
 from latolato.physics.damping import damping_power, drag
 from latolato.physics.pendulum import (

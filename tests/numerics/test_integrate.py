@@ -1,7 +1,6 @@
 """The kernels: plain Python equals compiled code, and cutting the work changes no bit."""
 
 import itertools
-import math
 import os
 import subprocess
 import sys
@@ -13,18 +12,8 @@ import pytest
 import latolato as ll
 from latolato.numerics import integrate as module
 from latolato.numerics.integrate import Start, choose_step, integrate
-from latolato.numerics.steppers import BLANES_MOAN_GENERAL
 
-NO_WALLS = (-math.inf, math.inf)
 DRIVE = ll.Harmonic(drive_amplitude=0.25, drive_frequency=7.5, drive_phase=0.4)
-
-
-def walls_of(system):
-    if system.angles == 2:
-        return system.contact_separation, 2.0 * math.pi - system.contact_separation
-    if system.has_contacts:
-        return system.contact_angle_low, system.contact_angle_high
-    return NO_WALLS
 
 
 def start_of(system):
@@ -34,7 +23,7 @@ def start_of(system):
 def run(system, drive=DRIVE, end=4.0, times=None, **options):
     times = np.linspace(0.0, end, 41) if times is None else times
     return integrate(
-        system, drive, start_of(system), times, end, walls=walls_of(system), step=0.02,
+        system, drive, start_of(system), times, end, step=0.02,
         rest_speed=1e-6, **options,
     )  # fmt: skip
 
@@ -108,15 +97,15 @@ def test_sample_at_a_contact_is_the_state_after_it(name):
     again = run(system, end=12.0, times=at)
     last = np.searchsorted(first.contact_times, at, side="right") - 1
     np.testing.assert_array_equal(again.samples[1], first.contact_values[1][last])
-    assert set(again.samples[0]) <= set(walls_of(system))
+    assert set(again.samples[0]) <= {system.contact_angle_low, system.contact_angle_high}
 
 
 def test_dense_output_is_as_good_as_the_steps():
     # A sample inside a step is a shorter step from its beginning, not an interpolation.
     system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     times = np.linspace(0.0, 5.0, 997)
-    rough = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, walls=NO_WALLS, step=0.03)
-    fine = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, walls=NO_WALLS, step=0.003)
+    rough = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, step=0.03)
+    fine = integrate(system, DRIVE, Start((0.8,), (0.0,)), times, 5.0, step=0.003)
     error = np.abs(rough.samples[0] - fine.samples[0])
     on_step = np.abs(times / 0.03 - np.round(times / 0.03)) < 0.05
     assert error[~on_step].max() <= 1.5 * error[on_step].max() + 1e-13
@@ -130,7 +119,7 @@ def test_steps_end_where_a_drive_is_not_smooth():
     system = ll.Pendulum(length=1.0, mass=0.8)
     times = np.array([1.2345, 3.0])
     rough, fine = (
-        integrate(system, drive, Start((0.8,), (0.0,)), times, 3.0, walls=NO_WALLS, step=step)
+        integrate(system, drive, Start((0.8,), (0.0,)), times, 3.0, step=step)
         for step in (0.03, 0.003)
     )
     np.testing.assert_allclose(rough.samples[:2], fine.samples[:2], rtol=0, atol=1e-8)
@@ -178,13 +167,14 @@ class TestStrongDrag:
         assert found.final_angle[1] < 1.0
 
     def test_weak_drag_changes_no_step(self):
-        start, stepper = Start((1.0,), (0.0,)), BLANES_MOAN_GENERAL
-        free = ll.Pendulum(length=1.0, mass=1.0)
+        start = Start((1.0,), (0.0,))
+        free = ll.Pendulum(length=1.0, mass=1.0, quadratic_damping=1e-12)
         for drag in (0.1, 1.0, free.natural_frequency):
             for drags in ({"damping": drag}, {"quadratic_damping": 0.8 * drag}):
-                system = ll.Pendulum(length=1.0, mass=1.0, **drags)
+                rough = {"quadratic_damping": 1e-12} | drags
+                system = ll.Pendulum(length=1.0, mass=1.0, **rough)
                 for drive in (ll.Harmonic(drive_amplitude=0.1, drive_frequency=2.0), DRIVE):
-                    steps = (choose_step(s, drive, start, 1e-10, stepper) for s in (free, system))
+                    steps = (choose_step(s, drive, start, 1e-10) for s in (free, system))
                     assert next(steps) == next(steps)
 
     def test_more_steps_than_hours_allow_are_refused(self):
@@ -195,9 +185,7 @@ class TestStrongDrag:
 
 def test_elapsed_time_is_not_a_sum_of_rounded_steps():
     system = ll.Pendulum(length=1.0, mass=0.8)
-    found = integrate(
-        system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, walls=NO_WALLS, step=0.1
-    )
+    found = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
     assert found.reached == 3000.0
     assert found.state.total_steps == 30_000
 
@@ -236,11 +224,11 @@ def test_kernels_of_several_processes_share_one_cache(tmp_path):
 def test_a_run_stops_within_a_hop_too_small_to_be_seen(compiled):
     """The last hops of a cascade are taken whole, but never beyond the end of a run."""
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.5)
-    start, walls = Start((toy.contact_angle_low + 0.2,), (0.0,)), walls_of(toy)
+    start = Start((toy.contact_angle_low + 0.2,), (0.0,))
 
     def until(end):
         return integrate(
-            toy, ll.Static(), start, np.array([0.0, end]), end, walls=walls, step=0.02,
+            toy, ll.Static(), start, np.array([0.0, end]), end, step=0.02,
             rest_speed=0.0, compiled=compiled,
         )  # fmt: skip
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.numerics.integrate import Start, choose_stepper, integrate
+from latolato.numerics.integrate import Start, integrate
+from latolato.numerics.prepare import choose_stepper
 from latolato.numerics.records import S_DAMPED, S_WORK
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
 
-NO_WALLS = (-math.inf, math.inf)
 DRAGS = [
     pytest.param({}, id="undamped"),
     pytest.param({"damping": 0.3}, id="linear"),
@@ -70,10 +70,10 @@ def measured_order(steps, errors):
     return float(slope)
 
 
-def runs(system, drive, step, times, starts, end=END, walls=NO_WALLS, **options):
+def runs(system, drive, step, times, starts, end=END, **options):
     """One trajectory for each start."""
     return [
-        integrate(system, drive, Start((a,), (v,)), times, end, walls=walls, step=step, **options)
+        integrate(system, drive, Start((a,), (v,)), times, end, step=step, **options)
         for a, v in starts
     ]
 
@@ -144,16 +144,13 @@ def test_order_of_contact_times_and_velocities(drag, restitution):
     # are shorter, err less, and would bend the line if they were many.
     drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=18.0, drive_phase=0.4)
     system = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=restitution, **drag)
-    walls = (system.contact_angle_low, system.contact_angle_high)
     # Spread evenly in two directions by irrational steps.
     starts = [(0.6 + 1.2 * (0.7549 * k % 1.0), 1.5 - 3.0 * (0.5698 * k % 1.0)) for k in range(700)]
     end = 2.0
     times = np.array([end])
 
     def contacts(step):
-        found = runs(
-            system, drive, step, times, starts, end, walls=walls, rest_speed=1e-6, contact_limit=50
-        )
+        found = runs(system, drive, step, times, starts, end, rest_speed=1e-6, contact_limit=50)
         return [(r.contact_times[:2], r.contact_values[0, :2]) for r in found]
 
     exact = contacts(0.0015)

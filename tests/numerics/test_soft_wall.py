@@ -15,7 +15,7 @@ from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
 from latolato.numerics.engine.record import CONTACT, FLIGHT, RELEASE, SETTLE
 from latolato.numerics.engine.swing import tension_at
-from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.numerics.trajectory import MOTIONS
 from latolato.physics.contacts import ContactLaw, contact_laws
 from latolato.scalar import formula
@@ -164,9 +164,8 @@ def test_it_moves_as_the_peer_does():
 
 def test_its_energy_is_accounted_for():
     start = Start((0.6,), (0.0,))
-    step = choose_step(TOY, SHAKEN, start, 1e-10, choose_stepper(TOY), SOFT)
-    walls = TOY.contact_angle_low, TOY.contact_angle_high
-    found = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, walls=walls, step=step, law=SOFT)
+    step = choose_step(TOY, SHAKEN, start, 1e-10, SOFT)
+    found = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, step=step, law=SOFT)
     assert found.state.ledger_error < 1e-9
     assert found.state.largest_energy > 1.0
 

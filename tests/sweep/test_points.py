@@ -1,4 +1,4 @@
-"""Points of a plan as arrays: both ways of making them, and points that make no sense."""
+"""Points of a plan as arrays, and points that make no sense."""
 
 import math
 
@@ -8,18 +8,19 @@ import pytest
 import latolato as ll
 from latolato.errors import InputError
 from latolato.numerics.integrate import choose_step
-from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID
+from latolato.numerics.prepare import cases_of, prepared_runs
+from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID, stretch_records
 from latolato.observables import Stroboscope
 from latolato.simulate import simulate
 from latolato.start import checked_start
 from latolato.sweep.plan import make_plan
 from latolato.sweep.points import (
     Previous,
-    _from_columns,
-    _from_objects,
+    _follows_tension,
+    _objects,
     arguments_of,
     columns_of,
-    is_arithmetic,
+    is_smooth,
     make_batch,
     stepper_of,
 )
@@ -132,6 +133,45 @@ PLANS = {
         DRIVE,
         {"axes": {"drive_amplitude": [0.0, 0.2]}, "initial_offset": 0.1, "contact": "clamp"},
     ),
+    "pair": (
+        ll.BallPair(
+            right=ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02),
+            left=ll.Ball(length=0.95, mass=0.5, radius=0.1, quadratic_damping=0.1),
+            restitution=0.8,
+        ),
+        DRIVE,
+        {
+            "axes": {
+                "left_length": [0.7, 0.9, 1.0, 1.3],
+                "right_radius": [0.02, 0.1, 0.4],
+                "initial_angle_left": [-0.8, 0.75],
+            },
+            "initial_angle": (0.8, -0.8),
+            "initial_angular_velocity": (0.3, -0.1),
+        },
+    ),
+    "crank": (
+        TOY,
+        ll.CrankSlider(drive_amplitude=0.05, drive_frequency=6.0, connecting_rod_length=0.2),
+        {
+            "axes": {"drive_amplitude": [0.01, 0.1, 0.2], "drive_frequency": [3.0, 7.0]},
+            "initial_offset": 0.2,
+        },
+    ),
+    "chirp of a pendulum": (
+        PENDULUM,
+        ll.Chirp(
+            drive_amplitude=0.05, drive_frequency=6.0, drive_frequency_final=9.0, sweep_time=2.0
+        ),
+        {"axes": {"sweep_time": [0.5, 3.0], "length": [0.5, 1.0]}, "initial_angle": 0.3},
+    ),
+    "steps that are blows": (
+        PENDULUM,
+        ll.FrequencySchedule(
+            drive_amplitude=0.05, times=[0.0, 1.0], drive_frequencies=[6.0, 9.0], step_impulse=True
+        ),
+        {"axes": {"drive_amplitude": [0.0, 0.05]}, "initial_angle": 0.3},
+    ),
     "toy, some of it impossible": (
         TOY,
         DRIVE,
@@ -148,51 +188,45 @@ def plan_of(name):
     return make_plan(system, drive, **({"duration": 4.0, "observables": ["largest_angle"]} | asked))
 
 
-def assert_same_bytes(one, other, name):
-    assert one.dtype == other.dtype, name
-    assert one.shape == other.shape, name
-    assert one.tobytes() == other.tobytes(), name
-
-
 def previous_of(plan, count, phase):
     """Ends of earlier points, some of them beyond walls."""
     spread = np.linspace(0.0, 3.1, count)
-    return Previous(
-        spread[None, :], np.linspace(-14.0, 14.0, count)[None, :], spread if phase else None
-    )
+    velocities = np.linspace(-14.0, 14.0, count)
+    angles = np.array([spread, -0.3 * spread])[: plan.system.angles]
+    both = np.array([velocities, velocities[::-1]])[: plan.system.angles]
+    return Previous(angles, both, spread if phase else None)
 
 
 @pytest.mark.parametrize("follows", [False, True], ids=["start", "continuation"])
 @pytest.mark.parametrize("name", PLANS)
-def test_columns_and_objects_give_the_same_bytes(name, follows):
+def test_points_begin_as_single_runs_do(name, follows):
+    """What columns become is what a system, a drive and a start of the same numbers become."""
     plan = plan_of(name)
-    assert is_arithmetic(plan)
     stepper, index = stepper_of(plan), np.arange(plan.size)
-    phased = hasattr(plan.drive, "drive_phase")
-    previous = previous_of(plan, plan.size, phased) if follows else None
-    found = []
-    for build in (_from_columns, _from_objects):
-        columns = columns_of(plan, index)
-        if follows and phased:
-            columns["drive_phase"] = previous.phase
-        found.append(build(plan, columns, stepper, previous))
-    fast, slow = found
-    np.testing.assert_array_equal(fast.valid, slow.valid)
-    assert fast.valid.any()
-    assert fast.reason == slow.reason
-    good = fast.valid
-    for field in ("settings", "bodies", "stops"):
-        one, other = getattr(fast.points, field)[good], getattr(slow.points, field)[good]
-        for part in one.dtype.names or [None]:
-            a, b = (one, other) if part is None else (one[part], other[part])
-            assert_same_bytes(np.ascontiguousarray(a), np.ascontiguousarray(b), f"{field} {part}")
-    # objects write nothing for invalid points
-    firsts = fast.points.firsts[:-1][good]
-    assert_same_bytes(fast.points.stretches[firsts], slow.points.stretches, "stretches")
-    for field in ("starts", "jumps"):
-        one, other = getattr(fast.points, field)[firsts], getattr(slow.points, field)
-        np.testing.assert_array_equal(one, other)
-    assert_same_bytes(fast.states[good], slow.states[good], "states")
+    previous = previous_of(plan, plan.size, hasattr(plan.drive, "drive_phase")) if follows else None
+    batch = make_batch(plan, index, stepper, previous)
+    assert batch.valid.any()
+    for k in index:
+        if not batch.valid[k]:
+            with pytest.raises(InputError) as refused:
+                _objects(plan, batch.columns, k, previous)
+            assert k != np.argmin(batch.valid) or str(refused.value) == batch.reason
+            continue
+        system, drive, start = _objects(plan, batch.columns, k, previous)
+        case = cases_of(
+            system, plan.contact, angles=start.angles, velocities=start.velocities,
+            bounds=(drive.largest_acceleration, drive.fastest_frequency), is_exact=1,
+            tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
+            follows_tension=_follows_tension(plan),
+        )  # fmt: skip
+        alone, problem = prepared_runs(case, stepper)
+        assert problem == 0
+        assert batch.points.settings[k].tobytes() == alone["settings"].tobytes()
+        assert batch.points.bodies[k].tobytes() == alone["bodies"].tobytes()
+        assert batch.states[k].tobytes() == alone["state"].tobytes()
+        first, last = batch.points.firsts[k : k + 2]
+        own = stretch_records(drive, plan.duration)
+        np.testing.assert_array_equal(batch.points.stretches[first:last], own)
 
 
 def test_points_step_like_single_runs():
@@ -206,7 +240,7 @@ def test_points_step_like_single_runs():
         )
         system = ll.Pendulum(length=columns["length"][k], mass=0.8, damping=0.05)
         start = checked_start(system, (-math.inf, math.inf), 0.3, 0.0, None)
-        step = choose_step(system, drive, start, plan.tolerance, stepper_of(plan))
+        step = choose_step(system, drive, start, plan.tolerance)
         assert batch.points.settings["step"][k] == step
 
 

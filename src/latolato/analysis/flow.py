@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
 from latolato.errors import InputError
-from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.deviations import STATE, Deviations
 from latolato.physics.contacts import REST
@@ -131,15 +131,15 @@ class Flow:
         angles, velocities = numbers[0::2], numbers[1::2]
         fast = max(self.speed, *(abs(v) for v in velocities))
         bound = Start(tuple(angles), (fast,) * len(angles))
-        stepper = choose_stepper(self.system)
         found = integrate(
             self.system,
             self.drive,
             Start(tuple(angles), tuple(velocities)),
             np.zeros(0),
             duration,
-            walls=self.walls,
-            step=choose_step(self.system, self.drive, bound, self.tolerance, stepper, self.contact),
+            step=choose_step(
+                self.system, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
+            ),
             rest_speed=self.rest_speed,
             contact_limit=limit,
             law=self.contact,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from latolato.errors import InputError
-from latolato.numerics.integrate import choose_step, choose_stepper
+from latolato.numerics.integrate import choose_step
 from latolato.options import LawOption, changes, law_options
 from latolato.registry import suggest
 from latolato.run_command import changed_tables
@@ -141,7 +141,7 @@ def check_size(scenario: Scenario) -> None:
         run.get("initial_offset"),
     )
     tolerance = float(run.get("tolerance", 1e-10))
-    step = choose_step(system, drive, start, tolerance, choose_stepper(system))
+    step = choose_step(system, drive, start, tolerance)
     steps = end / step
     if not math.isfinite(steps) or steps > MOST_STEPS:
         raise TooLargeError(

@@ -10,8 +10,9 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
-from latolato.numerics.integrate import Floats, Start, Trajectory, choose_stepper
+from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
+from latolato.numerics.prepare import choose_stepper
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, Harmonic, Stages, Stretch
 from latolato.physics.pendulum import System

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,19 +16,12 @@ from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import FLIGHT, run_dtype
+from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.integrate import (
     Floats,
-    body_rows,
-    choose_stepper,
     engine_of,
-    initial_states,
     laws_key,
     observe,
-    rate_of,
-    settings_values,
-    step_for,
-    write_stepper,
 )
 from latolato.numerics.observe import (
     BALL_ROWS,
@@ -39,17 +31,20 @@ from latolato.numerics.observe import (
     Observation,
     ball_records,
 )
+from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.watch import Eyes
-from latolato.physics.contacts import BOTTOM, TOP, NoContact
+from latolato.physics.contacts import BOTTOM, TOP, Exact, NoContact, contact_laws
 from latolato.physics.drives.stages import moved
 from latolato.physics.drives.stretch import (
     COSINE,
     Stretch,
+    fastest_frequency,
+    largest_acceleration,
     pivot_acceleration,
     pivot_height,
     pivot_velocity,
 )
-from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear
+from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import checked_number, suggest
 from latolato.scenario import Scenario
@@ -90,7 +85,7 @@ class Toy:
         """Begin as a scenario does, or go on from what `state` returned."""
         run, system = scenario.run, scenario.system
         law = checked_contact(run.get("contact", "exact"), system)
-        self._contact = "none" if isinstance(law, NoContact) else "exact"
+        self._law = law if isinstance(law, NoContact) else Exact()
         self._rest_speed = float(run.get("rest_speed", DEFAULT_REST_SPEED))
         self.system: System = system
         self.walls = walls_of(system, law)
@@ -118,9 +113,11 @@ class Toy:
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
         self._carry_on = engine_of(system.angles, pivot_acceleration, *laws_key(system))
         self._laws = *drive_laws, system.restoring, system.potential
-        self._runs = np.zeros(1, dtype=run_dtype())
-        write_stepper(self._runs, self._stepper)
-        self._runs["state"] = initial_states(start.angles, start.velocities)
+        case = cases_of(
+            system, law, angles=start.angles, velocities=start.velocities, bounds=(0.0, 0.0),
+            tolerance=TOLERANCE, is_exact=1,
+        )  # fmt: skip
+        self._runs, _ = prepared_runs(case, self._stepper)
         self._state = self._runs["state"].view(np.recarray)[0]
         self.ticks = round(time * TICKS_PER_SECOND)
         self._state.t_base = self.time
@@ -264,7 +261,7 @@ class Toy:
             if self.recording is not None:
                 self.recording.by_hand = True
         state.sample = state.kick = 0
-        timetable = Timetable(self._stretches, self._starts, self._jumps, *given)
+        timetable = Timetable(self._stretches, *given)
         output = Output(instants, samples, *self._buffers)
         for _ in range(_CALLS):
             rows = self._carry_on(self._runs, timetable, output, self._eyes, stop, 10_000)
@@ -320,31 +317,16 @@ class Toy:
         """Write what the kernel reads and a tick does not change."""
         system, stages = self.system, self.stages
         self._speed = 1.5 * max(*map(abs, self.velocities), speed or 0.0, system.natural_frequency)
-        spans = [*(b.start - a.start for a, b in pairwise(stages)), 0.0]
-        bound = max(s.acceleration_bound(span) for s, span in zip(stages, spans, strict=True))
-        frequency = max(s.frequency for s in stages)
-        rows, offsets = body_rows(system, self.walls)
-        rate = max(
-            rate_of(system.gravity, ball.length, bound, frequency, self._speed, (row[1], row[2]))
-            for ball, row in zip(system.balls, rows, strict=False)
-        )
-        self._step = float(step_for(rate, TOLERANCE, self._stepper))
-        self._runs["bodies"][0, : len(rows)] = records.bodies(*rows)
-        self._runs["settings"][0] = settings_values(
-            gravity=system.gravity,
-            walls=self.walls,
-            restitution=getattr(system, "restitution", 1.0),
-            rest_speed=self._rest_speed,
-            step=self._step,
-            pivot_bound=bound,
-            rate=rate,
-            offsets=offsets,
-            follows_tension=False,
-            is_linear=system.restoring is restoring_linear,
-        )
+        case = cases_of(
+            system, self._law, speed=self._speed, tolerance=TOLERANCE, rest_speed=self._rest_speed,
+            bounds=(largest_acceleration(stages, math.inf), fastest_frequency(stages, math.inf)),
+            is_exact=1,
+        )  # fmt: skip
+        found, _ = prepared_runs(case, self._stepper)
+        self._step = float(found["settings"]["step"][0])
+        for part in ("settings", "bodies"):
+            self._runs[part] = found[part]
         self._stretches = np.array(list(map(tuple, stages)), dtype=_STRETCH)
-        self._starts = np.array([stage.start for stage in stages])
-        self._jumps = np.zeros(len(stages))
         self._state.stretch = 0
         self._balls = ball_records(system.balls)
 
@@ -390,7 +372,7 @@ class Toy:
             ).ravel()
             samples[records.S_WORK :, 0] = 0.0
         observation = Observation(
-            instants, samples[records.S_MODE], samples, self._stretches, self._starts, self._balls,
+            instants, samples[records.S_MODE], samples, self._stretches, self._balls,
             float(self.system.gravity), 0, pivot, out,
         )  # fmt: skip
         observe(observation, *self._laws)
@@ -407,7 +389,7 @@ class Toy:
             "initial_angular_velocity": (
                 self.velocities if self.system.angles == 2 else self.velocities[0]
             ),
-            "contact": self._contact,
+            "contact": contact_laws.name_of(self._law),
             "rest_speed": self._rest_speed,
         }
         now = self.stages[0].at(self.time)

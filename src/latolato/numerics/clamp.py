@@ -96,7 +96,7 @@ def make_clamped(
     def carry_on(
         run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:
-        state, starts, times = run.state, timetable.starts, output.sample_times
+        state, stretches, times = run.state, timetable.stretches, output.sample_times
         h, inertia, point = run.settings.step, run.bodies[0].inertia, run.now[0]
         run.rows = run.done = 0
         run.length, run.t = h, state.steps * h
@@ -107,9 +107,11 @@ def make_clamped(
             state.largest_energy = state.first_energy
         while run.t < stop and run.done < most_steps and run.rows < len(output.contact_times) - 1:
             run.done += 1
-            while state.stretch + 1 < len(starts) and starts[state.stretch + 1] <= run.t:
+            while (
+                state.stretch + 1 < len(stretches) and stretches[state.stretch + 1].start <= run.t
+            ):
                 state.stretch += 1
-            run.stretch = timetable.stretches[state.stretch]
+            run.stretch = stretches[state.stretch]
             run.t_end = (state.steps + 1) * h
             step(run)
             while state.sample < len(times) and times[state.sample] < run.t_end:

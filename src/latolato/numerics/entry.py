@@ -24,6 +24,7 @@ from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.many import empty_job, make_many
 from latolato.numerics.observe import empty_observation, make_observer
 from latolato.numerics.pieces import ENGINE
+from latolato.numerics.prepare import empty_cases, make_prepare
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.watch import Eyes
 
@@ -85,6 +86,16 @@ def make_observer_entry(
         observe(observation_at(address))
 
     return observer
+
+
+def make_prepare_entry(part: Part) -> Callable[[int], None]:
+    """Return the function ``(address)`` that prepares `Cases`."""
+    cases_at, prepare_all = bundle_at(kind_of(empty_cases())), make_prepare(part)
+
+    def prepare_at(address: int) -> None:
+        prepare_all(cases_at(address))
+
+    return prepare_at
 
 
 def make_caller(part: Part) -> Callable[..., int]:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable, empty_arguments
-from latolato.numerics.engine.record import STATE, UNSETTLED, as_objects, run_dtype, write_back
+from latolato.numerics.engine.record import as_objects, write_back
 from latolato.numerics.observe import Observation, empty_observation
-from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
+from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
+from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
 from latolato.observables import Observable
@@ -31,14 +32,6 @@ from latolato.physics.pendulum import (
 Floats = NDArray[np.float64]
 Law = Callable[..., float]
 
-# Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
-# benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
-# error below a third of `tolerance`, half of them below a thirtieth.
-_STEP_AT_UNIT_TOLERANCE = 5.0
-# How much the drag's own rate counts. Measured with m l = 1 kg m and C, C2 from 30 to 1e4: ledger
-# and angle keep all tolerances from 1e-4 to 1e-12 at 0.2 to 0.35, whatever the drag; the rest is
-# left to the repetition with half the step.
-_DRAG_WEIGHT = 0.3
 # Steps after which a kernel hands back control, so that progress shows and Ctrl-C works.
 _STEPS_PER_CALL = 200_000
 
@@ -87,101 +80,30 @@ class Trajectory:
     slots: Floats
 
 
-def choose_stepper(system: System) -> Stepper:
-    """Return the splitting whose order holds for the motion and the works of this system."""
-    smooth = all(b.quadratic_damping == b.coulomb_damping == 0.0 for b in system.balls)
-    return BLANES_MOAN_RKN if smooth else BLANES_MOAN_GENERAL
-
-
 def choose_step(
     system: System,
     drive: Drive,
     start: Start,
     tolerance: float,
-    stepper: Stepper,
     law: ContactLaw = _EXACT,
-) -> float:
-    """Return the step [s] for a tolerance; see `step_for`."""
-    return float(step_for(fastest_rate(system, drive, start, law), tolerance, stepper))
-
-
-def step_for(rate: Any, tolerance: float, stepper: Stepper) -> Any:
-    """Return the step [s] at which the fastest rates allow `tolerance`, numbers or arrays.
-
-    ``5 step_factor tolerance^(1/order)`` over the rate.
-    """
-    unit = _STEP_AT_UNIT_TOLERANCE * stepper.step_factor
-    return unit * tolerance ** (1.0 / stepper.order) / rate
-
-
-def fastest_rate(system: System, drive: Drive, start: Start, law: ContactLaw = _EXACT) -> float:
-    """Return the fastest angular rate of a run that is known beforehand [rad/s]."""
-    speed = max(abs(v) for v in start.velocities)
-    bounds = drive.largest_acceleration, drive.fastest_frequency
-    rates = [law.fastest_rate]
-    for ball in system.balls:
-        _, rate, quadratic, _, _ = records.body_record(ball)
-        rates.append(rate_of(system.gravity, ball.length, *bounds, speed, (rate, quadratic)))
-    return float(max(rates))
-
-
-def rate_of(
-    gravity: Any,
-    length: Any,
-    acceleration: Any,
-    frequency: Any,
-    speed: Any,
-    drags: tuple[Any, Any] = (0.0, 0.0),
-) -> Any:
-    """Return the fastest angular rate [rad/s], numbers or arrays.
-
-    The largest of the drive's frequency, the swing's under the strongest pull
-    ``sqrt((g + |y0''|)/l)``, the initial angular velocity, and 0.3 times the rate of the drag:
-    with `drags` (c1 [1/s], c2 [1]) that is c1 and the larger of c2 times the initial speed and
-    ``2 sqrt(c2 (g + |y0''|)/l)``, the rate at which quadratic drag settles under that pull.
-    """
-    stiffness = (gravity + acceleration) / length
-    linear, quadratic = drags
-    settling = linear + np.maximum(2.0 * np.sqrt(quadratic * stiffness), quadratic * speed)
-    free = np.maximum(np.maximum(np.sqrt(stiffness), frequency), speed)
-    return np.maximum(free, _DRAG_WEIGHT * settling)
-
-
-def settings_values(
     *,
-    gravity: Any,
-    walls: tuple[Any, Any],
-    restitution: Any,
-    rest_speed: Any,
-    step: Any,
-    pivot_bound: Any,
-    rate: Any,
-    offsets: tuple[float, float] = (0.0, 0.0),
-    follows_tension: bool,
-    follows_ledger: bool = False,
-    mirrored: bool = False,
-    is_linear: bool = False,
-    law: tuple[float, float] = (0.0, 0.0),
-) -> tuple[Any, ...]:
-    """Return the content of a `SETTINGS` record, numbers or arrays."""
-    sag = 0.5 * (step * rate) ** 2
-    return (
-        gravity, *walls, restitution, rest_speed, step, pivot_bound, *offsets, sag,
-        int(follows_tension), int(follows_ledger), int(mirrored), int(is_linear), law,
+    compiled: bool = True,
+) -> float:
+    """Return the step [s] for a tolerance; see `latolato.numerics.prepare`."""
+    case = _case_of(system, drive, start, 0.0, law, tolerance=tolerance)
+    runs, _ = prepared_runs(case, choose_stepper(system), compiled=compiled)
+    return float(runs["settings"]["step"][0])
+
+
+def _case_of(
+    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, **numbers: Any
+) -> NDArray[Any]:
+    """Return the case of one run, whose start is taken as it is."""
+    return cases_of(
+        system, law, angles=start.angles, velocities=start.velocities,
+        bounds=(drive.largest_acceleration, drive.fastest_frequency), duration=duration,
+        is_exact=1, **numbers,
     )  # fmt: skip
-
-
-def body_rows(
-    system: System, walls: tuple[float, float]
-) -> tuple[list[tuple[float, ...]], tuple[float, float]]:
-    """Return the records of the bodies that can swing, and the offsets of those in contact."""
-    rows = [records.body_record(ball) for ball in system.balls]
-    if system.angles == 1:
-        return rows, (0.0, 0.0)
-    joint = [
-        records.joint_record(rows[0], rows[1], gap if math.isfinite(gap) else 0.0) for gap in walls
-    ]
-    return [*rows, *(record for record, _ in joint)], (joint[0][1], joint[1][1])
 
 
 def laws_key(system: System) -> tuple[Law, Law]:
@@ -251,40 +173,6 @@ def observe(observation: Observation, *laws: Law) -> None:
     piece_of(observer_recipe(stretch, *laws)).call(words.ctypes.data)
 
 
-def make_runs(
-    system: System,
-    start: Start,
-    walls: tuple[float, float],
-    stepper: Stepper,
-    settings: tuple[Any, ...],
-    stretch: np.dtype[Any] | None = None,
-) -> NDArray[Any]:
-    """Return the record of a trajectory at time zero, of shape (1,).
-
-    Parameters
-    ----------
-    settings : tuple
-        What `settings_values` returned.
-    stretch : dtype, optional
-        The layout of the drive's stretches, if it is not the usual one.
-    """
-    runs = np.zeros(1, dtype=run_dtype(stretch))
-    rows, _ = body_rows(system, walls)
-    runs["bodies"][0, : len(rows)] = records.bodies(*rows)
-    runs["settings"][0] = settings
-    write_stepper(runs, stepper)
-    runs["state"] = initial_states(start.angles, start.velocities)
-    return runs
-
-
-def write_stepper(runs: NDArray[Any], stepper: Stepper) -> None:
-    """Write a stepper's weights into runs."""
-    stages = len(stepper.drifts)
-    runs["stages"] = stages
-    runs["kicks"][..., : stages + 1] = stepper.kicks
-    runs["drifts"][..., :stages], runs["nodes"][..., :stages] = stepper.drifts, stepper.nodes
-
-
 def integrate(
     system: System,
     drive: Drive,
@@ -292,7 +180,6 @@ def integrate(
     sample_times: Floats,
     duration: float,
     *,
-    walls: tuple[float, float],
     step: float,
     rest_speed: float = 0.0,
     contact_limit: int = 1_000_000,
@@ -307,8 +194,6 @@ def integrate(
 
     Parameters
     ----------
-    walls : tuple of float
-        Contact angles (one ball) or separations (two) [rad]; infinite where there is none.
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Instants [s] and sizes [rad/s] of velocity kicks.
     law : ContactLaw
@@ -322,32 +207,20 @@ def integrate(
     """
     stepper = choose_stepper(system)
     angles = system.angles
-    _, offsets = body_rows(system, walls)
-    settings = settings_values(
-        gravity=system.gravity,
-        walls=walls,
-        restitution=getattr(system, "restitution", 1.0),
-        rest_speed=rest_speed,
-        step=step,
-        pivot_bound=drive.largest_acceleration,
-        rate=fastest_rate(system, drive, start, law),
-        offsets=offsets,
+    case = _case_of(
+        system, drive, start, duration, law, rest_speed=rest_speed, follows_ledger=1,
         follows_tension=system.restoring is not restoring_linear,
-        follows_ledger=True,
-        is_linear=system.restoring is restoring_linear,
-        law=law.numbers,
-    )
-    stretches, starts = records.stretch_records(drive, duration)
+    )  # fmt: skip
+    case["step"] = step
+    stretches = records.stretch_records(drive, duration)
     carry_on = engine_of(
         angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype,
         motion=law.motion, compiled=compiled, hooks=hooks_of(watched),
     )  # fmt: skip
-    runs = make_runs(system, start, walls, stepper, settings, stretches.dtype)
+    runs, _ = prepared_runs(case, stepper, stretches.dtype, compiled=compiled)
     state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
         stretches,
-        starts,
-        np.array(drive.velocity_jumps(duration)),
         np.empty(0) if kick_times is None else kick_times,
         np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
     )
@@ -391,12 +264,3 @@ def integrate(
         state, float(min(reached, duration)), step, stepper, status, failed,
         acc.reshape(-1, angles) if watched else np.zeros((0, angles)),
     )  # fmt: skip
-
-
-def initial_states(angles: Sequence[Any], velocities: Sequence[Any], count: int = 1) -> Any:
-    """Return states at time zero, of shape (count,); the engine settles their modes."""
-    states = np.zeros(count, dtype=STATE)
-    states["mode"], states["slack_start"] = UNSETTLED, np.nan
-    for ball, (angle, velocity) in enumerate(zip(angles, velocities, strict=True)):
-        states["angle"][:, ball], states["velocity"][:, ball] = angle, velocity
-    return states

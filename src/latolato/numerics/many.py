@@ -41,7 +41,7 @@ class Points(NamedTuple):
     ----------
     settings, bodies : ndarray
         Records of shapes (point,) and (point, body).
-    stretches, starts, jumps : ndarray, shape (stretch,)
+    stretches : ndarray, shape (stretch,)
         The drives' stretches of all points; those of point k begin at ``firsts[k]``.
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Velocity kicks of all points; those of point k begin at ``kick_firsts[k]``.
@@ -54,8 +54,6 @@ class Points(NamedTuple):
     settings: Any
     bodies: Any
     stretches: Any
-    starts: Any
-    jumps: Any
     firsts: Any
     kick_times: Any
     kick_sizes: Any
@@ -179,7 +177,7 @@ def empty_points(stretch: np.dtype[Any]) -> Points:
     floats, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
     records = np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=stretch)
     kicks = numbers, floats, np.zeros((1, 0)), numbers
-    return Points(*records, floats, floats, *kicks, np.zeros((0, 2)), 0)
+    return Points(*records, *kicks, np.zeros((0, 2)), 0)
 
 
 def empty_job(stretch: np.dtype[Any]) -> Job:
@@ -243,8 +241,8 @@ def make_steering(
         for i in range(4 if two else 1):
             run.bodies[i] = points.bodies[k, i]
         timetable = Timetable(
-            points.stretches[first:last], points.starts[first:last], points.jumps[first:last],
-            points.kick_times[kick:last_kick], points.kick_sizes[:, kick:last_kick],
+            points.stretches[first:last], points.kick_times[kick:last_kick],
+            points.kick_sizes[:, kick:last_kick],
         )  # fmt: skip
         output = Output(
             scratch.no_times, scratch.no_samples, scratch.contact_times, scratch.contact_kinds,

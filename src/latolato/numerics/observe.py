@@ -9,16 +9,13 @@ import numpy as np
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import JOINT, REST
+from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
 from latolato.physics.pair import contact_torque, radial_push
 from latolato.physics.pendulum import Ball, swung
 from latolato.physics.tension import tension, wall_tension
-
-BALL = np.dtype([(name, "f8") for name in (
-    "length", "mass", "damping", "quadratic_damping", "coulomb_damping"
-)])  # fmt: skip
 
 PIVOT_ROWS = ("pivot_height", "pivot_velocity", "pivot_acceleration")
 BALL_ROWS = (
@@ -37,8 +34,7 @@ lab_energy, rod_power = energy.lab_energy, energy.rod_power
 
 def ball_records(balls: tuple[Ball, ...]) -> Any:
     """Return the balls' parameters, shape (ball,)."""
-    names = BALL.names or ()
-    return np.array([tuple(getattr(b, n) for n in names) for b in balls], dtype=BALL)
+    return np.array([ball_record(ball) for ball in balls], dtype=BALL)
 
 
 class Observation(NamedTuple):
@@ -48,7 +44,7 @@ class Observation(NamedTuple):
     ----------
     times, modes : ndarray, shape (time,)
     samples : ndarray, shape (SAMPLE_ROWS, time)
-    stretches, starts : ndarray, shape (stretch,)
+    stretches : ndarray, shape (stretch,)
         See `records.stretch_records`.
     balls : ndarray, shape (ball,)
         See `ball_records`.
@@ -66,7 +62,6 @@ class Observation(NamedTuple):
     modes: Any
     samples: Any
     stretches: Any
-    starts: Any
     balls: Any
     gravity: Any
     with_lab: Any
@@ -79,7 +74,7 @@ def empty_observation(stretch: np.dtype[Any]) -> Observation:
     floats, table = np.zeros(0), np.zeros((1, 0))
     stretches, balls = np.zeros(0, dtype=stretch), np.zeros(0, dtype=BALL)
     out = np.zeros((1, 1, 0))
-    return Observation(floats, floats, table, stretches, floats, balls, 0.0, 0, table, out)
+    return Observation(floats, floats, table, stretches, balls, 0.0, 0, table, out)
 
 
 def make_observer(
@@ -101,11 +96,11 @@ def make_observer(
 
     def observe(o: Any) -> None:
         times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
-        stretches, starts, gravity, pivot, out = o.stretches, o.starts, o.gravity, o.pivot, o.out
+        stretches, gravity, pivot, out = o.stretches, o.gravity, o.pivot, o.out
         k = 0
         for i in range(len(times)):
             t = times[i]
-            while k + 1 < len(starts) and starts[k + 1] <= t:
+            while k + 1 < len(stretches) and stretches[k + 1].start <= t:
                 k += 1
             p = stretches[k]
             y, vy, ay = height(t, p), velocity(t, p), acceleration(t, p)

@@ -118,6 +118,11 @@ def engine_recipe(
     return Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings)
 
 
+def prepare_recipe() -> Recipe:
+    """Return what prepares `prepare.Cases`."""
+    return Recipe("entry:make_prepare_entry", SWEEP)
+
+
 def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
     """Return what runs points of `balls` balls one after the other, by calling pieces."""
     settings = ("balls", balls), ("stretch", stretch)
@@ -256,6 +261,7 @@ def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
     usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
         yield engine_recipe(count, usual, pivot_acceleration, *laws, motion=motion)
+    yield prepare_recipe()
     for balls in (1, 2):
         yield many_recipe(balls, usual)
     yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.physics.drives import Drive, Stretch
-from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import Ball
 
 BODY = np.dtype(
@@ -23,49 +23,59 @@ BODY = np.dtype(
 )
 
 
-def body_record(ball: Ball) -> tuple[float, ...]:
-    """Return one ball's numbers in the order of `BODY`."""
-    l, m = ball.length, ball.mass
-    return (
-        1.0 / l,
-        ball.damping / (m * l),
-        ball.quadratic_damping / (m * l),
-        ball.coulomb_damping / (m * l),
-        m * l * l,
-    )
+BALL = np.dtype([(f.name, "f8") for f in fields(Ball)], align=True)
 
 
-def bodies(*rows: tuple[float, ...]) -> NDArray[Any]:
-    """Return records of shape (body,)."""
-    return np.array(list(rows), dtype=BODY)
+def ball_record(ball: Ball) -> tuple[float, ...]:
+    """Return one ball's parameters in the order of `BALL`."""
+    return tuple(getattr(ball, name) for name in BALL.names or ())
 
 
-def joint_record(
-    right: tuple[float, ...], left: tuple[float, ...], separation: float
-) -> tuple[tuple[float, ...], float]:
-    """Return the record of two balls in lasting contact and its angle offset [rad]."""
-    k1, rate_1, quadratic_1, coulomb_1, inertia_1 = right
-    k2, rate_2, quadratic_2, coulomb_2, inertia_2 = left
-    total = inertia_1 + inertia_2
+# The public parameters of a run; see `latolato.numerics.prepare`.
+CASE = np.dtype(
+    [
+        ("gravity", "f8"),  # m/s^2
+        ("balls", BALL, (2,)),  # right, left
+        ("restitution", "f8"),
+        ("initial_angle", "f8", (2,)),  # rad
+        ("initial_offset", "f8"),  # instead of it [rad], or NaN
+        ("initial_angular_velocity", "f8", (2,)),  # rad/s
+        ("duration", "f8"),  # s
+        ("tolerance", "f8"),  # rad
+        ("rest_speed", "f8"),  # rad/s
+        ("step", "f8"),  # s; 0: to be chosen
+        ("speed", "f8"),  # which the step must allow for beside those at the start [rad/s]
+        ("pivot_bound", "f8"),  # of the drive [m/s^2]; NaN: both are to be found from its stretches
+        ("drive_rate", "f8"),  # its fastest frequency [rad/s]
+        ("law", "f8", (2,)),  # numbers of the contact law, and its fastest rate [rad/s]
+        ("law_rate", "f8"),
+        ("angles", "i8"),  # of the state
+        ("meets", "i8"),  # whether balls meet
+        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
+        ("is_rough", "i8"),  # whether the step is one of `steppers.BLANES_MOAN_GENERAL`
+        ("is_exact", "i8"),  # whether the start is taken as it is, wherever that may be
+        ("clips", "i8"),  # whether a start beyond a wall is moved there
+        ("follows_tension", "i8"),
+        ("follows_ledger", "i8"),
+        ("mirrored", "i8"),  # whether two equal balls are kept mirror images of each other
+    ],
+    align=True,
+)
 
-    def mean(first: float, second: float) -> float:
-        return (inertia_1 * first + inertia_2 * second) / total
 
-    coupling, offset = joint_coupling(inertia_1 * k1, inertia_2 * k2, total, separation)
-    drags = mean(rate_1, rate_2), mean(quadratic_1, quadratic_2), mean(coulomb_1, coulomb_2)
-    return (coupling, *drags, total), offset
-
-
-def stretch_records(drive: Drive, duration: float) -> tuple[NDArray[Any], NDArray[np.float64]]:
-    """Return the drive's stretches as records, shape (stretch,), and their start times [s]."""
+def stretch_records(drive: Drive, duration: float) -> NDArray[Any]:
+    """Return the drive's stretches as records, shape (stretch,)."""
     found = drive.stretches(duration)
-    records = np.array([tuple(s) for s in found], dtype=stretch_dtype(type(found[0])))
-    return records, np.array([stretch.start for stretch in found])
+    records = np.zeros(len(found), dtype=stretch_dtype(type(found[0])))
+    for k, stretch in enumerate(found):
+        records[k] = (*stretch, 0.0)[: len(records.dtype)]  # those without a jump have none
+    return records
 
 
 def stretch_dtype(kind: type[Any] = Stretch) -> np.dtype[Any]:
-    """Return the layout of records of a kind of stretch."""
-    return np.dtype([(name, "f8") for name in kind._fields], align=True)
+    """Return the layout of records of a kind of stretch, with a `jump` if that has none."""
+    names = kind._fields if "jump" in kind._fields else (*kind._fields, "jump")
+    return np.dtype([(name, "f8") for name in names], align=True)
 
 
 SETTINGS = np.dtype(

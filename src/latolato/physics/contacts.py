@@ -111,6 +111,40 @@ def check_radius(radius: float, length: float) -> None:
         raise InputError(f"radius must lie in [0, length), got {radius:g} for length {length:g}")
 
 
+# What can be wrong with two balls.
+FINE, NEVER_MEET, TOO_LARGE, LEFT_ROD_HITS, RIGHT_ROD_HITS = range(5)
+
+
+@formula
+def _is_hit(length: float, radius: float, other_length: float, separation: float) -> bool:
+    """Return whether the other ball's rod hits this ball before the balls meet.
+
+    A line from the pivot touches the ball at ``sqrt(l^2 - r^2)``; a shorter rod ends before it, in
+    its own ball, which touches first.
+    """
+    tangent = math.sqrt((length - radius) * (length + radius))
+    # Equal balls have a half width of separation/2: only truly unequal ones can be hit.
+    return bool(other_length >= tangent and math.asin(radius / length) > separation)
+
+
+@formula
+def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, int]:
+    """Return the angle between rods whose balls touch at the bottom [rad], and what is wrong.
+
+    Arguments are the lengths and radii of the right and the left ball. See `contact_separation`.
+    """
+    reach = r1 + r2
+    if abs(l1 - l2) >= reach and not (reach == 0.0 and l1 == l2):
+        return 0.0, NEVER_MEET
+    sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
+    if not sine < 1.0:
+        return 0.0, TOO_LARGE
+    separation = 2.0 * math.asin(sine)
+    if _is_hit(l1, r1, l2, separation):
+        return separation, LEFT_ROD_HITS
+    return separation, RIGHT_ROD_HITS if _is_hit(l2, r2, l1, separation) else FINE
+
+
 def contact_separation(right: Any, left: Any) -> float:
     """Return the angle between the rods when the balls touch at the bottom [rad].
 
@@ -124,36 +158,30 @@ def contact_separation(right: Any, left: Any) -> float:
         ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
     """
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
-    reach = r1 + r2
-    if abs(l1 - l2) >= reach and not (reach == 0.0 and l1 == l2):
+    separation, problem = meeting(l1, l2, r1, r2)
+    if problem == NEVER_MEET:
         raise InputError(
             "the balls never meet: the lengths must differ by less than the sum of the radii, "
             f"got lengths {l1:g} and {l2:g} with radii {r1:g} and {r2:g}"
         )
-    sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
-    if sine >= 1.0:
+    if problem == TOO_LARGE:
         raise InputError(
             f"the balls are too large to hang side by side: radii {r1:g} and {r2:g} "
             f"for lengths {l1:g} and {l2:g}"
         )
-    separation = 2.0 * math.asin(sine)
-    for ball, other in ((right, left), (left, right)):
-        # A line from the pivot touches the ball at this distance; a shorter rod ends before it, in
-        # its own ball, which touches first.
-        tangent = math.sqrt((ball.length - ball.radius) * (ball.length + ball.radius))
+    if problem != FINE:
+        ball, other = (right, left) if problem == LEFT_ROD_HITS else (left, right)
+        one, hit = "smaller ball's", "larger"
+        if other.length != ball.length:
+            one, hit = "longer", "shorter"
+        if other.length < ball.length:
+            one, hit = hit, one
         half_width = math.asin(ball.radius / ball.length)
-        # Equal balls have half_width = separation / 2: only truly unequal ones can fail here.
-        if other.length >= tangent and half_width > separation:
-            one, hit = "smaller ball's", "larger"
-            if other.length != ball.length:
-                one, hit = "longer", "shorter"
-            if other.length < ball.length:
-                one, hit = hit, one
-            raise InputError(
-                f"the {one} rod would hit the {hit} ball before the balls meet: "
-                f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
-                f"separation {separation:g} rad; make the other ball larger"
-            )
+        raise InputError(
+            f"the {one} rod would hit the {hit} ball before the balls meet: "
+            f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
+            f"separation {separation:g} rad; make the other ball larger"
+        )
     return separation
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.integrate import laws_key, write_stepper
+from latolato.numerics.integrate import laws_key
 from latolato.numerics.many import (
     Job,
     Progress,
@@ -34,12 +34,13 @@ from latolato.numerics.pieces import (
     pieces_of,
     words_of,
 )
+from latolato.numerics.prepare import write_stepper
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.plan import Plan
-from latolato.sweep.points import Batch, is_arithmetic, is_smooth
+from latolato.sweep.points import Batch, is_smooth
 
 
 @lru_cache(maxsize=16)
@@ -153,7 +154,8 @@ def has_lanes(plan: Plan) -> bool:
     by single trajectories only.
     """
     return (
-        is_arithmetic(plan)
+        plan.system.angles == 1
+        and plan.noise is None
         and is_smooth(plan)
         and plan.drive.rotation is not None
         and plan.contact.motion == "exact"

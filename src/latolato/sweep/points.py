@@ -1,8 +1,8 @@
 """Turns points of a plan into the arrays that kernels read.
 
-Where every law is plain arithmetic of its parameters (one ball, harmonic or no drive) whole columns
-are turned at once; elsewhere each point is built as the objects of a single run. Both give the
-same numbers; a test compares them.
+Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
+rest, as for a single run. Objects are made for drives of several stretches, for noise, and to say
+what is wrong with a point.
 """
 
 from __future__ import annotations
@@ -17,27 +17,26 @@ from numpy.typing import NDArray
 
 from latolato.errors import InputError
 from latolato.numerics import records
-from latolato.numerics.integrate import (
-    Start,
-    body_rows,
-    choose_step,
-    choose_stepper,
-    fastest_rate,
-    initial_states,
-    rate_of,
-    settings_values,
-    step_for,
-)
+from latolato.numerics.engine.record import STATE
+from latolato.numerics.integrate import Start, choose_step
 from latolato.numerics.many import Points
-from latolato.numerics.records import BODY, SETTINGS
+from latolato.numerics.prepare import (
+    MOST_STEPS,
+    OUT_OF_RANGE,
+    Cases,
+    cases_of,
+    choose_stepper,
+    prepare_cases,
+)
+from latolato.numerics.records import BALL, BODY, SETTINGS
 from latolato.numerics.steppers import Stepper
+from latolato.physics.contacts import FINE
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.physics.drives.stretch import COSINE
 from latolato.physics.noise import KEY, VelocityKicks
-from latolato.physics.pendulum import Ball, LatoLato, System, restoring_linear
+from latolato.physics.pendulum import Ball, System, restoring_linear
 from latolato.quantities import is_computable
-from latolato.simulate import MOST_STEPS
-from latolato.start import ON_WALL, checked_start, kicks_of, walls_of
+from latolato.start import checked_start, kicks_of, walls_of
 from latolato.sweep.axes import DERIVED, parameters_of
 from latolato.sweep.plan import Plan
 
@@ -77,12 +76,6 @@ class Previous:
     angles: Floats
     velocities: Floats
     phase: Floats | None
-
-
-def is_arithmetic(plan: Plan) -> bool:
-    """Return whether whole columns of this plan's points can be turned at once."""
-    laws = isinstance(plan.drive, (Harmonic, Static))
-    return plan.system.angles == 1 and laws and plan.noise is None
 
 
 def is_smooth(plan: Plan) -> bool:
@@ -148,8 +141,123 @@ def make_batch(
     columns = columns_of(plan, index)
     if previous is not None and previous.phase is not None:
         columns["drive_phase"] = previous.phase
-    build = _from_columns if is_arithmetic(plan) else _from_objects
-    return build(plan, columns, stepper, previous)
+    count = len(index)
+    valid = _are_in_range(plan, columns)
+    stops, sensible = _stops(plan, columns)
+    valid &= sensible
+    cases = _cases(plan, columns, previous)
+    stretches, firsts = _stretches(plan, columns, cases, valid)
+    settings = np.zeros(count, dtype=SETTINGS)
+    bodies = np.zeros((count, 4), dtype=BODY)
+    states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
+    has_forms = stretches.dtype == records.stretch_dtype()  # others know their bounds
+    prepare_cases(Cases(
+        cases, stretches if has_forms else np.zeros(0, dtype=records.stretch_dtype()),
+        firsts, settings, bodies, states, problems,
+    ))  # fmt: skip
+    valid = problems == FINE
+    kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
+    points = Points(
+        settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts,
+        stops, plan.contact_limit,
+    )  # fmt: skip
+    reason = ""
+    if not valid.all():
+        reason = _reason(plan, columns, int(np.argmin(valid)), previous)
+    return Batch(columns, points, states, valid, reason)
+
+
+def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
+    """Return where every parameter lies in its range."""
+    known = parameters_of(plan.system, plan.drive, plan.noise)
+    valid = np.ones(len(columns["gravity"]), dtype=bool)
+    for name in columns.keys() & known.keys():
+        allowed, unit = known[name].allowed, known[name].quantity.unit
+        valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
+    return valid
+
+
+def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[Any]:
+    """Return the points' cases, whose drives' bounds are to be found."""
+    cases = cases_of(
+        plan.system, plan.contact, count=len(columns["gravity"]), duration=plan.duration,
+        tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
+        follows_tension=_follows_tension(plan), mirrored=any(o.mirrored for o in plan.observables),
+    )  # fmt: skip
+    for name in ("gravity", "restitution", "initial_offset"):
+        if name in columns:
+            cases[name] = columns[name]
+    one = plan.system.angles == 1
+    for i, side in enumerate(("",) if one else ("right", "left")):
+        for name in BALL.names or ():
+            column = columns.get(name if one else f"{side}_{name}")
+            if column is not None:
+                cases["balls"][name][:, i] = column
+        for name in ("initial_angle", "initial_angular_velocity"):
+            column = columns.get(name if one else f"{name}_{side}")
+            if column is not None:
+                cases[name][:, i] = column
+    if previous is not None:
+        cases["initial_offset"], cases["clips"] = math.nan, 1
+        for i in range(plan.system.angles):
+            cases["initial_angle"][:, i] = previous.angles[i]
+            cases["initial_angular_velocity"][:, i] = previous.velocities[i]
+    return cases
+
+
+def _stretches(
+    plan: Plan, columns: Columns, cases: NDArray[Any], valid: NDArray[np.bool_]
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Return the stretches of all points' drives, and where those of each begin.
+
+    A drive's bounds go into its case, and points whose drive makes no sense become invalid; whole
+    columns turn into stretches where each point has one cosine.
+    """
+    count = len(cases)
+    if isinstance(plan.drive, (Harmonic, Static)):
+        stretches = np.zeros(count, dtype=records.stretch_dtype())
+        if isinstance(plan.drive, Harmonic):
+            stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
+            stretches["c0"] = columns["drive_amplitude"]
+            stretches["frequency"] = columns["drive_frequency"]
+        return stretches, np.arange(count + 1)
+    found: list[NDArray[Any]] = []
+    firsts, known = np.zeros(count + 1, dtype=np.int64), None
+    for k in range(count):
+        firsts[k + 1] = firsts[k]
+        drive = _drive_at(plan, columns, k) if valid[k] else None
+        if drive is None:
+            valid[k] = False
+            continue
+        if known is None or known[0] is not drive:
+            own = records.stretch_records(drive, plan.duration)
+            known = drive, own, drive.largest_acceleration, drive.fastest_frequency
+        found.append(known[1])
+        firsts[k + 1] += len(known[1])
+        cases["pivot_bound"][k], cases["drive_rate"][k] = known[2:]
+    whole = np.concatenate(found) if found else np.zeros(0, dtype=records.stretch_dtype())
+    return whole, firsts
+
+
+def _kicks(
+    plan: Plan, columns: Columns, valid: NDArray[np.bool_]
+) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    """Return instants and sizes of all points' kicks, and where those of each begin."""
+    firsts = np.zeros(len(valid) + 1, dtype=np.int64)
+    if plan.noise is None:
+        return np.zeros(0), np.zeros((plan.system.angles, 0)), firsts
+    times, sizes = [np.zeros(0)], [np.zeros((plan.system.angles, 0))]
+    for k in range(len(valid)):
+        firsts[k + 1] = firsts[k]
+        if valid[k]:
+            system = _system_at(plan, columns, k)
+            instants, each = kicks_of(_noise(plan, columns, k), system, plan.duration)
+            assert instants is not None
+            assert each is not None
+            times.append(instants)
+            sizes.append(each)
+            firsts[k + 1] += len(instants)
+    return np.concatenate(times), np.concatenate(sizes, axis=1), firsts
 
 
 def _noise(plan: Plan, columns: Columns, k: int) -> VelocityKicks | None:
@@ -200,91 +308,10 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
     return stops, transient < plan.duration
 
 
-def _from_columns(
-    plan: Plan, columns: Columns, stepper: Stepper, previous: Previous | None
-) -> Batch:
-    """Return points whose laws are arithmetic, whole columns at once."""
-    c = SimpleNamespace(**columns)
-    count = len(c.length)
-    known = parameters_of(plan.system, plan.drive, plan.noise)
-    valid = np.ones(count, dtype=bool)
-    for name in columns.keys() & known.keys():
-        allowed, unit = known[name].allowed, known[name].quantity.unit
-        valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
-    low = np.full(count, -math.inf)
-    high = -low
-    if isinstance(plan.system, LatoLato):
-        valid &= (c.radius >= 0.0) & (c.radius < c.length)
-        share = np.where(valid, c.radius / np.where(valid, c.length, 1.0), 0.0)
-        contact_angle = np.array([math.asin(x) for x in share])
-        if "initial_offset" in columns:
-            columns["initial_angle"] = contact_angle + columns["initial_offset"]
-        if plan.contact.meets:
-            low, high = contact_angle, math.pi - contact_angle
-    angle, velocity = columns["initial_angle"], columns["initial_angular_velocity"]
-    if previous is not None:
-        angle = np.clip(previous.angles[0], low, high)
-        velocity = previous.velocities[0]
-    valid &= (angle >= low - ON_WALL) & (angle <= high + ON_WALL)
-    angle = np.where(abs(angle - low) <= ON_WALL, low, angle)
-    angle = np.where(abs(angle - high) <= ON_WALL, high, angle)
-
-    zero = np.zeros(count)
-    lift = frequency = zero
-    with np.errstate(all="ignore"):
-        if isinstance(plan.drive, Harmonic):
-            # The properties are arithmetic: they take columns as well as numbers.
-            lift = Harmonic.largest_acceleration.fget(c)  # type: ignore[attr-defined]
-            frequency = Harmonic.fastest_frequency.fget(c)  # type: ignore[attr-defined]
-        body = records.body_record(c)  # type: ignore[arg-type]
-        speed = abs(velocity)
-        rate = rate_of(c.gravity, c.length, lift, frequency, speed, (body[1], body[2]))
-        rate = np.maximum(rate, plan.contact.fastest_rate)
-        step = step_for(rate, plan.tolerance, stepper)
-        if plan.contact.fixed_step is not None:
-            step = np.full(count, plan.contact.fixed_step)
-        valid &= np.isfinite(step) & (step > 0.0) & (plan.duration <= MOST_STEPS * step)
-    settings = np.zeros(count, dtype=SETTINGS)
-    values = settings_values(
-        gravity=c.gravity,
-        walls=(low, high),
-        restitution=columns.get("restitution", 1.0),
-        rest_speed=plan.rest_speed,
-        step=np.where(valid, step, 0.0),
-        pivot_bound=lift,
-        rate=np.where(valid, rate, 0.0),
-        follows_tension=_follows_tension(plan),
-        is_linear=plan.system.restoring is restoring_linear,
-        law=plan.contact.numbers,
-    )
-    for name, value in zip(SETTINGS.names or (), values, strict=True):
-        settings[name] = value
-    bodies = np.zeros((count, 1), dtype=BODY)
-    for name, value in zip(BODY.names or (), body, strict=True):
-        bodies[name][:, 0] = value
-        valid &= np.isfinite(value)
-    stretches = np.zeros(count, dtype=records.stretch_dtype())
-    if isinstance(plan.drive, Harmonic):
-        stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
-        stretches["c0"], stretches["frequency"] = columns["drive_amplitude"], frequency
-    stops, sensible = _stops(plan, columns)
-    valid &= sensible
-    each = np.arange(count + 1)
-    points = Points(
-        settings, bodies, stretches, zero, zero, each, np.zeros(0), np.zeros((1, 0)),
-        np.zeros(count + 1, dtype=np.int64), stops, plan.contact_limit,
-    )  # fmt: skip
-    states = initial_states([angle], [velocity], count)
-    reason = ""
-    if not valid.all():
-        reason = _reason(plan, columns, int(np.argmin(valid)), stepper)
-    return Batch(columns, points, states, valid, reason)
-
-
-def _reason(plan: Plan, columns: Columns, k: int, stepper: Stepper) -> str:
+def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
     """Return what is wrong with a point, as the objects of a single run say it."""
     try:
-        _objects(plan, columns, k, stepper, None)
+        _objects(plan, columns, k, previous)
     except InputError as error:
         return str(error)
     except ArithmeticError:
@@ -298,32 +325,55 @@ def _follows_tension(plan: Plan) -> bool:
     return asked and plan.system.restoring is not restoring_linear
 
 
-def _objects(
-    plan: Plan, columns: Columns, k: int, stepper: Stepper, previous: Previous | None
-) -> tuple[System, Drive, Any, tuple[float, float], float]:
-    """Return system, drive, start, walls and step of one point, built like those of a run."""
+def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:
+    """Return the fields of system or drive that differ at a point."""
     known = parameters_of(plan.system, plan.drive, plan.noise)
-    changed: dict[str, dict[str, Any]] = {"system": {}, "drive": {}}
-    for name in plan.varied | (
-        {"drive_phase"} if previous and previous.phase is not None else set()
-    ):
+    found: dict[str, Any] = {}
+    phase = columns.get("drive_phase")  # a continuation carries it on
+    is_turned = phase is not None and phase[k] != plan.drive.drive_phase  # type: ignore[attr-defined]
+    for name in plan.varied | ({"drive_phase"} if is_turned else set()):
         target = DERIVED.get(name, name)
-        parameter = known[target]
-        if parameter.owner not in changed:
+        if known[target].owner != owner:
             continue
-        value = float(columns[target][k])
-        if len(parameter.path) == 2:
-            part, inner = parameter.path
-            old = changed["system"].get(part, {})
-            changed["system"][part] = {**old, inner: value}
+        value, path = float(columns[target][k]), known[target].path
+        if len(path) == 2:
+            found.setdefault(path[0], {})[path[1]] = value
         else:
-            changed[parameter.owner][parameter.path[0]] = value
+            found[path[0]] = value
+    return found
+
+
+def _system_at(plan: Plan, columns: Columns, k: int) -> System:
+    """Return the system of a point."""
     parts = {
         name: replace(getattr(plan.system, name), **value) if isinstance(value, dict) else value
-        for name, value in changed["system"].items()
+        for name, value in _changed(plan, columns, k, "system").items()
     }
-    system = replace(plan.system, **parts) if parts else plan.system
-    drive = replace(plan.drive, **changed["drive"]) if changed["drive"] else plan.drive
+    return replace(plan.system, **parts) if parts else plan.system
+
+
+def _drive_at(plan: Plan, columns: Columns, k: int) -> Drive | None:
+    """Return the drive of a point, None if it makes no sense."""
+    changed = _changed(plan, columns, k, "drive")
+    try:
+        return replace(plan.drive, **changed) if changed else plan.drive
+    except (InputError, ArithmeticError):
+        return None
+
+
+def _objects(
+    plan: Plan, columns: Columns, k: int, previous: Previous | None
+) -> tuple[System, Drive, Start]:
+    """Return system, drive and start of one point, built like those of a run.
+
+    Raises
+    ------
+    InputError
+        If the point's parameters contradict each other.
+    """
+    system = _system_at(plan, columns, k)
+    changed = _changed(plan, columns, k, "drive")
+    drive = replace(plan.drive, **changed) if changed else plan.drive
     walls = walls_of(system, plan.contact)
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     offset = None
@@ -348,15 +398,13 @@ def _objects(
         )
     if any(o.mirrored for o in plan.observables):
         _check_mirrored(system, start)
-    step = plan.contact.fixed_step
-    if step is None:
-        step = choose_step(system, drive, start, plan.tolerance, stepper, plan.contact)
+    step = choose_step(system, drive, start, plan.tolerance, plan.contact)
     if not plan.duration <= MOST_STEPS * step:
         raise InputError(
             f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
             "duration, loosen the tolerance or slow the motion"
         )
-    return system, drive, start, walls, step
+    return system, drive, start
 
 
 def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
@@ -373,7 +421,7 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
             "run alone"
         )
     columns = columns_of(plan, np.array([number]))
-    system, drive, start, *_ = _objects(plan, columns, 0, stepper_of(plan), None)
+    system, drive, start = _objects(plan, columns, 0, None)
     one = system.angles == 1
     found = {
         "system": system,
@@ -409,72 +457,3 @@ def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[floa
     gap = angles[0] - angles[1]
     shift = 0.5 * (min(max(gap, low), high) - gap)
     return (angles[0] + shift, angles[1] - shift)
-
-
-def _from_objects(
-    plan: Plan, columns: Columns, stepper: Stepper, previous: Previous | None
-) -> Batch:
-    """Return points each of which is built like a single run."""
-    count = len(next(iter(columns.values())))
-    angles = plan.system.angles
-    stops, _ = _stops(plan, columns)
-    settings = np.zeros(count, dtype=SETTINGS)
-    bodies = np.zeros((count, 1 if angles == 1 else 4), dtype=BODY)
-    x, v = np.zeros((angles, count)), np.zeros((angles, count))
-    valid = np.zeros(count, dtype=bool)
-    reason = ""
-    stretches, starts, jumps, kick_times, kick_sizes = [], [], [], [], []
-    firsts, kick_firsts = np.zeros(count + 1, dtype=np.int64), np.zeros(count + 1, dtype=np.int64)
-    known: tuple[Drive, Any, Any, Any] | None = None
-    for k in range(count):
-        firsts[k + 1], kick_firsts[k + 1] = firsts[k], kick_firsts[k]
-        try:
-            system, drive, start, walls, step = _objects(plan, columns, k, stepper, previous)
-        except InputError as error:
-            reason = reason or str(error)
-            continue
-        except ArithmeticError:
-            reason = reason or _OUT_OF_RANGE
-            continue
-        valid[k] = True
-        rows, offsets = body_rows(system, walls)
-        bodies[k] = np.array(rows, dtype=BODY)
-        settings[k] = settings_values(
-            gravity=system.gravity,
-            walls=walls,
-            restitution=getattr(system, "restitution", 1.0),
-            rest_speed=plan.rest_speed,
-            step=step,
-            pivot_bound=drive.largest_acceleration,
-            rate=fastest_rate(system, drive, start, plan.contact),
-            offsets=offsets,
-            follows_tension=_follows_tension(plan),
-            is_linear=plan.system.restoring is restoring_linear,
-            mirrored=any(o.mirrored for o in plan.observables),
-            law=plan.contact.numbers,
-        )
-        x[:, k], v[:, k] = start.angles, start.velocities
-        if known is None or known[0] is not drive:
-            found = records.stretch_records(drive, plan.duration)
-            known = (drive, *found, np.array(drive.velocity_jumps(plan.duration)))
-        stretches.append(known[1])
-        starts.append(known[2])
-        jumps.append(known[3])
-        firsts[k + 1] += len(known[2])
-        instants, sizes = kicks_of(_noise(plan, columns, k), system, plan.duration)
-        if instants is not None and sizes is not None:
-            kick_times.append(instants)
-            kick_sizes.append(sizes)
-            kick_firsts[k + 1] += len(instants)
-    points = Points(
-        settings, bodies,
-        np.concatenate(stretches) if stretches else np.zeros(0, dtype=records.stretch_dtype()),
-        np.concatenate(starts) if starts else np.zeros(0),
-        np.concatenate(jumps) if jumps else np.zeros(0),
-        firsts,
-        np.concatenate(kick_times) if kick_times else np.zeros(0),
-        np.concatenate(kick_sizes, axis=1) if kick_sizes else np.zeros((angles, 0)),
-        kick_firsts, stops, plan.contact_limit,
-    )  # fmt: skip
-    states = initial_states(list(x), list(v), count)
-    return Batch(columns, points, states, valid, reason)

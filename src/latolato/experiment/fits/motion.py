@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 
 from latolato.experiment.fits.least_squares import Floats
-from latolato.numerics.integrate import Start, choose_stepper, integrate, step_for
+from latolato.numerics.integrate import Start, integrate
+from latolato.numerics.prepare import choose_stepper, rate_of, step_for
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL
+from latolato.physics.contacts import ContactLaw, NoContact
 from latolato.physics.drives import Drive, MeasuredPivot, Static, Stretch
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
 TOLERANCE = 1e-8
+_NO_CONTACT = NoContact()
 
 
 class LaterDrive:
@@ -32,26 +36,20 @@ class LaterDrive:
         if isinstance(drive, MeasuredPivot):  # whose last piece holds a moment longer
             end = min(end, drive.times[-1])
         found = drive.stretches(end)
-        jumps = drive.velocity_jumps(end)
         begin = max((i for i, s in enumerate(found) if s.start <= origin), default=0)
         self._stretches = [s._replace(start=s.start - origin) for s in found[begin:]]
-        self._jumps = [0.0, *jumps[begin + 1 :]]
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches that meet [0, duration]."""
         return [stretch for stretch in self._stretches if stretch.start <= duration]
 
-    def velocity_jumps(self, duration: float) -> list[float]:
-        """Return the transmitted velocity jump at each start."""
-        return self._jumps[: len(self.stretches(duration))]
-
 
 def step_of(system: System, drive: Any, speed: float, tolerance: float = TOLERANCE) -> float:
     """Return the step [s] of a fit, the same for all trials so that they differ smoothly."""
     shortest = min(ball.length for ball in system.balls)
-    pull = (system.gravity + drive.largest_acceleration) / shortest
-    rate = max(np.sqrt(pull), drive.fastest_frequency, speed)
-    return float(step_for(rate, tolerance, choose_stepper(system)))
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    rate = rate_of(system.gravity, shortest, *bounds, speed, 0.0, 0.0)
+    return step_for(rate, tolerance, choose_stepper(system) is BLANES_MOAN_GENERAL)
 
 
 def angles_at(
@@ -62,7 +60,7 @@ def angles_at(
     times: Floats,
     *,
     step: float,
-    walls: tuple[float, float] = (-np.inf, np.inf),
+    law: ContactLaw = _NO_CONTACT,
     rest_speed: float = 1e-5,
 ) -> Floats:
     """Return angles at instants from 0 on, shape (angle, time) [rad]; NaN where the motion fails.
@@ -79,8 +77,8 @@ def angles_at(
         Increasing instants [s].
     step : float
         Step of the integrator [s].
-    walls : tuple of float
-        Contact angles or separations [rad].
+    law : ContactLaw
+        What happens where balls meet.
     """
     begin = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
     end = max(float(times[-1]), 1e-9)
@@ -90,7 +88,7 @@ def angles_at(
         begin,
         np.ascontiguousarray(times, dtype=np.float64),
         end,
-        walls=walls,
+        law=law,
         step=step,
         rest_speed=rest_speed,
         contact_limit=10_000,

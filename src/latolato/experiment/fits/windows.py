@@ -167,10 +167,9 @@ class WindowedModel:
 
     def _angles(self, system: System, drive: Any, state: Floats, times: Floats) -> Floats:
         """Return angles at instants, shape (angle, instant)."""
-        walls = walls_of(system, Exact()) if system.has_contacts else (-math.inf, math.inf)
         begun = _within_walls(system, state[:, 0])
         start = begun.tolist(), state[:, 1].tolist()
-        return angles_at(system, drive, *start, times, step=self.step, walls=walls)
+        return angles_at(system, drive, *start, times, step=self.step, law=Exact())
 
 
 def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:

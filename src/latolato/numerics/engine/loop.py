@@ -40,8 +40,6 @@ class Timetable(NamedTuple):
     """When the drive or a kick changes something: arrays of shape (stretch,) or (kick,)."""
 
     stretches: Any
-    starts: Any
-    jumps: Any  # of the pivot's velocity [m/s]
     kick_times: Any
     kick_sizes: Any  # rad/s, shape (ball, kick)
 
@@ -59,7 +57,7 @@ def empty_arguments(stretch: np.dtype[Any]) -> Arguments:
     floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
     kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
     return Arguments(
-        Timetable(np.empty(0, dtype=stretch), floats, floats, floats, kicks),
+        Timetable(np.empty(0, dtype=stretch), floats, kicks),
         Output(floats, table, floats, numbers, table),
         Eyes(floats, 0, 0),
     )
@@ -187,8 +185,8 @@ def make_engine(
         """Find the next instant at which a step must end; no event is assumed before it."""
         state = run.state
         run.goal, run.event, run.keeps_touch = stop, NOTHING, 0
-        if state.stretch + 1 < len(timetable.starts):
-            run.goal = min(run.goal, timetable.starts[state.stretch + 1])
+        if state.stretch + 1 < len(timetable.stretches):
+            run.goal = min(run.goal, timetable.stretches[state.stretch + 1].start)
         if state.kick < len(timetable.kick_times):
             run.goal = min(run.goal, timetable.kick_times[state.kick])
 
@@ -227,7 +225,7 @@ def make_engine(
     def shove(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
         """Let a jump of the pivot's velocity and a kick change velocities; return if they do."""
         state, given = run.state, False
-        jump = timetable.jumps[state.stretch + 1] if is_jump else 0.0
+        jump = timetable.stretches[state.stretch + 1].jump if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
             pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
@@ -241,18 +239,19 @@ def make_engine(
     @part
     def change(run: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
         """Start the drive's next stretch or apply a kick, if due."""
-        state, starts, kick_times = run.state, timetable.starts, timetable.kick_times
-        is_jump = state.stretch + 1 < len(starts) and starts[state.stretch + 1] <= run.t
+        state, kick_times, following = run.state, timetable.kick_times, run.state.stretch + 1
+        stretches = timetable.stretches
+        is_jump = following < len(stretches) and stretches[following].start <= run.t
         is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
         if not (is_jump or is_kick):
             return
         given = shove(run, timetable, is_jump, is_kick)
         if is_jump:
             state.stretch += 1
-            run.stretch = timetable.stretches[state.stretch]
+            run.stretch = stretches[state.stretch]
             clear_matrix(run.jacobian, 4)
             for i in range(count):
-                jump, coupling = timetable.jumps[state.stretch], run.bodies[i].coupling
+                jump, coupling = run.stretch.jump, run.bodies[i].coupling
                 bend = swung(jump, coupling, slope(run.now[i].angle, run.settings.is_linear))
                 write_matrix(run.jacobian, i, (1.0, 0.0, bend, 1.0))
             look.matrix(run, eyes, 2 * count, 0.0, 0.0)

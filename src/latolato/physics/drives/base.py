@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -9,6 +10,8 @@ from typing import Any, ClassVar
 from latolato.errors import InputError
 from latolato.physics.drives.stretch import (
     Stretch,
+    fastest_frequency,
+    largest_acceleration,
     pivot_acceleration,
     pivot_height,
     pivot_velocity,
@@ -44,23 +47,27 @@ class Drive:
     def stretches(self, duration: float) -> list[Stretch]:
         """Return every smooth stretch that meets [0, duration].
 
-        Formulas of one's own may read numbers of their own, from named tuples with a `start` [s].
+        Formulas of one's own may read numbers of their own, from named tuples with a `start` [s]
+        and, if its velocity jumps there and the balls are given that, a `jump` [m/s].
         """
         raise TypeError(f"{type(self).__name__} must define stretches(duration)")
 
-    def velocity_jumps(self, duration: float) -> list[float]:
-        """Return the pivot's velocity jump that is transmitted at each start [m/s]."""
-        return [0.0] * len(self.stretches(duration))
+    def course(self) -> tuple[list[Stretch], float]:
+        """Return all stretches that there are, and where the last one ends [s]."""
+        return self.stretches(math.inf), math.inf
 
     @property
     def fastest_frequency(self) -> float:
-        """Largest angular frequency in the motion [rad/s]; sets the step."""
-        return 0.0
+        """Largest angular frequency in the motion [rad/s]; sets the step.
+
+        A drive with formulas of its own must give this and the next one.
+        """
+        return fastest_frequency(*self.course())
 
     @property
     def largest_acceleration(self) -> float:
         """Bound of |pivot_acceleration| [m/s^2]; sets the step."""
-        return 0.0
+        return largest_acceleration(*self.course())
 
 
 def checked_array(

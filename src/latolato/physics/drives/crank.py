@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import Drive, drives
-from latolato.physics.drives.stretch import CRANK, Stretch, pivot_acceleration
+from latolato.physics.drives.stretch import CRANK, Stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
 
 
@@ -57,17 +56,3 @@ class CrankSlider(Drive):
     def side(self) -> float:
         """+1 for a guide above the crank, -1 for one below."""
         return -1.0 if self.guide == "below" else 1.0
-
-    @property
-    def fastest_frequency(self) -> float:
-        """Angular frequency of the strongest overtone that matters [rad/s]."""
-        lam = self.drive_amplitude / self.connecting_rod_length
-        return self.drive_frequency / math.sqrt(1.0 - lam * lam) * (1.0 + lam)
-
-    @property
-    def largest_acceleration(self) -> float:
-        """Bound of the acceleration [m/s^2]: its largest size at 720 phases, and a percent."""
-        (stretch,) = self.stretches(0.0)
-        turning = stretch._replace(phase=0.0, frequency=1.0)  # the time is the phase
-        samples = (pivot_acceleration(math.tau * i / 720.0, turning) for i in range(720))
-        return 1.01 * self.drive_frequency**2 * max(abs(a) for a in samples)

@@ -43,13 +43,3 @@ class Harmonic(Drive):
                 c0=self.drive_amplitude,
             )
         ]
-
-    @property
-    def fastest_frequency(self) -> float:
-        """The drive's angular frequency [rad/s]."""
-        return self.drive_frequency
-
-    @property
-    def largest_acceleration(self) -> float:
-        """A0 w^2 [m/s^2]."""
-        return self.drive_amplitude * self.drive_frequency * self.drive_frequency

@@ -126,28 +126,6 @@ class MeasuredPivot(Drive):
         begin = max(i for i, piece in enumerate(self._pieces) if piece.start <= 0.0)
         return [piece for piece in self._pieces[begin:] if piece.start <= duration]
 
-    @property
-    def fastest_frequency(self) -> float:
-        """Angular frequency of a cosine of the same height and acceleration [rad/s]."""
-        amplitude = 0.5 * (max(self.pivot_heights) - min(self.pivot_heights))
-        return math.sqrt(self.largest_acceleration / amplitude) if amplitude > 0.0 else 0.0
-
-    @property
-    def largest_acceleration(self) -> float:
-        """Largest acceleration either way [m/s^2]: of each cubic, at its ends and in between."""
-        ends = [piece.start for piece in self._pieces[1:]] + [self.times[-1]]
-        largest = 0.0
-        for piece, end in zip(self._pieces, ends, strict=True):
-            span, c2, c3, c4, c5 = end - piece.start, piece.c2, piece.c3, piece.c4, piece.c5
-            candidates = [0.0, span]
-            a, b, c = 60.0 * c5, 24.0 * c4, 6.0 * c3  # zeros of the third derivative
-            root = b * b - 4.0 * a * c
-            if root >= 0.0:
-                q = -0.5 * (b + math.copysign(math.sqrt(root), b))
-                candidates += [q / a] if a != 0.0 else []
-                candidates += [c / q] if q != 0.0 else []
-            for s in candidates:
-                if 0.0 <= s <= span:
-                    value = 2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))
-                    largest = max(largest, abs(value))
-        return largest
+    def course(self) -> tuple[list[Stretch], float]:
+        """Return all pieces, and the last instant [s]."""
+        return self._pieces, self.times[-1]

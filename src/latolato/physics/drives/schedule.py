@@ -48,17 +48,6 @@ class _Swept(Drive):
                 found.append(Stretch(start, form, phase, frequency, rate, self.drive_amplitude))
         return found
 
-    @property
-    def fastest_frequency(self) -> float:
-        """Largest angular frequency of any stretch [rad/s]."""
-        return max(w for _, w, _ in self._knots())
-
-    @property
-    def largest_acceleration(self) -> float:
-        """Bound A0 (w^2 + |rate|) [m/s^2]."""
-        steepest = max(abs(r) for _, _, r in self._knots())
-        return self.drive_amplitude * (self.fastest_frequency**2 + steepest)
-
 
 @drives.register("frequency_schedule")
 @dataclass(frozen=True, kw_only=True)
@@ -119,15 +108,15 @@ class FrequencySchedule(_Swept):
                 knots.append((start, new, 0.0))
         return knots
 
-    def velocity_jumps(self, duration: float) -> list[float]:
-        """Return the transmitted velocity jumps; all zero unless `step_impulse` and no ramp."""
-        found = self.stretches(duration)
+    def stretches(self, duration: float) -> list[Stretch]:
+        """Return the stretches, with the jumps that are transmitted."""
+        found = super().stretches(duration)
         if not self.step_impulse or self.ramp > 0.0:
-            return [0.0] * len(found)
-        jumps = [0.0]
-        for old, new in pairwise(found):
-            jumps.append(-new.c0 * (new.frequency - old.frequency) * sine(new.phase))
-        return jumps
+            return found
+        return found[:1] + [
+            new._replace(jump=-new.c0 * (new.frequency - old.frequency) * sine(new.phase))
+            for old, new in pairwise(found)
+        ]
 
 
 @drives.register("chirp")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -107,17 +106,3 @@ class Stages(Drive):
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches that meet [0, duration]."""
         return [stage for stage in self._stages if stage.start <= duration]
-
-    @property
-    def fastest_frequency(self) -> float:
-        """Largest angular frequency of any stage [rad/s]."""
-        return max(self.drive_frequencies)
-
-    @property
-    def largest_acceleration(self) -> float:
-        """Bound of |pivot_acceleration|, stretch by stretch [m/s^2]."""
-        ends = [stage.start for stage in self._stages[1:]] + [math.inf]
-        return max(
-            stage.acceleration_bound(end - stage.start if math.isfinite(end) else 0.0)
-            for stage, end in zip(self._stages, ends, strict=True)
-        )

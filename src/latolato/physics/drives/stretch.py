@@ -36,6 +36,7 @@ class Stretch(NamedTuple):
     c5: float = 0.0
     rod: float = 0.0  # m, a crank's connecting_rod_length
     side: float = 0.0  # +1 for a crank's guide above, -1 for one below
+    jump: float = 0.0  # of the pivot's velocity at the start that the balls are given [m/s]
 
     def at(self, time: float) -> Stretch:
         """Return the same cosine with another start [s]."""
@@ -48,22 +49,6 @@ class Stretch(NamedTuple):
             c1=self.c1 + s * (2.0 * self.c2 + s * 3.0 * self.c3),
             c2=self.c2 + 3.0 * self.c3 * s,
         )
-
-    def acceleration_bound(self, span: float) -> float:
-        """Return a bound of a cosine's |pivot_acceleration| within `span` seconds [m/s^2]."""
-        if self.c1 == self.c2 == self.c3 == 0.0:
-            fastest = max(abs(self.frequency), abs(self.frequency + self.rate * span))
-            return abs(self.c0) * (fastest * fastest + abs(self.rate))
-        end = self.at(self.start + span)
-        fastest = max(abs(self.frequency), abs(end.frequency))
-        # A cubic is below the largest of its Bezier points, and so are its derivatives.
-        third = span / 3.0
-        points = (self.c0, self.c0 + third * self.c1, end.c0 - third * end.c1, end.c0)
-        middle = self.c1 + span * self.c2
-        amplitude = max(map(abs, points))
-        growth = max(abs(self.c1), abs(middle), abs(end.c1))
-        bend = 2.0 * max(abs(self.c2), abs(end.c2))
-        return bend + 2.0 * growth * fastest + amplitude * (fastest * fastest + abs(self.rate))
 
 
 @formula
@@ -114,14 +99,22 @@ def _crank_velocity(s: float, p: Any) -> float:
 
 
 @formula
-def _crank_acceleration(s: float, p: Any) -> float:
-    """Return -A w^2 [cos q + side lam (cos 2q + lam^2 sin^4 q)/(1 - lam^2 sin^2 q)^(3/2)]."""
+def _crank_bend(phase: float, p: Any) -> float:
+    """Return -A [cos q + side lam (cos 2q + lam^2 sin^4 q)/(1 - lam^2 sin^2 q)^(3/2)] at q.
+
+    That is the acceleration over the square of the frequency [m], with lam = A/L.
+    """
     lam = p.c0 / p.rod
-    phase = p.frequency * s + p.phase
     square = sine(phase) ** 2
     inner = 1.0 - lam * lam * square
     bend = (1.0 - 2.0 * square + lam * lam * square * square) / (inner * math.sqrt(inner))
-    return -p.c0 * p.frequency * p.frequency * (cosine(phase) + p.side * lam * bend)
+    return -p.c0 * (cosine(phase) + p.side * lam * bend)
+
+
+@formula
+def _crank_acceleration(s: float, p: Any) -> float:
+    """Return the second time derivative of `_crank_height`."""
+    return p.frequency * p.frequency * _crank_bend(p.frequency * s + p.phase, p)
 
 
 @formula
@@ -204,3 +197,101 @@ def rotation(p: Any) -> tuple[float, float, float]:
     """
     w = p.frequency
     return -p.c0 * w * w, w, p.phase - w * p.start
+
+
+@formula
+def _swept_bound(p: Any, span: float) -> float:
+    """Return a bound of |_swept_acceleration| within `span` seconds [m/s^2]."""
+    fastest = max(abs(p.frequency), abs(p.frequency + p.rate * span))
+    # A cubic is below the largest of its Bezier points, and so are its derivatives.
+    end = p.c0 + span * (p.c1 + span * (p.c2 + span * p.c3))
+    end_growth = p.c1 + span * (2.0 * p.c2 + span * 3.0 * p.c3)
+    third = span / 3.0
+    inner = max(abs(p.c0 + third * p.c1), abs(end - third * end_growth))
+    amplitude = max(abs(p.c0), inner, abs(end))
+    growth = max(abs(p.c1), abs(p.c1 + span * p.c2), abs(end_growth))
+    bend = 2.0 * max(abs(p.c2), abs(p.c2 + 3.0 * p.c3 * span))
+    return bend + 2.0 * growth * fastest + amplitude * (fastest * fastest + abs(p.rate))
+
+
+# Phases at which a crank's acceleration is looked at, and what may be added to the largest.
+_CRANK_LOOKS, _CRANK_MARGIN = 720, 1.01
+
+
+@formula
+def _crank_bound(p: Any) -> float:
+    """Return a bound of a crank's |pivot_acceleration| [m/s^2]."""
+    largest = 0.0
+    for i in range(_CRANK_LOOKS):
+        largest = max(largest, abs(_crank_bend(math.tau * i / _CRANK_LOOKS, p)))
+    return _CRANK_MARGIN * p.frequency * p.frequency * largest
+
+
+@formula
+def _polynomial_bound(p: Any, span: float) -> float:
+    """Return the largest |_polynomial_acceleration|, a cubic: at its ends or turning points."""
+    largest = max(abs(_polynomial_acceleration(0.0, p)), abs(_polynomial_acceleration(span, p)))
+    a, b, c = 60.0 * p.c5, 24.0 * p.c4, 6.0 * p.c3  # zeros of the third derivative
+    root = b * b - 4.0 * a * c
+    if root >= 0.0:
+        q = -0.5 * (b + math.copysign(math.sqrt(root), b))
+        first = q / a if a != 0.0 else 0.0
+        second = c / q if q != 0.0 else 0.0
+        if 0.0 <= first <= span:
+            largest = max(largest, abs(_polynomial_acceleration(first, p)))
+        if 0.0 <= second <= span:
+            largest = max(largest, abs(_polynomial_acceleration(second, p)))
+    return largest
+
+
+@formula
+def acceleration_bound(p: Any, span: float) -> float:
+    """Return a bound of |pivot_acceleration| in the first `span` seconds of a stretch [m/s^2]."""
+    if p.form == COSINE:
+        return abs(p.c0) * p.frequency * p.frequency
+    if p.form == SWEPT:
+        return _swept_bound(p, span)
+    if p.form == CRANK:
+        return _crank_bound(p)
+    return _polynomial_bound(p, span) if p.form == POLYNOMIAL else 0.0
+
+
+@formula
+def _span(stretches: Any, i: int, end: float) -> float:
+    """Return how long stretch i lasts [s]; a last one that never ends is steady: 0 will do."""
+    until = stretches[i + 1].start if i + 1 < len(stretches) else end
+    return until - stretches[i].start if until < math.inf else 0.0
+
+
+@formula
+def largest_acceleration(stretches: Any, end: float) -> float:
+    """Return a bound of |pivot_acceleration| in all stretches, the last up to `end` [m/s^2]."""
+    largest = 0.0
+    for i in range(len(stretches)):
+        largest = max(largest, acceleration_bound(stretches[i], _span(stretches, i, end)))
+    return largest
+
+
+@formula
+def fastest_frequency(stretches: Any, end: float) -> float:
+    """Return the largest angular frequency that matters in all stretches [rad/s].
+
+    That of a crank is its strongest overtone's, that of polynomials belongs to a cosine of the same
+    height and acceleration.
+    """
+    fastest = steepest = 0.0
+    low, high = math.inf, -math.inf
+    for i in range(len(stretches)):
+        p, span = stretches[i], _span(stretches, i, end)
+        if p.form == POLYNOMIAL:
+            first, last = p.c0, _polynomial_height(span, p)
+            low, high = min(low, first, last), max(high, first, last)
+            steepest = max(steepest, _polynomial_bound(p, span))
+        elif p.form == CRANK:
+            lam = p.c0 / p.rod
+            fastest = max(fastest, p.frequency / math.sqrt(1.0 - lam * lam) * (1.0 + lam))
+        else:
+            fastest = max(fastest, abs(p.frequency), abs(p.frequency + p.rate * span))
+    if high > low:
+        fastest = max(fastest, math.sqrt(2.0 * steepest / (high - low)))
+    return fastest

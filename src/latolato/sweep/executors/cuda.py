@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
 from latolato.errors import InputError, import_extra
 from latolato.numerics.engine.record import STATE, as_objects, run_dtype, write_back
-from latolato.numerics.integrate import laws_key, write_stepper
+from latolato.numerics.integrate import laws_key
 from latolato.numerics.many import Points, Progress, Scratch, make_many, make_scratch
+from latolato.numerics.prepare import write_stepper
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
@@ -139,8 +140,8 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
     run_type = from_dtype(run_dtype(stretch))
 
     def kernel(
-        order: Any, settings: Any, bodies: Any, stretches: Any, starts: Any, jumps: Any,
-        firsts: Any, kick_times: Any, kick_sizes: Any, kick_firsts: Any, stops: Any,
+        order: Any, settings: Any, bodies: Any, stretches: Any, firsts: Any, kick_times: Any,
+        kick_sizes: Any, kick_firsts: Any, stops: Any,
         contact_limit: int, template: Any, states: Any, begun: Any, status: Any, acc: Any,
         cancel: Any,
     ) -> None:  # fmt: skip
@@ -156,8 +157,8 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
         many(
             order[i : i + 1],
             Points(
-                settings, bodies, stretches, starts, jumps, firsts, kick_times, kick_sizes,
-                kick_firsts, stops, contact_limit,
+                settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts, stops,
+                contact_limit,
             ),
             Scratch(runs, times, kinds, values, times[:0], values[:, :0]),
             Progress(states, begun, status, acc),

@@ -1,0 +1,392 @@
+"""From the public parameters of a run to what the engine reads: walls, bodies, start, step.
+
+The same formulas serve a single run, the points of a sweep and hosts other than Python; parameters
+come as records of `records.CASE`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.record import (
+    STATE,
+    UNSETTLED,
+    as_objects,
+    run_dtype,
+    write_back,
+)
+from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, stretch_dtype
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
+from latolato.physics.contacts import FINE, ContactLaw, meeting
+from latolato.physics.drives.stretch import fastest_frequency, largest_acceleration
+from latolato.physics.pair import joint_coupling
+from latolato.physics.pendulum import System, restoring_linear
+from latolato.scalar import formula
+
+# Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
+# benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
+# error below a third of `tolerance`, half of them below a thirtieth.
+_STEP_AT_UNIT_TOLERANCE = 5.0
+# How much the drag's own rate counts. Measured with m l = 1 kg m and C, C2 from 30 to 1e4: ledger
+# and angle keep all tolerances from 1e-4 to 1e-12 at 0.2 to 0.35, whatever the drag; the rest is
+# left to the repetition with half the step.
+_DRAG_WEIGHT = 0.3
+_ORDER, _SMOOTH, _ROUGH = (
+    BLANES_MOAN_RKN.order,
+    BLANES_MOAN_RKN.step_factor,
+    BLANES_MOAN_GENERAL.step_factor,
+)
+# A start this close to a wall is on it.
+ON_WALL = 1e-12  # rad
+# Hours of computing; beyond it the input is taken for a mistake.
+MOST_STEPS = 1e10
+
+# What can be wrong with a case, beside the problems of `physics.contacts`.
+RADIUS, OVERLAP, UNLIKE, TOO_LONG, OUT_OF_RANGE = 5, 6, 7, 8, 9
+PROBLEMS = (
+    "fine", "never meet", "too large", "left rod hits", "right rod hits", "radius", "overlap",
+    "not mirrored", "too many steps", "out of range",
+)  # fmt: skip
+
+
+class Cases(NamedTuple):
+    """Cases to prepare, and what becomes of them; the first dimension is the case unless noted.
+
+    Attributes
+    ----------
+    cases : ndarray
+        Records of `CASE`.
+    stretches : ndarray, shape (stretch,)
+        The drives' stretches; those of case k begin at ``firsts[k]``. Only cases that leave their
+        drive's bounds open have any.
+    firsts : ndarray, shape (case + 1,)
+    settings, bodies, states : ndarray
+        Records of shapes (case,), (case, body) and (case,), zero before.
+    problems : ndarray of int
+        Numbers of `PROBLEMS`; a case with one is left out.
+    """
+
+    cases: Any
+    stretches: Any
+    firsts: Any
+    settings: Any
+    bodies: Any
+    states: Any
+    problems: Any
+
+
+def empty_cases() -> Cases:
+    """Return no cases, in arrays of the kinds that cases have."""
+    numbers = np.zeros(0, dtype=np.int64)
+    return Cases(
+        np.zeros(0, dtype=CASE), np.zeros(0, dtype=stretch_dtype()), numbers,
+        np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=STATE),
+        numbers,
+    )  # fmt: skip
+
+
+@formula
+def rate_of(
+    gravity: float, length: float, acceleration: float, frequency: float, speed: float,
+    linear: float, quadratic: float,
+) -> float:  # fmt: skip
+    """Return the fastest angular rate of a ball [rad/s].
+
+    The largest of the drive's frequency, the swing's under the strongest pull
+    ``sqrt((g + |y0''|)/l)``, the largest angular velocity that is known, and 0.3 times the rate of
+    the drag: that is c1 [1/s] and the larger of c2 times that velocity and
+    ``2 sqrt(c2 (g + |y0''|)/l)``, the rate at which quadratic drag settles under that pull.
+    """
+    stiffness = (gravity + acceleration) / length
+    settling = linear + max(2.0 * math.sqrt(quadratic * stiffness), quadratic * speed)
+    return max(math.sqrt(stiffness), frequency, speed, _DRAG_WEIGHT * settling)
+
+
+@formula
+def step_for(rate: float, tolerance: float, is_rough: bool) -> float:
+    """Return the step [s] at which the fastest rates allow `tolerance`.
+
+    ``5 step_factor tolerance^(1/order)`` over the rate.
+    """
+    factor = _ROUGH if is_rough else _SMOOTH
+    return _STEP_AT_UNIT_TOLERANCE * factor * tolerance ** (1.0 / _ORDER) / rate
+
+
+@formula
+def body_record(ball: Any) -> tuple[float, float, float, float, float]:
+    """Return one ball's numbers in the order of `BODY`."""
+    l, m = ball.length, ball.mass
+    return (
+        1.0 / l,
+        ball.damping / (m * l),
+        ball.quadratic_damping / (m * l),
+        ball.coulomb_damping / (m * l),
+        m * l * l,
+    )
+
+
+@formula
+def _write_body(body: Any, numbers: Any) -> None:
+    """Write the numbers of a body in the order of `BODY`."""
+    body.coupling, body.rate, body.quadratic, body.coulomb, body.inertia = numbers
+
+
+@formula
+def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
+    """Write the body that two balls form in lasting contact; return its angle offset [rad]."""
+    one, other = right.inertia, left.inertia
+    total = one + other
+    moments = one * right.coupling, other * left.coupling
+    coupling, offset = joint_coupling(*moments, total, separation)
+    _write_body(body, (
+        coupling,
+        (one * right.rate + other * left.rate) / total,
+        (one * right.quadratic + other * left.quadratic) / total,
+        (one * right.coulomb + other * left.coulomb) / total,
+        total,
+    ))  # fmt: skip
+    return offset
+
+
+@formula
+def _clamped(value: float, low: float, high: float) -> float:
+    """Return the value, moved into a range."""
+    return min(max(value, low), high)
+
+
+@formula
+def _geometry(case: Any) -> tuple[float, float, int]:
+    """Return where balls touch, [rad] of the angle or of the separation, and what is wrong."""
+    for i in range(case.angles):
+        if not 0.0 <= case.balls[i].radius < case.balls[i].length:
+            return 0.0, math.pi, RADIUS
+    right, left = case.balls[0], case.balls[1]
+    if case.angles == 2:
+        separation, problem = meeting(right.length, left.length, right.radius, left.radius)
+        return separation, math.tau - separation, problem
+    low = math.asin(right.radius / right.length)
+    return low, math.pi - low, FINE
+
+
+@formula
+def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, float, int]:
+    """Return the angles at time zero [rad], and what is wrong with them.
+
+    `touch` is the low contact angle, `low` and `high` are the walls, if there are any.
+    """
+    right, left, two = case.initial_angle[0], case.initial_angle[1], case.angles == 2
+    if not math.isnan(case.initial_offset):
+        right = touch + case.initial_offset
+    if case.is_exact != 0:
+        return right, left, FINE
+    gap = right - left if two else right
+    if case.clips != 0:
+        inside = _clamped(gap, low, high)
+        right = right + 0.5 * (inside - gap) if two else inside
+        left = left - 0.5 * (inside - gap) if two else left
+        gap = right - left if two else right
+    if not low - ON_WALL <= gap <= high + ON_WALL:
+        return right, left, OVERLAP
+    for wall in (low, high):
+        if abs(gap - wall) <= ON_WALL:
+            right = right + (wall - gap) if two else wall
+            break
+    return right, left, FINE
+
+
+@formula
+def _is_mirrored(case: Any, right_angle: float, left_angle: float) -> bool:
+    """Return whether two equal balls begin as mirror images of each other."""
+    right, left, velocity = case.balls[0], case.balls[1], case.initial_angular_velocity
+    return bool(
+        right_angle == -left_angle
+        and velocity[0] == -velocity[1]
+        and right.length == left.length
+        and right.mass == left.mass
+        and right.radius == left.radius
+        and right.damping == left.damping
+        and right.quadratic_damping == left.quadratic_damping
+        and right.coulomb_damping == left.coulomb_damping
+    )
+
+
+@formula
+def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
+    """Return the fastest angular rate that is known beforehand [rad/s]."""
+    speed, rate = case.speed, case.law_rate
+    for i in range(case.angles):
+        speed = max(speed, abs(case.initial_angular_velocity[i]))
+    for i in range(case.angles):
+        b, length = bodies[i], case.balls[i].length
+        own = rate_of(case.gravity, length, bound, frequency, speed, b.rate, b.quadratic)
+        rate = max(rate, own)
+    return rate
+
+
+@formula
+def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -> int:
+    """Fill the settings, bodies and state of a case; return what is wrong with it."""
+    touch, high, problem = _geometry(case)
+    if problem != FINE:
+        return problem
+    for i in range(case.angles):
+        _write_body(bodies[i], body_record(case.balls[i]))
+    if case.angles == 2:
+        first, last = (touch, high) if case.meets != 0 else (0.0, 0.0)
+        settings.offset_low = _write_joint(bodies[2], bodies[0], bodies[1], first)
+        settings.offset_high = _write_joint(bodies[3], bodies[0], bodies[1], last)
+    bound, frequency = case.pivot_bound, case.drive_rate
+    if math.isnan(bound):
+        bound = largest_acceleration(stretches, case.duration)
+        frequency = fastest_frequency(stretches, case.duration)
+    rate = _rate(case, bodies, bound, frequency)
+    step = case.step if case.step > 0.0 else step_for(rate, case.tolerance, case.is_rough != 0)
+    settings.gravity, settings.restitution = case.gravity, case.restitution
+    settings.low, settings.high = -math.inf, math.inf
+    if case.meets != 0:
+        settings.low, settings.high = touch, high
+    settings.rest_speed, settings.step, settings.pivot_bound = case.rest_speed, step, bound
+    settings.sag = 0.5 * (step * rate) ** 2
+    settings.follows_tension, settings.follows_ledger = case.follows_tension, case.follows_ledger
+    settings.mirrored, settings.is_linear = case.mirrored, case.is_linear
+    settings.law[0], settings.law[1] = case.law[0], case.law[1]
+    right, left, problem = _start(case, touch, settings.low, settings.high)
+    state.mode, state.angle[0] = UNSETTLED, right
+    state.slack_start[0] = state.slack_start[1] = math.nan
+    state.velocity[0] = case.initial_angular_velocity[0]
+    if case.angles == 2:
+        state.angle[1], state.velocity[1] = left, case.initial_angular_velocity[1]
+        if problem == FINE and case.mirrored != 0 and not _is_mirrored(case, right, left):
+            return UNLIKE
+    for i in range(case.angles):
+        b = bodies[i]
+        if not math.isfinite(b.coupling + b.rate + b.quadratic + b.coulomb + b.inertia):
+            return OUT_OF_RANGE
+    if not (step > 0.0 and math.isfinite(step)):
+        return OUT_OF_RANGE
+    if problem == FINE and not case.duration <= MOST_STEPS * step:
+        return TOO_LONG
+    return problem
+
+
+def cases_of(
+    system: System,
+    law: ContactLaw,
+    *,
+    angles: Sequence[Any] = (0.0, 0.0),
+    velocities: Sequence[Any] = (0.0, 0.0),
+    bounds: tuple[float, float] = (math.nan, math.nan),
+    count: int = 1,
+    **numbers: Any,
+) -> NDArray[Any]:
+    """Return equal cases of a system, of shape (count,), with what is given of them.
+
+    Parameters
+    ----------
+    angles, velocities : sequences of float or ndarray
+        Of each ball at time zero [rad, rad/s].
+    bounds : tuple of float
+        Largest acceleration [m/s^2] and fastest frequency [rad/s] of the drive, if they are not to
+        be found from its stretches.
+    numbers : float or ndarray
+        Other fields of `CASE`.
+    """
+    cases = np.zeros(count, dtype=CASE)
+    cases["gravity"], cases["restitution"] = system.gravity, getattr(system, "restitution", 1.0)
+    for i, ball in enumerate(system.balls):
+        cases["balls"][:, i] = ball_record(ball)
+    for i in range(system.angles):
+        cases["initial_angle"][:, i] = angles[i]
+        cases["initial_angular_velocity"][:, i] = velocities[i]
+    cases["initial_offset"] = math.nan
+    cases["pivot_bound"], cases["drive_rate"] = bounds
+    cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
+    cases["step"] = law.fixed_step or 0.0
+    cases["angles"], cases["meets"] = system.angles, system.has_contacts and law.meets
+    cases["is_linear"] = system.restoring is restoring_linear
+    cases["is_rough"] = choose_stepper(system) is BLANES_MOAN_GENERAL
+    for name, value in numbers.items():
+        cases[name] = value
+    return cases
+
+
+def choose_stepper(system: System) -> Stepper:
+    """Return the splitting whose order holds for the motion and the works of this system."""
+    smooth = all(b.quadratic_damping == b.coulomb_damping == 0.0 for b in system.balls)
+    return BLANES_MOAN_RKN if smooth else BLANES_MOAN_GENERAL
+
+
+def prepared_runs(
+    cases: NDArray[Any],
+    stepper: Stepper,
+    stretch: np.dtype[Any] | None = None,
+    *,
+    compiled: bool = True,
+) -> tuple[NDArray[Any], int]:
+    """Return the record of a run at time zero, of shape (1,), and what is wrong with its case.
+
+    Parameters
+    ----------
+    cases : ndarray, shape (1,)
+        With its drive's bounds.
+    stretch : dtype, optional
+        The layout of the drive's stretches, if it is not the usual one.
+    """
+    runs = np.zeros(1, dtype=run_dtype(stretch))
+    none, problems = empty_cases(), np.zeros(1, dtype=np.int64)
+    prepare_cases(
+        Cases(
+            cases, none.stretches, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
+            runs["state"], problems,
+        ),
+        compiled=compiled,
+    )  # fmt: skip
+    write_stepper(runs, stepper)
+    return runs, int(problems[0])
+
+
+def write_stepper(runs: NDArray[Any], stepper: Stepper) -> None:
+    """Write a stepper's weights into runs."""
+    stages = len(stepper.drifts)
+    runs["stages"] = stages
+    runs["kicks"][..., : stages + 1] = stepper.kicks
+    runs["drifts"][..., :stages], runs["nodes"][..., :stages] = stepper.drifts, stepper.nodes
+
+
+def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
+    """Return the function that prepares all `Cases`."""
+
+    def prepare_all(given: Cases) -> None:
+        for k in range(len(given.cases)):
+            if given.problems[k] == FINE:
+                stretches = given.stretches[given.firsts[k] : given.firsts[k + 1]]
+                given.problems[k] = prepare(
+                    given.cases[k], stretches, given.settings[k], given.bodies[k], given.states[k]
+                )
+
+    return part(prepare_all)
+
+
+def prepare_cases(given: Cases, *, compiled: bool = True) -> None:
+    """Prepare cases, compiled or as plain Python."""
+    if compiled:
+        from latolato.numerics.pieces import piece_of, prepare_recipe, words_of
+
+        words = np.array(words_of(given, empty_cases()))
+        piece_of(prepare_recipe()).call(words.ctypes.data)
+        return
+    records: tuple[NDArray[Any], ...] = given.settings, given.states
+    objects = [as_objects(each) for each in records]
+    bodies = [as_objects(row) for row in given.bodies]
+    make_prepare()(given._replace(
+        cases=as_objects(given.cases), stretches=as_objects(given.stretches),
+        settings=objects[0], bodies=bodies, states=objects[1],
+    ))  # fmt: skip
+    for found, record in zip((*objects, *bodies), (*records, *given.bodies), strict=True):
+        write_back(found, record)
