@@ -12,6 +12,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.numerics import records
+from latolato.numerics.engine.book import allowed_error
 from latolato.numerics.integrate import (
     TOLERANCES,
     Floats,
@@ -44,14 +45,8 @@ if TYPE_CHECKING:
 SAMPLES_PER_PERIOD = 100
 # More default samples than this would fill the memory: ask for `times` then.
 MOST_DEFAULT_SAMPLES = 20_000_000
-# A run whose ledger closes worse than this many tolerances is repeated with half the step.
-_LEDGER_MARGIN = 5.0
 _MOST_HALVINGS = 3
 _MOST_STEPS_TO_REPEAT = 20_000_000
-# Below these shares of the largest energy and of all losses the ledger measures rounding, not the
-# step.
-_ROUNDING = 2e-12
-_ROUNDING_OF_SUMS = 1e-13
 
 
 def simulate(
@@ -239,17 +234,14 @@ def _recorded(
         )
         seen = _observe(system, drive, trajectory, instants, end, frame == "both")
         state = trajectory.state
-        residual, largest = float(state.ledger_error), float(state.largest_energy)
-        largest = max(largest, np.finfo(float).tiny)
-        gone = float(state.damping_loss + state.impact_loss + state.capture_loss)
-        allowed = max(_LEDGER_MARGIN * tolerance, _ROUNDING) * largest
-        allowed = max(allowed, _ROUNDING_OF_SUMS * gone)
+        residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
         if clamped or residual <= allowed or trajectory.status != "complete":
             break
         steps = int(state.total_steps)
         if halvings == _MOST_HALVINGS or steps > _MOST_STEPS_TO_REPEAT:
+            share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
             warnings.warn(
-                f"the energy ledger closes to {residual:.3g} J only, {residual / largest:.2g} of "
+                f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "
                 f"the largest energy: tolerance {tolerance:g} was not reached with step "
                 f"{step:.3g} s",
                 RuntimeWarning,

@@ -268,8 +268,21 @@ class TestStages:
         assert v == pytest.approx(-0.03 * 12.0 * math.sin(phase), abs=1e-13)
         assert a == pytest.approx(-0.03 * 144.0 * math.cos(phase), abs=1e-12)
 
+    def test_a_stage_without_a_frequency_is_refused(self):
+        with pytest.raises(ValueError, match="drive_frequencies must hold at least 1 values"):
+            ll.Stages(times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[], ramps=[1.0])
+
 
 class TestCrankSlider:
+    def test_a_long_rod_makes_it_a_cosine(self):
+        crank = ll.CrankSlider(drive_amplitude=0.1, drive_frequency=6.0, connecting_rod_length=1e6)
+        assert crank.fastest_frequency == pytest.approx(6.0, rel=1e-6)
+        assert 3.6 <= crank.largest_acceleration <= 1.02 * 3.6
+
+    def test_a_rod_as_long_as_the_crank_has_strong_overtones(self):
+        crank = ll.CrankSlider(drive_amplitude=0.6, drive_frequency=5.0, connecting_rod_length=1.0)
+        assert crank.fastest_frequency == pytest.approx(5.0 / 0.8 * 1.6, rel=1e-14)
+
     @pytest.mark.parametrize("guide", ["below", "above"])
     def test_long_rod_is_harmonic(self, guide):
         same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0, drive_phase=0.3)

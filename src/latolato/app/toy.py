@@ -34,7 +34,6 @@ from latolato.numerics.observe import (
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.watch import Eyes
 from latolato.physics.contacts import BOTTOM, TOP, Exact, NoContact, contact_laws
-from latolato.physics.drives.stages import moved
 from latolato.physics.drives.stretch import (
     COSINE,
     Stretch,
@@ -43,6 +42,8 @@ from latolato.physics.drives.stretch import (
     pivot_acceleration,
     pivot_height,
     pivot_velocity,
+    write_change,
+    written,
 )
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.quantities import QUANTITIES, Range
@@ -309,7 +310,9 @@ class Toy:
         more = abs(amplitude - now.c0)
         turn = max(amplitude, abs(now.c0)) * abs(frequency - now.frequency)
         ramp = max(SHORTEST_CHANGE, math.sqrt(6.0 * more / GENTLE), turn / GENTLE)
-        self.stages = list(moved(self.stages[0], self.time, amplitude, frequency, ramp))
+        self.stages = written(
+            write_change, 2, self.stages[0], self.time, amplitude, frequency, ramp
+        )
         if self.recording is not None:
             self.recording.steer(self.time, amplitude, frequency, ramp)
 

@@ -15,6 +15,7 @@ from latolato.numerics.addresses import (
     record_at,
     writer_of,
 )
+from latolato.numerics.engine.book import allowed_error
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula, laws_of
@@ -27,6 +28,7 @@ from latolato.numerics.pieces import ENGINE
 from latolato.numerics.prepare import empty_cases, make_prepare
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.watch import Eyes
+from latolato.numerics.whole import empty_beginning, empty_shaking, make_begin, make_shake
 
 
 def make_many_entry(part: Part, *, balls: int, stretch: np.dtype[Any]) -> Callable[[int], None]:
@@ -96,6 +98,37 @@ def make_prepare_entry(part: Part) -> Callable[[int], None]:
         prepare_all(cases_at(address))
 
     return prepare_at
+
+
+def make_shake_entry(part: Part) -> Callable[[int], None]:
+    """Return the function ``(address)`` that writes the stretches of a `Shaking`."""
+    given_at, shake = bundle_at(kind_of(empty_shaking())), make_shake(part)
+
+    def shake_at(address: int) -> None:
+        shake(given_at(address))
+
+    return shake_at
+
+
+def make_begin_entry(part: Part) -> Callable[[int], None]:
+    """Return the function ``(address)`` that makes the record of a `Beginning`."""
+    given_at, begin = bundle_at(kind_of(empty_beginning())), make_begin(part)
+
+    def begin_at(address: int) -> None:
+        begin(given_at(address))
+
+    return begin_at
+
+
+def make_allowed_entry(part: Part) -> Callable[[int, float], float]:
+    """Return `allowed_error` of the run at an address, for a tolerance."""
+    run_at = record_at(run_dtype())
+
+    def allowed_at(address: int, tolerance: float) -> float:
+        found: float = allowed_error(run_at(address).state, tolerance)
+        return found
+
+    return allowed_at
 
 
 def make_caller(part: Part) -> Callable[..., int]:

@@ -123,6 +123,21 @@ def prepare_recipe() -> Recipe:
     return Recipe("entry:make_prepare_entry", SWEEP)
 
 
+def shake_recipe() -> Recipe:
+    """Return what writes the stretches of a `whole.Shaking`."""
+    return Recipe("entry:make_shake_entry", SWEEP)
+
+
+def begin_recipe() -> Recipe:
+    """Return what makes the record of a `whole.Beginning`."""
+    return Recipe("entry:make_begin_entry", SWEEP)
+
+
+def allowed_recipe() -> Recipe:
+    """Return the error of the ledger that is allowed to the run at an address."""
+    return Recipe("entry:make_allowed_entry", "float64(int64, float64)")
+
+
 def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
     """Return what runs points of `balls` balls one after the other, by calling pieces."""
     settings = ("balls", balls), ("stretch", stretch)
@@ -262,6 +277,9 @@ def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
         yield engine_recipe(count, usual, pivot_acceleration, *laws, motion=motion)
     yield prepare_recipe()
+    yield shake_recipe()
+    yield begin_recipe()
+    yield allowed_recipe()
     for balls in (1, 2):
         yield many_recipe(balls, usual)
     yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)

@@ -32,3 +32,19 @@ def follow_ledger(state: Any, energy: float) -> None:
     gained -= state.impact_loss + state.capture_loss
     error = abs(energy - state.first_energy - gained)
     state.ledger_error = max(state.ledger_error, error)
+
+
+# A run whose ledger closes worse than this many tolerances is repeated with half the step.
+_LEDGER_MARGIN = 5.0
+# Below these shares of the largest energy and of all losses the ledger measures rounding, not the
+# step.
+_ROUNDING = 2e-12
+_ROUNDING_OF_SUMS = 1e-13
+
+
+@formula
+def allowed_error(state: Any, tolerance: float) -> float:
+    """Return the error of the ledger up to which a run keeps its tolerance [J]."""
+    gone = state.damping_loss + state.impact_loss + state.capture_loss
+    share = max(_LEDGER_MARGIN * tolerance, _ROUNDING)
+    return max(share * state.largest_energy, _ROUNDING_OF_SUMS * gone)

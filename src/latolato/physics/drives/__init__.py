@@ -1,6 +1,6 @@
 """Motions of the pivot: each a sequence of smooth stretches with scalar formulas.
 
-A drive is a frozen class with its parameters as fields, which `stretches` turns into smooth
+A drive is a frozen class with its parameters as fields, which the formula `write` turns into smooth
 stretches of the motion; integrators end a step where one begins. A `Stretch` is of one of a few
 forms (at rest, a cosine, a crank, a polynomial), and one compiled kernel serves all of them.
 Adding a drive is one file in this folder with one class and the `register` decorator: every module

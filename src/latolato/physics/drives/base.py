@@ -15,6 +15,7 @@ from latolato.physics.drives.stretch import (
     pivot_acceleration,
     pivot_height,
     pivot_velocity,
+    written,
 )
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import Registry, check_fields, checked_number
@@ -34,12 +35,16 @@ class Drive:
     rotation : formula or None
         Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
         of a stretch. Lanes then rotate the phase instead of computing cosines.
+    write : formula or None
+        ``number = write(out, drive)`` writes the drive's stretches, at most two for each of its
+        `times` and two more.
     """
 
     height: ClassVar[Any] = staticmethod(pivot_height)
     velocity: ClassVar[Any] = staticmethod(pivot_velocity)
     acceleration: ClassVar[Any] = staticmethod(pivot_acceleration)
     rotation: ClassVar[Any] = None
+    write: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -50,7 +55,10 @@ class Drive:
         Formulas of one's own may read numbers of their own, from named tuples with a `start` [s]
         and, if its velocity jumps there and the balls are given that, a `jump` [m/s].
         """
-        raise TypeError(f"{type(self).__name__} must define stretches(duration)")
+        if self.write is None:
+            raise TypeError(f"{type(self).__name__} must define stretches(duration)")
+        found = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self)
+        return [stretch for stretch in found if stretch.start <= duration]
 
     def course(self) -> tuple[list[Stretch], float]:
         """Return all stretches that there are, and where the last one ends [s]."""

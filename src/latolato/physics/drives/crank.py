@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import Drive, drives
-from latolato.physics.drives.stretch import CRANK, Stretch
+from latolato.physics.drives.stretch import CRANK, write_stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
+from latolato.scalar import formula
+
+
+@formula
+def write_crank(out: Any, drive: Any) -> int:
+    """Write the one stretch of a `CrankSlider`; return 1."""
+    s, phase, frequency = out[0], drive.drive_phase, drive.drive_frequency
+    write_stretch(s, 0.0, CRANK, phase, frequency, 0.0, drive.drive_amplitude)
+    s.rod, s.side = drive.connecting_rod_length, drive.side
+    return 1
 
 
 @drives.register("crank_slider")
@@ -17,6 +28,8 @@ class CrankSlider(Drive):
 
     `guide` says whether the piston lies ``"below"`` (the paper's) or ``"above"`` the crank.
     """
+
+    write: ClassVar[Any] = staticmethod(write_crank)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.1))
     drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
@@ -38,19 +51,6 @@ class CrankSlider(Drive):
                 f"drive_amplitude must be less than connecting_rod_length "
                 f"{self.connecting_rod_length:g}, got {self.drive_amplitude:g}: the crank would jam"
             )
-
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return the one stretch."""
-        return [
-            Stretch(
-                form=CRANK,
-                phase=self.drive_phase,
-                frequency=self.drive_frequency,
-                c0=self.drive_amplitude,
-                rod=self.connecting_rod_length,
-                side=self.side,
-            )
-        ]
 
     @property
     def side(self) -> float:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any, ClassVar
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import (
@@ -14,44 +15,48 @@ from latolato.physics.drives.base import (
     checked_array,
     drives,
 )
-from latolato.physics.drives.stretch import COSINE, SWEPT, Stretch
+from latolato.physics.drives.stretch import COSINE, SWEPT, write_next, write_stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.scalar import sine
+from latolato.scalar import formula, sine
 
 # A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
 _ROUNDING = 1e-12
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Swept(Drive):
-    """A cosine whose frequency is piecewise linear in time, phase-continuous."""
+@formula
+def write_schedule(out: Any, drive: Any) -> int:
+    """Write the stretches of a `FrequencySchedule`; return their number."""
+    times, frequencies, ramp = drive.times, drive.drive_frequencies, drive.ramp
+    amplitude = drive.drive_amplitude
+    write_stretch(out[0], 0.0, COSINE, drive.drive_phase, frequencies[0], 0.0, amplitude)
+    n = 1
+    for k in range(1, len(times)):
+        old, new = frequencies[k - 1], frequencies[k]
+        if ramp > 0.0:
+            n = write_next(out, n, times[k], old, (new - old) / ramp)
+            end = times[k + 1] if k + 1 < len(times) else math.inf
+            if end - times[k] > ramp * (1.0 + _ROUNDING):
+                n = write_next(out, n, times[k] + ramp, new, 0.0)
+            continue
+        n = write_next(out, n, times[k], new, 0.0)
+        if drive.step_impulse:
+            out[n - 1].jump = -amplitude * (new - old) * sine(out[n - 1].phase)
+    return n
 
-    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
-    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
 
-    def _knots(self) -> list[tuple[float, float, float]]:
-        """Return (start, frequency there, rate of change) of each stretch."""
-        raise TypeError(f"{type(self).__name__} must define _knots()")
-
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return the stretches with the phase carried on from one to the next."""
-        found: list[Stretch] = []
-        knots = self._knots()
-        phase = self.drive_phase
-        for i, (start, frequency, rate) in enumerate(knots):
-            if i:
-                before, w, r = knots[i - 1]
-                s = start - before
-                phase += s * (w + 0.5 * r * s)
-            if start <= duration:
-                form = COSINE if rate == 0.0 else SWEPT
-                found.append(Stretch(start, form, phase, frequency, rate, self.drive_amplitude))
-        return found
+@formula
+def write_chirp(out: Any, drive: Any) -> int:
+    """Write both stretches of a `Chirp`; return 2."""
+    first, last = drive.drive_frequency, drive.drive_frequency_final
+    rate = (last - first) / drive.sweep_time
+    form = COSINE if rate == 0.0 else SWEPT
+    write_stretch(out[0], 0.0, form, drive.drive_phase, first, rate, drive.drive_amplitude)
+    return write_next(out, 1, drive.sweep_time, last, 0.0)
 
 
 @drives.register("frequency_schedule")
 @dataclass(frozen=True, kw_only=True)
-class FrequencySchedule(_Swept):
+class FrequencySchedule(Drive):
     """Stages of constant frequency, phase-continuous, with an optional ramp between them.
 
     Stage k begins at ``times[k]`` (the first at 0) with ``drive_frequencies[k]``; with ``ramp > 0``
@@ -65,6 +70,10 @@ class FrequencySchedule(_Swept):
     that a vanishing ramp would give them, ``-jump sin(angle)/length``, booked as drive work.
     """
 
+    write: ClassVar[Any] = staticmethod(write_schedule)
+
+    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
+    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
     times: Sequence[float] = array_field("times", "stage starts")
     drive_frequencies: Sequence[float] = array_field(
         "drive_frequencies", "angular frequency of each stage"
@@ -96,40 +105,18 @@ class FrequencySchedule(_Swept):
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "drive_frequencies", rates)
 
-    def _knots(self) -> list[tuple[float, float, float]]:
-        knots = [(0.0, self.drive_frequencies[0], 0.0)]
-        rates, ends = self.drive_frequencies, (*self.times[2:], math.inf)
-        for start, end, old, new in zip(self.times[1:], ends, rates, rates[1:], strict=False):
-            if self.ramp > 0.0:
-                knots.append((start, old, (new - old) / self.ramp))
-                if end - start > self.ramp * (1.0 + _ROUNDING):
-                    knots.append((start + self.ramp, new, 0.0))
-            else:
-                knots.append((start, new, 0.0))
-        return knots
-
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return the stretches, with the jumps that are transmitted."""
-        found = super().stretches(duration)
-        if not self.step_impulse or self.ramp > 0.0:
-            return found
-        return found[:1] + [
-            new._replace(jump=-new.c0 * (new.frequency - old.frequency) * sine(new.phase))
-            for old, new in pairwise(found)
-        ]
-
 
 @drives.register("chirp")
 @dataclass(frozen=True, kw_only=True)
-class Chirp(_Swept):
+class Chirp(Drive):
     """A frequency that moves linearly within `sweep_time` and stays at its end value then."""
 
+    write: ClassVar[Any] = staticmethod(write_chirp)
+
+    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
+    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
     drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
     drive_frequency_final: float = quantity_field(
         "drive_frequency_final", NON_NEGATIVE, suggested=(0.1, 40.0)
     )
     sweep_time: float = quantity_field("sweep_time", POSITIVE, suggested=(1.0, 600.0))
-
-    def _knots(self) -> list[tuple[float, float, float]]:
-        w0, w1, span = self.drive_frequency, self.drive_frequency_final, self.sweep_time
-        return [(0.0, w0, (w1 - w0) / span), (span, w1, 0.0)]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from latolato.errors import InputError
 from latolato.physics.drives.base import (
@@ -12,34 +13,25 @@ from latolato.physics.drives.base import (
     checked_array,
     drives,
 )
-from latolato.physics.drives.stretch import COSINE, SWEPT, Stretch
+from latolato.physics.drives.stretch import COSINE, write_change, write_stretch
 from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.scalar import formula
 
 
-def moved(
-    before: Stretch, time: float, amplitude: float, frequency: float, ramp: float
-) -> tuple[Stretch, Stretch]:
-    """Return the stretch from `time` that leads to a new amplitude and frequency, and the next.
-
-    Height and velocity of the pivot are continuous at both ends: the amplitude is the cubic that
-    begins with the value and the slope that `before` has there and ends level, the frequency is
-    linear, the phase is carried on.
-    """
-    now = before.at(time)
-    rise = (amplitude - now.c0) / ramp
-    way = Stretch(
-        time,
-        SWEPT,
-        now.phase,
-        now.frequency,
-        (frequency - now.frequency) / ramp,
-        now.c0,
-        now.c1,
-        (3.0 * rise - 2.0 * now.c1) / ramp,
-        (now.c1 - 2.0 * rise) / (ramp * ramp),
-    )
-    phase = now.phase + ramp * 0.5 * (now.frequency + frequency)
-    return way, Stretch(time + ramp, COSINE, phase, frequency, 0.0, amplitude)
+@formula
+def write_stages(out: Any, drive: Any) -> int:
+    """Write the stretches of `Stages`, changes and what lies between them; return their number."""
+    amplitude, frequency = drive.drive_amplitudes[0], drive.drive_frequencies[0]
+    write_stretch(out[0], 0.0, COSINE, drive.drive_phase, frequency, 0.0, amplitude)
+    n = 1
+    for k in range(1, len(drive.times)):
+        if out[n - 1].start >= drive.times[k]:  # the last change has not ended
+            n -= 1
+        n += write_change(
+            out[n:], out[n - 1], drive.times[k], drive.drive_amplitudes[k],
+            drive.drive_frequencies[k], drive.ramps[k],
+        )  # fmt: skip
+    return n
 
 
 @drives.register("stages")
@@ -58,6 +50,8 @@ class Stages(Drive):
     is a blow.
     """
 
+    write: ClassVar[Any] = staticmethod(write_stages)
+
     times: Sequence[float] = array_field("times", "stage starts")
     drive_amplitudes: Sequence[float] = array_field(
         "drive_amplitudes", "driving amplitude of each stage"
@@ -67,7 +61,6 @@ class Stages(Drive):
     )
     ramps: Sequence[float] = array_field("ramps", "time of the change into each stage")
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
-    _stages: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -89,20 +82,3 @@ class Stages(Drive):
         check_increasing("times", columns["times"])
         for name, column in columns.items():
             object.__setattr__(self, name, column)
-        object.__setattr__(self, "_stages", tuple(self._follow()))
-
-    def _follow(self) -> list[Stretch]:
-        """Return the stretches, changes and what lies between them."""
-        rows = zip(self.times, self.drive_amplitudes, self.drive_frequencies, self.ramps,
-                   strict=True)  # fmt: skip
-        _, amplitude, frequency, _ = next(rows)
-        found = [Stretch(0.0, COSINE, self.drive_phase, frequency, 0.0, amplitude)]
-        for time, amplitude, frequency, ramp in rows:
-            if found[-1].start >= time:  # the last change has not ended
-                found.pop()
-            found.extend(moved(found[-1], time, amplitude, frequency, ramp))
-        return found
-
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return the stretches that meet [0, duration]."""
-        return [stage for stage in self._stages if stage.start <= duration]

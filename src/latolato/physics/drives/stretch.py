@@ -6,6 +6,7 @@ A stretch says its form by a number, so that one compiled kernel serves every dr
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from latolato.scalar import cosine, formula, sine
@@ -40,15 +41,64 @@ class Stretch(NamedTuple):
 
     def at(self, time: float) -> Stretch:
         """Return the same cosine with another start [s]."""
-        s = time - self.start
-        return self._replace(
-            start=time,
-            phase=self.phase + s * (self.frequency + 0.5 * self.rate * s),
-            frequency=self.frequency + self.rate * s,
-            c0=self.c0 + s * (self.c1 + s * (self.c2 + s * self.c3)),
-            c1=self.c1 + s * (2.0 * self.c2 + s * 3.0 * self.c3),
-            c2=self.c2 + 3.0 * self.c3 * s,
-        )
+        return written(write_later, 1, self, time)[0]
+
+
+def written(write: Any, room: int, *given: Any) -> list[Stretch]:
+    """Return the stretches, at most `room`, that ``number = write(out, *given)`` writes."""
+    out = [SimpleNamespace(**Stretch()._asdict()) for _ in range(room)]
+    return [Stretch(**vars(stretch)) for stretch in out[: write(out, *given)]]
+
+
+@formula
+def write_stretch(
+    s: Any, start: float, form: float, phase: float, frequency: float, rate: float, c0: float
+) -> None:
+    """Write a stretch whose further numbers are zero."""
+    s.start, s.form, s.phase, s.frequency, s.rate, s.c0 = start, form, phase, frequency, rate, c0
+    s.c1 = s.c2 = s.c3 = s.c4 = s.c5 = s.rod = s.side = s.jump = 0.0
+
+
+@formula
+def write_next(out: Any, n: int, start: float, frequency: float, rate: float) -> int:
+    """Write stretch n, a cosine that carries the phase of the one before on; return n + 1."""
+    p = out[n - 1]
+    s = start - p.start
+    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
+    write_stretch(out[n], start, COSINE if rate == 0.0 else SWEPT, phase, frequency, rate, p.c0)
+    return n + 1
+
+
+@formula
+def write_later(out: Any, p: Any, time: float) -> int:
+    """Write the cosine p as one that starts at `time` [s]; return 1."""
+    s, q = time - p.start, out[0]
+    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
+    write_stretch(q, time, p.form, phase, p.frequency + p.rate * s, p.rate, 0.0)
+    q.c0 = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
+    q.c1 = p.c1 + s * (2.0 * p.c2 + s * 3.0 * p.c3)
+    q.c2, q.c3 = p.c2 + 3.0 * p.c3 * s, p.c3
+    return 1
+
+
+@formula
+def write_change(
+    out: Any, p: Any, time: float, amplitude: float, frequency: float, ramp: float
+) -> int:
+    """Write the stretch from `time` that leads to a new amplitude and frequency, and the next.
+
+    Height and velocity of the pivot are continuous at both ends: the amplitude is the cubic that
+    begins with the value and the slope that the cosine p has there and ends level, the frequency is
+    linear, the phase is carried on. The number written is returned, 2.
+    """
+    write_later(out, p, time)
+    way = out[0]
+    phase = way.phase + ramp * 0.5 * (way.frequency + frequency)
+    write_stretch(out[1], time + ramp, COSINE, phase, frequency, 0.0, amplitude)
+    rise = (amplitude - way.c0) / ramp
+    way.form, way.rate = SWEPT, (frequency - way.frequency) / ramp
+    way.c2, way.c3 = (3.0 * rise - 2.0 * way.c1) / ramp, (way.c1 - 2.0 * rise) / (ramp * ramp)
+    return 2
 
 
 @formula

@@ -1,0 +1,131 @@
+"""What a host without Python calls from public parameters on: the drive, then the run's beginning.
+
+Python builds both with the same formulas, `Drive.write` and `prepare.prepare`.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.record import run_dtype
+from latolato.numerics.prepare import prepare
+from latolato.numerics.records import CASE, stretch_dtype
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
+from latolato.physics.drives import drives
+
+# The package's drives that are written from their numbers; a host gives their places as `kind`.
+WRITTEN: dict[str, Any] = {
+    name: kind
+    for name, kind in drives.items()
+    if kind.__module__.startswith("latolato.") and getattr(kind, "write", None) is not None
+}
+
+
+def _parameters() -> dict[str, Any]:
+    """Return every parameter of these drives with an example of its kind.
+
+    A crank's `side` stands for its `guide`: -1 below, +1 above.
+    """
+    found: dict[str, Any] = {"kind": 0, "side": 0.0, "step_impulse": 0}
+    for kind in WRITTEN.values():
+        for field in fields(kind):
+            if "quantity" in field.metadata:
+                found[field.name] = np.zeros(0) if field.metadata.get("array") else 0.0
+    return found
+
+
+_EXAMPLES = _parameters()
+# All of them, of which a drive has some.
+DriveParameters: Any = namedtuple("DriveParameters", tuple(_EXAMPLES))  # type: ignore[misc]
+
+
+class Shaking(NamedTuple):
+    """A drive's parameters, and where its stretches and their number go."""
+
+    drive: Any
+    stretches: Any  # with room for two for each of its times and two more
+    number: Any  # shape (1,)
+
+
+class Beginning(NamedTuple):
+    """A run's parameters and its drive's stretches, and where its record goes; of shape (1,)."""
+
+    case: Any
+    stretches: Any  # shape (stretch,)
+    run: Any
+    problem: Any  # one of `prepare.PROBLEMS`
+
+
+def empty_shaking() -> Shaking:
+    """Return arrays of the kinds that writing a drive takes."""
+    drive = DriveParameters(*_EXAMPLES.values())
+    return Shaking(drive, np.zeros(0, dtype=stretch_dtype()), np.zeros(0, dtype=np.int64))
+
+
+def empty_beginning() -> Beginning:
+    """Return arrays of the kinds that beginning a run takes."""
+    return Beginning(
+        np.zeros(0, dtype=CASE), np.zeros(0, dtype=stretch_dtype()), np.zeros(0, dtype=run_dtype()),
+        np.zeros(0, dtype=np.int64),
+    )  # fmt: skip
+
+
+def _by_kind(kinds: Sequence[Any], number: int, part: Part) -> Callable[..., int]:
+    """Return the function that calls the formula of the drive's kind; `number` is the first's."""
+    write, *others = kinds
+    otherwise = _by_kind(others, number + 1, part) if others else None
+
+    @part
+    def chosen(out: Any, drive: Any) -> int:
+        if drive.kind == number:
+            found: int = write(out, drive)
+            return found
+        return otherwise(out, drive) if otherwise is not None else 0
+
+    return chosen
+
+
+def make_shake(part: Part = as_it_stands) -> Callable[[Any], None]:
+    """Return the function that writes a drive's stretches."""
+    write = _by_kind([kind.write for kind in WRITTEN.values()], 0, part)
+
+    def shake(given: Shaking) -> None:
+        given.number[0] = write(given.stretches, given.drive)
+
+    return part(shake)
+
+
+def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
+    """Return the function that makes the record of a run at time zero."""
+    smooth, rough = (
+        (stepper.kicks, stepper.drifts, stepper.nodes)
+        for stepper in (BLANES_MOAN_RKN, BLANES_MOAN_GENERAL)
+    )
+
+    @part
+    def write_weights(run: Any, kicks: Any, drifts: Any, nodes: Any) -> None:
+        """Write a stepper's weights."""
+        run.stages = len(drifts)
+        for i in range(len(drifts)):
+            run.kicks[i], run.drifts[i], run.nodes[i] = kicks[i], drifts[i], nodes[i]
+        run.kicks[len(drifts)] = kicks[len(drifts)]
+
+    def begin(given: Beginning) -> None:
+        case, run = given.case[0], given.run[0]
+        case.is_rough = 0
+        for i in range(case.angles):
+            if case.balls[i].quadratic_damping > 0.0 or case.balls[i].coulomb_damping > 0.0:
+                case.is_rough = 1
+        given.problem[0] = prepare(case, given.stretches, run.settings, run.bodies, run.state)
+        if case.is_rough != 0:
+            write_weights(run, *rough)
+        else:
+            write_weights(run, *smooth)
+
+    return part(begin)

@@ -1,0 +1,112 @@
+"""What hosts without Python call: it gives what Python's own way gives."""
+
+import math
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.numerics.engine.book import allowed_error
+from latolato.numerics.pieces import (
+    allowed_recipe,
+    begin_recipe,
+    piece_of,
+    shake_recipe,
+    words_of,
+)
+from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
+from latolato.numerics.records import stretch_dtype, stretch_records
+from latolato.numerics.whole import (
+    WRITTEN,
+    Beginning,
+    DriveParameters,
+    Shaking,
+    empty_beginning,
+    empty_shaking,
+)
+from latolato.physics.contacts import Exact
+
+BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
+ROUGH = ll.Ball(length=0.95, mass=0.5, radius=0.08, quadratic_damping=0.1)
+SYSTEMS = {
+    "pendulum": ll.Pendulum(length=0.7, mass=0.3, damping=0.1),
+    "mathieu": ll.Mathieu(length=0.7, mass=0.3),
+    "toy": ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9, coulomb_damping=0.01),
+    "pair": ll.BallPair(right=BALL, left=ROUGH, restitution=0.8),
+}
+
+
+def shaken(drive):
+    """The stretches that the compiled formula writes for a drive of the package."""
+    numbers = {
+        field.name: np.array(value) if isinstance(value, tuple) else value
+        for field in fields(drive)
+        if "quantity" in field.metadata and (value := getattr(drive, field.name)) is not None
+    }
+    numbers |= {"kind": list(WRITTEN.values()).index(type(drive))}
+    numbers |= {"side": getattr(drive, "side", 0.0)}
+    numbers |= {"step_impulse": int(getattr(drive, "step_impulse", False))}
+    example, number = empty_shaking(), np.zeros(1, dtype=np.int64)
+    out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=stretch_dtype())
+    given = DriveParameters(**example.drive._asdict() | numbers)
+    words = np.array(words_of(Shaking(given, out, number), example))
+    piece_of(shake_recipe()).call(words.ctypes.data)
+    return out[: number[0]]
+
+
+def test_every_drive_is_written_as_python_writes_it(drive):
+    if type(drive) not in WRITTEN.values():
+        assert isinstance(drive, ll.MeasuredPivot)  # a host gives its stretches
+        return
+    found, expected = shaken(drive), stretch_records(drive, math.inf)
+    assert len(found) == len(expected)
+    for name in found.dtype.names:  # to rounding: compiled code may fuse multiply-adds
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-14, atol=1e-14)
+
+
+def test_steps_that_are_blows_are_written_with_their_jumps():
+    drive = ll.FrequencySchedule(
+        drive_amplitude=0.03, times=[0.0, 2.0], drive_frequencies=[9, 5], step_impulse=True
+    )
+    found = shaken(drive)
+    assert found["jump"][1] == pytest.approx(drive.stretches(math.inf)[1].jump, rel=1e-14)
+    assert found["jump"][1] != 0.0
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_run_begins_as_pythons_does(name):
+    system, drive = SYSTEMS[name], ll.Harmonic(drive_amplitude=0.1, drive_frequency=7.0)
+    angles = (0.8, -0.5)[: system.angles]
+    given = {"angles": angles, "velocities": (0.3, -0.2), "duration": 10.0, "tolerance": 1e-10}
+    case = cases_of(system, Exact(), **given)
+    stretches, problem = stretch_records(drive, 10.0), np.zeros(1, dtype=np.int64)
+    run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
+    words = np.array(words_of(Beginning(case, stretches, run, problem), empty_beginning()))
+    piece_of(begin_recipe()).call(words.ctypes.data)
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    expected, _ = prepared_runs(cases_of(system, Exact(), bounds=bounds, **given),
+                                choose_stepper(system))  # fmt: skip
+    assert PROBLEMS[problem[0]] == "fine"
+    assert run.tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize("change, said", [
+    ({"radius": 1.0}, "radius"), ({"radius": 0.5}, "overlap"),
+    ({"damping": math.inf}, "out of range"), ({"damping": 1e12}, "too many steps"),
+])  # fmt: skip
+def test_what_makes_no_sense_is_said_by_a_number(change, said):
+    case = cases_of(SYSTEMS["toy"], Exact(), angles=(0.4,), duration=10.0, tolerance=1e-10,
+                    bounds=(0.0, 0.0))  # fmt: skip
+    for name, value in change.items():
+        case["balls"][name][0, 0] = value
+    assert PROBLEMS[prepared_runs(case, choose_stepper(SYSTEMS["toy"]))[1]] == said
+
+
+def test_the_ledgers_allowance_is_that_of_a_run():
+    run = np.zeros(1, dtype=empty_beginning().run.dtype)
+    state = run["state"].view(np.recarray)[0]
+    for energy, loss, tolerance in ((2.0, 0.1, 1e-6), (1e-3, 50.0, 1e-14), (0.0, 0.0, 1e-3)):
+        state.largest_energy, state.impact_loss = energy, loss
+        found = piece_of(allowed_recipe()).call(run.ctypes.data, tolerance)
+        assert found == pytest.approx(allowed_error(state, tolerance), rel=1e-15)
