@@ -1,6 +1,6 @@
 """Sweeps beside their peers: latolato's lanes, heyoka's batches and SciPy, at measured errors.
 
-Work: a 40 x 40 grid, A0 in (0, 0.5] m, frequency ratio in (0, 5], l = 1 m, m = 0.8 kg, 300 s:
+Work: a 64 x 64 grid, A0 in (0, 0.5] m, frequency ratio in (0, 5], l = 1 m, m = 0.8 kg, 300 s:
 (a) free from the contact angle at rest, (b) both walls, e = 1, from 0.2 rad above the contact
 angle, (c) as (b) with e = 0.9 and C = 0.02. One thread, CPU time per trajectory, compilation
 excluded. The error is the median of the final angle's over the points whose motion is regular: a
@@ -10,7 +10,9 @@ heyoka runs at its best: batches of its recommended width with points of one fre
 terminal events with a callback in (b). It cannot do (c), whose bounces come to rest. SciPy's DOP853
 runs at a few regular points. Prints tables and writes ``sweep.json`` beside itself.
 
-``python benchmarks/sweep.py [--points N] [--scaling] [--map]``
+With observables means mean_energy, crossings and final_angle, beside heyoka's end alone.
+
+``python benchmarks/sweep.py [--points N] [--sizes] [--scaling] [--map]``
 """
 
 from __future__ import annotations
@@ -46,6 +48,7 @@ RADIUS = 0.1
 LOW, HIGH = math.asin(RADIUS), math.pi - math.asin(RADIUS)
 GRAVITY = 9.8
 REGULAR = 1e-7
+OBSERVED = ("mean_energy", "crossings", "final_angle")
 CASES: dict[str, dict[str, Any]] = {
     "free": {"damping": 0.0, "restitution": 1.0, "start": LOW, "walls": False},
     "walls": {"damping": 0.0, "restitution": 1.0, "start": LOW + 0.2, "walls": True},
@@ -204,12 +207,15 @@ def compare(case: str, points: int) -> dict[str, Any]:
         _, loose, _ = own(plan_of(case, points, 1e-12), repeats=1)
         other = loose["final_angle"]
     regular = abs(reference - other) < REGULAR
-    found: dict[str, Any] = {"regular_points": int(regular.sum()), "own": [], "heyoka": []}
-    for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
-        seconds, values, contacts = own(plan_of(case, points, tolerance))
-        error = float(np.median(abs(values["final_angle"] - reference)[regular]))
-        found["own"].append({"tolerance": tolerance, "time": seconds, "error": error})
-        found["contacts"] = contacts / points**2
+    found: dict[str, Any] = {"regular_points": int(regular.sum()), "heyoka": []}
+    for name, asked in (("own", ("final_angle",)), ("observed", OBSERVED)):
+        found[name] = []
+        for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
+            plan = plan_of(case, points, tolerance, observables=asked)
+            seconds, values, contacts = own(plan)
+            error = float(np.median(abs(values["final_angle"] - reference)[regular]))
+            found[name].append({"tolerance": tolerance, "time": seconds, "error": error})
+            found["contacts"] = contacts / points**2
     if peer:
         for tolerance in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
             ta = heyoka_batch(case, tolerance)
@@ -231,7 +237,10 @@ def compare(case: str, points: int) -> dict[str, Any]:
                 }
             )
         found["ratios"] = {
-            f"{name} at {error:g}": cost_at(found[name], error) / cost_at(found["own"], error)
+            f"{words}, beside {name} at {error:g}": (
+                cost_at(found[name], error) / cost_at(found[mine], error)
+            )
+            for mine, words in (("own", "the end"), ("observed", "observables"))
             for name in ("heyoka", "scipy")
             for error in (1e-6, 1e-9)
         }
@@ -242,7 +251,7 @@ def show(case: str, found: dict[str, Any]) -> None:
     """Print the tables of one case."""
     print(f"\n({case}) {found['regular_points']} regular points, ", end="")
     print(f"{found['contacts']:.0f} contacts each")
-    for name in ("own", "heyoka", "scipy"):
+    for name in ("own", "observed", "heyoka", "scipy"):
         for row in found.get(name, []):
             print(
                 f"  {name:8} tolerance {row['tolerance']:7.0e}  {1e3 * row['time']:9.4f} ms  "
@@ -250,6 +259,18 @@ def show(case: str, found: dict[str, Any]) -> None:
             )
     for name, ratio in found.get("ratios", {}).items():
         print(f"  {name}: latolato is {ratio:.1f} times faster")
+
+
+def sizes() -> dict[str, float]:
+    """Return CPU time per trajectory [us] of small and large grids at tolerance 1e-6."""
+    found = {}
+    for case in ("free", "walls"):
+        for points in (32, 64, 400):
+            for words, asked in (("the end", ("final_angle",)), ("observables", OBSERVED)):
+                plan = plan_of(case, points, 1e-6, observables=asked)
+                seconds = own(plan, repeats=1 if points > 64 else 3)[0]
+                found[f"{case}, {points} x {points}, {words}"] = 1e6 * seconds
+    return found
 
 
 def threads(points: int) -> dict[str, float]:
@@ -413,7 +434,8 @@ def composed(points: int) -> dict[str, float]:
 def main() -> None:
     """Run what was asked for, print it and write it down."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=40, help="points along each axis")
+    parser.add_argument("--points", type=int, default=64, help="points along each axis")
+    parser.add_argument("--sizes", action="store_true", help="also 32 x 32 and 400 x 400 points")
     parser.add_argument("--scaling", action="store_true", help="also cost and memory against size")
     parser.add_argument("--map", action="store_true", help="also a map of 400 x 400 points")
     options = parser.parse_args()
@@ -433,6 +455,9 @@ def main() -> None:
     print("composed beside written by hand, free:", results["by hand"])
     results["threads"] = threads(max(options.points, 80))
     print("two threads:", results["threads"])
+    if options.sizes:
+        results["sizes"] = sizes()
+        print("microseconds per trajectory:", results["sizes"])
     if options.scaling:
         print("cost against size, 100 s with walls, in memory:")
         results["scaling"] = scaling((1_000, 10_000, 100_000, 1_000_000), 100.0, False)

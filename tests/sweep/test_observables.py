@@ -419,3 +419,26 @@ def test_a_parabola_through_a_turn_is_met_exactly():
     assert quintic(1.0, *ends) == pytest.approx(0.51, abs=1e-15)
     still = (1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0)
     assert turning_angle(*still) == 1.0  # no turn: the end
+
+
+class Seen:
+    """A step that notes which of its numbers are read."""
+
+    def __init__(self):
+        self.names = set()
+
+    def __getattr__(self, name):
+        self.names.add(name)
+        return 0.5
+
+
+@pytest.mark.parametrize("name", observables)
+def test_what_sweeps_find_for_all_observables_is_what_they_say_they_need(name):
+    kind = observables[name]
+    if kind.step is None:
+        assert not {"energy", "turn"} & kind.needs
+        return
+    seen = Seen()
+    kind.step(np.ones(64), 0, 1, seen)
+    assert ("turn" in seen.names) == ("turn" in kind.needs)
+    assert bool({"e0", "e1"} & seen.names) == ("energy" in kind.needs)

@@ -17,6 +17,7 @@ from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import FLIGHT, UNSETTLED
 from latolato.numerics.watch import ON_STEP, Eyes, Watch
 from latolato.observables import Segment
+from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact
 from latolato.physics.damping import drag
 from latolato.physics.pendulum import swung
@@ -75,6 +76,7 @@ def make_clamped(
         segment = Segment(
             run.t, run.t_end, x0, x1, v0, v1, a0, a1, energy(run, x0, v0), energy(run, x1, v1),
             w0 - d0, w1 - d1, 0.0,
+            turning_angle(run.t_end - run.t, x0, v0, a0, x1, v1, a1),
         )  # fmt: skip
         watch_step(run, eyes, 0, segment)
 

@@ -17,9 +17,13 @@ from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
 from latolato.observables import Segment
+from latolato.observables.hermite import turning_angle
 from latolato.physics.pendulum import SLOPES
 
 Law = Callable[..., float]
+
+# Lanes are listed in groups of so many: most groups have none to list.
+_GROUP = 8
 
 
 def make_fly(
@@ -143,10 +147,79 @@ def make_fly(
     return fly
 
 
-def make_show(
-    formula: Callable[..., None], restoring: Law, potential_of: Law, part: Part
+def make_survey(
+    restoring: Law, potential_of: Law, part: Part, *, energy: bool, turn: bool
 ) -> Callable[..., None]:
-    """Return what shows an observable the step of every lane; one put back has no length."""
+    """Return what finds for all observables what they share of the step of every lane.
+
+    Few lanes turn round in a step, and the potential at its start is that at the end of the last
+    one, unless the lane has been loaded meanwhile: the others are listed and seen to one by one.
+    """
+    potential = restoring_laws(restoring, potential_of, part).potential
+    numbers_at = array_at()
+
+    @part
+    def list_chosen(w: Any) -> int:
+        """List the lanes that are chosen, and return how many they are."""
+        L, count = r.LANES, 0
+        for first in range(0, L, _GROUP):
+            some = 0
+            for j in range(first, first + _GROUP):
+                some += 1 if w[r.CHOSEN * L + j] > 0.0 else 0
+            if some > 0:
+                for j in range(first, first + _GROUP):
+                    w[r.LIST * L + count] = j
+                    count += 1 if w[r.CHOSEN * L + j] > 0.0 else 0
+        return count
+
+    @part
+    def find_potentials(w: Any, is_linear: int) -> None:
+        """Write the potentials at both ends of each step."""
+        L = r.LANES
+        for j in range(L):
+            w[r.CHOSEN * L + j] = 1.0 if w[r.PX * L + j] != w[r.X0 * L + j] else 0.0
+        for i in range(list_chosen(w)):
+            j = int(w[r.LIST * L + i])
+            w[r.P1 * L + j] = potential(w[r.X0 * L + j], is_linear)
+        for j in range(L):
+            w[r.P0 * L + j] = w[r.P1 * L + j]
+            w[r.P1 * L + j] = potential(w[r.X * L + j], is_linear)
+            w[r.PX * L + j] = w[r.X * L + j]
+
+    @part
+    def find_turns(w: Any) -> None:
+        """Write the angle at which each lane turns round."""
+        L = r.LANES
+        for j in range(L):
+            w[r.TURN * L + j] = w[r.X * L + j]
+            w[r.CHOSEN * L + j] = 1.0 if w[r.V0 * L + j] * w[r.V * L + j] < 0.0 else 0.0
+        for i in range(list_chosen(w)):
+            j = int(w[r.LIST * L + i])
+            per_h, rate, g = w[r.PER_H * L + j], w[r.RATE * L + j], w[r.G * L + j]
+            v0, v1 = w[r.V0 * L + j] * per_h, w[r.V * L + j] * per_h
+            a0 = (g + w[r.C0 * L + j]) * w[r.S0 * L + j] * per_h * per_h - rate * v0
+            a1 = (g + w[r.C * L + j]) * w[r.S * L + j] * per_h * per_h - rate * v1
+            x0, x1 = w[r.X0 * L + j], w[r.X * L + j]
+            w[r.TURN * L + j] = turning_angle(w[r.H * L + j], x0, v0, a0, x1, v1, a1)
+
+    def survey(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+        w = numbers_at(workspace, r.ROWS * r.LANES)
+        if energy:
+            find_potentials(w, is_linear)
+        if turn:
+            find_turns(w)
+
+    return survey
+
+
+def make_show(
+    formula: Callable[..., None], restoring: Law, potential_of: Law, part: Part, *, energy: bool,
+    turn: bool,
+) -> Callable[..., None]:  # fmt: skip
+    """Return what shows an observable the step of every lane; one put back has no length.
+
+    The flags say what `make_survey` has found; if the formula reads the other it is found here.
+    """
     potential = restoring_laws(restoring, potential_of, part).potential
     numbers_at = array_at()
 
@@ -165,11 +238,13 @@ def make_show(
             a0 = (g + w[r.C0 * L + j]) * s0 * per_h2 - rate * v0
             a1 = (g + w[r.C * L + j]) * s1 * per_h2 - rate * v1
             stiffness = -g * per_h2
+            p0 = w[r.P0 * L + j] if energy else potential(x0, is_linear)
+            p1 = w[r.P1 * L + j] if energy else potential(x1, is_linear)
+            turns = w[r.TURN * L + j] if turn else turning_angle(h, x0, v0, a0, x1, v1, a1)
             segment = Segment(
                 t0, t0 + w[r.TAKEN * L + j] * h, x0, x1, v0, v1, a0, a1,
-                0.5 * v0 * v0 + stiffness * potential(x0, is_linear),
-                0.5 * v1 * v1 + stiffness * potential(x1, is_linear),
-                v0 * (a0 + stiffness * s0), v1 * (a1 + stiffness * s1), 0.0,
+                0.5 * v0 * v0 + stiffness * p0, 0.5 * v1 * v1 + stiffness * p1,
+                v0 * (a0 + stiffness * s0), v1 * (a1 + stiffness * s1), 0.0, turns,
             )  # fmt: skip
             formula(acc, j, L, segment)
 

@@ -21,6 +21,7 @@ from latolato.numerics.many import Points, Progress, Scratch
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, Eyes, Watch
 from latolato.observables import Segment
+from latolato.observables.hermite import turning_angle
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, wall_saltation
 
@@ -170,6 +171,7 @@ def make_lane_impacts(
                 0.5 * before * before + level,
                 v0 * (a0 + stiffness * restoring(x0, settings.is_linear)),
                 before * (a1 + stiffness * s1), 0.0,
+                turning_angle(t - t0, x0, v0, a0, wall, before, a1),
             )  # fmt: skip
             watch_step(run, eyes, 0, segment)
         if tangents:
@@ -207,6 +209,7 @@ def make_lane_impacts(
                 segment = Segment(
                     t, t + short, wall, wall, after, far * back, free, free,
                     0.5 * after * after + level, 0.5 * back * back + level, p0, p1, 0.0,
+                    turning_angle(short, wall, after, free, wall, far * back, free),
                 )  # fmt: skip
                 watch_step(run, eyes, 0, segment)
             if tangents:

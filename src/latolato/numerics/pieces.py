@@ -23,7 +23,15 @@ from numpy.typing import NDArray
 
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.trajectory import motion_of
-from latolato.numerics.watch import OCCASIONS, ON_STEP, ON_TANGENT, Hooks
+from latolato.numerics.watch import (
+    OCCASIONS,
+    ON_STEP,
+    ON_TANGENT,
+    Hooks,
+    hooks_of,
+    slots_of,
+)
+from latolato.observables import Observable
 
 Formula = Callable[..., Any]
 
@@ -174,9 +182,22 @@ def locate_recipe(restoring: Formula, *, damped: bool, works: bool) -> Recipe:
     return Recipe("lane_locate:make_locate", LOCATE, (restoring,), settings)
 
 
-def show_recipe(formula: Formula, restoring: Formula, potential: Formula) -> Recipe:
+# What observables may name among their needs that is found for all of them together.
+_SHARED = ("energy", "turn")
+
+
+def survey_recipe(needs: frozenset[str], restoring: Formula, potential: Formula) -> Recipe:
+    """Return what finds that for the step of every lane."""
+    settings = tuple((name, name in needs) for name in _SHARED)
+    return Recipe("lane_flight:make_survey", SHOW, (restoring, potential), settings)
+
+
+def show_recipe(
+    formula: Formula, needs: frozenset[str], restoring: Formula, potential: Formula
+) -> Recipe:
     """Return what shows an observable the step of every lane."""
-    return Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential))
+    settings = tuple((name, name in needs) for name in _SHARED)
+    return Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential), settings)
 
 
 def follow_recipe(formula: Formula) -> Recipe:
@@ -213,14 +234,23 @@ def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
     ]
 
 
-def lane_pieces(hooks: tuple[Hooks, ...], *laws: Formula) -> list[list[tuple[int, Piece]]]:
+def lane_pieces(watched: Sequence[Observable], *laws: Formula) -> list[list[tuple[int, Piece]]]:
     """Return the pieces that pass the lanes' steps and matrices on, with their first slots.
 
-    Laws are the restoring factor and its potential.
+    Laws are the restoring factor and its potential. What several observables need comes first.
     """
+    shown = [
+        (block.first, observable.step, observable.needs)
+        for block, observable in zip(slots_of(watched), watched, strict=True)
+        if observable.step is not None
+    ]
+    needs = frozenset[str]().union(*(needs for _, _, needs in shown)) & frozenset(_SHARED)
+    shared = [(0, piece_of(survey_recipe(needs, *laws)))] if needs else []
+    steps = [(first, piece_of(show_recipe(step, own, *laws))) for first, step, own in shown]
+    matrices = hooks_of(watched)[ON_TANGENT]
     return [
-        [(first, piece_of(show_recipe(shown, *laws))) for first, shown in hooks[ON_STEP]],
-        [(first, piece_of(follow_recipe(shown))) for first, shown in hooks[ON_TANGENT]],
+        [*shared, *steps],
+        [(first, piece_of(follow_recipe(formula))) for first, formula in matrices],
     ]
 
 
@@ -258,7 +288,7 @@ def _check_array(value: Any, example: NDArray[Any]) -> None:
         )
 
 
-def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
+def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
     """Yield each piece that the package's laws and these kinds of observables need."""
     from latolato.physics.drives.stretch import (
         pivot_acceleration,
@@ -293,6 +323,8 @@ def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
                 yield fly_recipe(
                     restoring, damped=damped, works=works, walled=walled, tangents=tangents
                 )
+    for shared in ({"energy"}, {"turn"}, {"energy", "turn"}):
+        yield survey_recipe(frozenset(shared), *laws)
     for observable in observables:
         for occasion, name in enumerate(OCCASIONS):
             formula = getattr(observable, name)
@@ -300,6 +332,6 @@ def every_recipe(observables: Iterable[type]) -> Iterator[Recipe]:
                 continue
             yield hook_recipe(occasion, formula)
             if occasion == ON_STEP:
-                yield show_recipe(formula, *laws)
+                yield show_recipe(formula, observable.needs, *laws)
             if occasion == ON_TANGENT:
                 yield follow_recipe(formula)

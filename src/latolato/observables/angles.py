@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.observables.hermite import turning_angle
 from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
 from latolato.scalar import formula
 
@@ -15,8 +14,7 @@ from latolato.scalar import formula
 @formula
 def largest_angle(s: Segment) -> float:
     """Return the largest |angle| of a step [rad]."""
-    turn = turning_angle(s.t1 - s.t0, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
-    return max(abs(s.x0), abs(s.x1), abs(turn))
+    return max(abs(s.x0), abs(s.x1), abs(s.turn))
 
 
 @formula
@@ -37,6 +35,7 @@ class LargestAngle(Observable):
     """Largest absolute angle at any time, transient included; unwrapped if the ball rotates."""
 
     variables: ClassVar[Any] = {"largest_angle": QUANTITIES["largest_angle"]}
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
 
     def initial(self, angle: Any) -> list[Any]:
@@ -58,6 +57,7 @@ class LargestAngleAfterTransient(Observable):
             "rad", r"\theta_{max,late}", "largest angle after the transient"
         )
     }
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
 
@@ -96,6 +96,7 @@ class MotionClass(Observable):
     variables: ClassVar[Any] = {
         "motion_class": Quantity("1", "", "class of motion (0 none, 1 weak, 2 strong)")
     }
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_both_step)
     restart: ClassVar[Any] = staticmethod(_both_restart)
 

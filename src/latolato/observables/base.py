@@ -30,7 +30,8 @@ class Segment(NamedTuple):
 
     Times [s], angles [rad], angular velocities [rad/s], angular accelerations [rad/s^2], total
     energies over the moment of inertia [1/s^2] and their time derivatives [1/s^3]; `held` is 1 in
-    lasting contact or where friction holds the ball, else 0.
+    lasting contact or where friction holds the ball, else 0; `turn` is the angle at which the
+    velocity passes zero within the step, the angle at its end if it does not.
     """
 
     t0: float
@@ -46,6 +47,7 @@ class Segment(NamedTuple):
     p0: float
     p1: float
     held: float
+    turn: float
 
 
 class Outcome(NamedTuple):
@@ -73,7 +75,8 @@ class Observable:
     variables : mapping of str to Quantity
         The variables of the dataset that `values` returns.
     needs : set of str
-        What costs extra: ``"energy"`` (e and p of a `Segment`), ``"works"``, ``"slack"``.
+        What costs extra: ``"energy"`` and ``"turn"`` of a `Segment`, which sweeps find faster if
+        they are named here, ``"works"``, ``"slack"``.
     step : formula ``(acc, i, n, segment)``
         After every step, and after a time at rest, which is one segment.
     contact : formula ``(acc, i, n, t, kind, before, after, closing)``

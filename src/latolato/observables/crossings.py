@@ -7,29 +7,26 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.observables.hermite import turning_angle
 from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
 from latolato.scalar import formula
 
-# A period that no angle reaches: counts only the two levels themselves.
-_UNWRAPPED = 1e300
+# One over a period that no angle reaches: counts only the two levels themselves.
+_UNWRAPPED = 1e-200
 
 
 @formula
-def _level(x: float, angle: float, period: float) -> float:
+def _level(x: float, angle: float, per_period: float) -> float:
     """Return how many of the levels ``+-angle + k period`` lie at or below x, from some zero."""
-    return math.floor((x - angle) / period) + math.floor((x + angle) / period)
+    return math.floor((x - angle) * per_period) + math.floor((x + angle) * per_period)
 
 
 @formula
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Count the levels passed on the way to a turning point in the step, and from there on."""
-    angle, period = acc[i + n], acc[i + 2 * n]
-    h = s.t1 - s.t0
-    turn = turning_angle(h, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
-    middle = _level(turn, angle, period)
-    there = abs(middle - _level(s.x0, angle, period))
-    acc[i] += there + abs(_level(s.x1, angle, period) - middle)
+    angle, per_period = acc[i + n], acc[i + 2 * n]
+    middle = _level(s.turn, angle, per_period)
+    there = abs(middle - _level(s.x0, angle, per_period))
+    acc[i] += there + abs(_level(s.x1, angle, per_period) - middle)
 
 
 @formula
@@ -49,6 +46,7 @@ class Crossings(Observable):
     """
 
     variables: ClassVar[Any] = {"crossings": QUANTITIES["crossings"]}
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
 
@@ -60,8 +58,8 @@ class Crossings(Observable):
     )
 
     def initial(self, angle: Any) -> list[Any]:
-        """Return the count, the level and the period of the levels."""
-        return [0.0, self.crossing_angle, _UNWRAPPED if self.unwrapped else math.tau]
+        """Return the count, the level and one over the period of the levels."""
+        return [0.0, self.crossing_angle, _UNWRAPPED if self.unwrapped else 1.0 / math.tau]
 
     def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
         """Return the count."""
@@ -76,12 +74,13 @@ class Rotations(Observable):
     variables: ClassVar[Any] = {
         "rotations": Quantity("1", r"N_{rot}", "passages over the top position")
     }
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
 
     def initial(self, angle: Any) -> list[Any]:
         """Return the count, the level pi, and a period that makes +pi and -pi one position."""
-        return [0.0, math.pi, math.tau]
+        return [0.0, math.pi, 1.0 / math.tau]
 
     def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
         """Return half the count: +pi and -pi were both passed."""

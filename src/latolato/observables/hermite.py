@@ -34,24 +34,14 @@ def turning_angle(
     The zero of the velocity's cubic is found by Newton from the secant; the angle is stationary
     there, so that its error is of the order of the step's own.
     """
-    change = v1 - v0
-    turns = v0 * v1 < 0.0
-    w = change if turns else 1.0
-    u = -v0 / w if turns else 1.0
+    if not v0 * v1 < 0.0:
+        return x1
     # The cubic through velocities and accelerations at both ends.
+    change = v1 - v0
     b, c2, c3 = a0 * h, 3.0 * change - (2.0 * a0 + a1) * h, -2.0 * change + (a0 + a1) * h
-    u = _towards_zero(u, w, v0, b, c2, c3)
-    u = _towards_zero(u, w, v0, b, c2, c3)
-    turn = quintic(u, h, x0, v0, a0, x1, v1, a1)
-    return turn if turns else x1
-
-
-@formula
-def _towards_zero(u: float, w: float, v0: float, b: float, c2: float, c3: float) -> float:
-    """Return a share of the step in [0, 1] nearer to the zero of a cubic than `u`, by Newton."""
-    value = v0 + u * (b + u * (c2 + u * c3))
-    slope = b + u * (2.0 * c2 + 3.0 * u * c3)
-    steep = slope if abs(slope) > 1e-3 * abs(w) else w
-    u = u - value / steep
-    u = u if u > 0.0 else 0.0
-    return u if u < 1.0 else 1.0
+    u = -v0 / change
+    for _ in range(2):
+        slope = b + u * (2.0 * c2 + 3.0 * u * c3)
+        steep = slope if abs(slope) > 1e-3 * abs(change) else change
+        u = min(max(u - (v0 + u * (b + u * (c2 + u * c3))) / steep, 0.0), 1.0)
+    return quintic(u, h, x0, v0, a0, x1, v1, a1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.observables.hermite import quintic, turning_angle
+from latolato.observables.hermite import quintic
 from latolato.quantities import QUANTITIES, Range, quantity_field
 from latolato.scalar import formula
 
@@ -30,8 +30,7 @@ _HALVINGS = 46
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Keep the first step that passes the threshold; the passage in it is located at the end."""
     h = s.t1 - s.t0
-    turn = turning_angle(h, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
-    passes = max(abs(s.x1), abs(turn)) >= acc[i + n]
+    passes = max(abs(s.x1), abs(s.turn)) >= acc[i + n]
     is_first = passes and acc[i] == 0.0
     acc[i + 2 * n] = s.t0 if is_first else acc[i + 2 * n]
     acc[i + 3 * n] = h if is_first else acc[i + 3 * n]
@@ -55,6 +54,7 @@ class FirstPassage(Observable):
     """
 
     variables: ClassVar[Any] = {"first_passage": QUANTITIES["first_passage"]}
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
 
     threshold_angle: float = quantity_field(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from latolato.errors import InputError
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.final import Stroboscope
-from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP
 from latolato.quantities import Quantity, Range, quantity_field
 from latolato.scalar import formula
@@ -104,8 +103,7 @@ def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     acc[i + 2 * n] = max(acc[i + 2 * n], abs(s.v1))
     acc[i + 4 * n] += s.held * (s.t1 - s.t0)
     turns = math.tau * math.floor(s.x0 / math.tau + 0.5)
-    turn = turning_angle(s.t1 - s.t0, s.x0, s.v0, s.a0, s.x1, s.v1, s.a1)
-    high = max(abs(s.x0 - turns), abs(s.x1 - turns), abs(turn - turns))
+    high = max(abs(s.x0 - turns), abs(s.x1 - turns), abs(s.turn - turns))
     acc[i + 5 * n] = max(acc[i + 5 * n], min(high, math.pi))
 
 
@@ -171,6 +169,7 @@ class ResponsePeriod(Observable):
             "rad", r"\theta_{max,late}", "largest angle in the periods watched"
         ),
     }
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
     contact: ClassVar[Any] = staticmethod(_contact)
     mark: ClassVar[Any] = staticmethod(_mark)
@@ -254,6 +253,7 @@ class ResponseSamples(Observable):
     """
 
     variables: ClassVar[Any] = {**ResponsePeriod.variables, **Stroboscope.variables}
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     step: ClassVar[Any] = staticmethod(_step)
     contact: ClassVar[Any] = staticmethod(_contact)
     mark: ClassVar[Any] = staticmethod(_mark)

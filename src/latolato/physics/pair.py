@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from latolato.scalar import formula
+from latolato.scalar import cosine, formula, sine
 
 
 @formula
@@ -19,8 +19,8 @@ def joint_coupling(
     moves like a pendulum of angle ``angle_2 + offset`` and length ``inertia/M``
     (``S_i = m_i l_i`` static moments).
     """
-    x = moment_1 * math.cos(separation) + moment_2
-    y = moment_1 * math.sin(separation)
+    x = moment_1 * cosine(separation) + moment_2
+    y = moment_1 * sine(separation)
     return math.hypot(x, y) / inertia, math.atan2(y, x)
 
 

@@ -130,7 +130,7 @@ def run_fastest(
         tangents=bool(hooks[ON_TANGENT]),
     ))  # fmt: skip
     locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
-    looking = lane_pieces(hooks, *laws_key(system))
+    looking = lane_pieces(plan.observables, *laws_key(system))
     scratch, pieces = _prepared(plan, batch, stepper)
     space = make_lane_space(
         len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,

@@ -156,6 +156,10 @@ def make_batch(
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
     valid = problems == FINE
+    # An invalid point hands its start on to its neighbour in a continuation.
+    offset = np.nan_to_num(cases["initial_offset"][~valid])
+    states["angle"][~valid] = cases["initial_angle"][~valid] + offset[:, None]
+    states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
     points = Points(
         settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts,

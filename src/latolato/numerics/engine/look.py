@@ -9,6 +9,7 @@ from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, Eyes, Watch
 from latolato.observables import Segment
+from latolato.observables.hermite import turning_angle
 
 
 class Look(NamedTuple):
@@ -39,7 +40,7 @@ def make_look(laws: Laws, watch: Watch, part: Part = as_it_stands) -> Look:
             0.5 * v1 * v1 + stiffness * potential(x1, is_linear) + push_potential(x1, run),
             v0 * (a0 + stiffness * restoring(x0, is_linear) - push(x0, run)),
             v1 * (a1 + stiffness * restoring(x1, is_linear) - push(x1, run)),
-            held,
+            held, turning_angle(run.t_end - run.t, x0, v0, a0, x1, v1, a1),
         )  # fmt: skip
         watch_step(run, eyes, ball, segment)
 

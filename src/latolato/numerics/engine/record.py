@@ -75,6 +75,8 @@ POINT = np.dtype(
 # Rows are those of the state; the further columns are free for scratch.
 MATRIX_SHAPE = (4, 7)
 
+# As many words as an observable is shown at most; see `hooks`.
+_SHOWN = 14
 # As many words as say where everything lies that compiled code is given; see `pieces.words_of`.
 _WORDS = 48
 
@@ -114,7 +116,7 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("nodes", "f8", (MOST_STAGES,)),
             ("tables", "f8", (5, 3, MOST_STAGES + 1)),
             # What observables are shown: words of it, and a matrix of small deviations.
-            ("shown", "i8", (13,)),
+            ("shown", "i8", (_SHOWN,)),
             ("jacobian", "f8", MATRIX_SHAPE),
             ("words", "i8", (_WORDS,)),
             # Addresses of the engine's piece and of the observables'; see `hooks.hook_table`.
