@@ -71,3 +71,13 @@ def cosine(x: float) -> float:
     """Return cos(x) with the error of `sine`."""
     n = (x * _PER_PI - 0.5 + _ROUND) - _ROUND + 0.5
     return _reduced_sine(((x - n * _PI_1) - n * _PI_2) - n * _PI_3, n + 0.5)
+
+
+@formula
+def floor(x: float) -> float:
+    """Return the largest whole number up to x as a float, for |x| < 2^51.
+
+    Compiled, `math.floor` returns an integer, for which most processors have no vectors.
+    """
+    n = (x + _ROUND) - _ROUND
+    return n - 1.0 if n > x else n

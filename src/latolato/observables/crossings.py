@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
-from latolato.scalar import formula
+from latolato.scalar import floor, formula
 
 # One over a period that no angle reaches: counts only the two levels themselves.
 _UNWRAPPED = 1e-200
@@ -17,7 +17,7 @@ _UNWRAPPED = 1e-200
 @formula
 def _level(x: float, angle: float, per_period: float) -> float:
     """Return how many of the levels ``+-angle + k period`` lie at or below x, from some zero."""
-    return math.floor((x - angle) * per_period) + math.floor((x + angle) * per_period)
+    return floor((x - angle) * per_period) + floor((x + angle) * per_period)
 
 
 @formula

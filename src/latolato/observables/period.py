@@ -11,7 +11,7 @@ from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.final import Stroboscope
 from latolato.physics.contacts import BOTTOM, TOP
 from latolato.quantities import Quantity, Range, quantity_field
-from latolato.scalar import formula
+from latolato.scalar import floor, formula
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,10 +99,10 @@ def find_mirror(
 @formula
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Count passages through the hanging position, keep extremes and the time held."""
-    acc[i] += abs(math.floor(s.x1 / math.tau) - math.floor(s.x0 / math.tau))
+    acc[i] += abs(floor(s.x1 / math.tau) - floor(s.x0 / math.tau))
     acc[i + 2 * n] = max(acc[i + 2 * n], abs(s.v1))
     acc[i + 4 * n] += s.held * (s.t1 - s.t0)
-    turns = math.tau * math.floor(s.x0 / math.tau + 0.5)
+    turns = math.tau * floor(s.x0 / math.tau + 0.5)
     high = max(abs(s.x0 - turns), abs(s.x1 - turns), abs(s.turn - turns))
     acc[i + 5 * n] = max(acc[i + 5 * n], min(high, math.pi))
 
