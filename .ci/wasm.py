@@ -141,11 +141,22 @@ def object_of(text: str, name: str) -> bytes:
     name : str
         The function in it that has the types of a piece.
     """
-    module = llvm.parse_assembly(text)
+    module = llvm.parse_assembly(_with_instructions(text))
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration and each.name != name:
             each.linkage = "internal"
     return _optimised(module)
+
+
+def _with_instructions(text: str) -> str:
+    """Return code that calls LLVM's square root for C's.
+
+    The one is an instruction; LLVM 20 leaves the other to a library that pages do not have.
+    """
+    intrinsic = "declare double @llvm.sqrt.f64(double)"
+    text = re.sub(r"^declare double @sqrt\(.*", "", text, flags=re.MULTILINE)
+    text = text.replace("@sqrt(", "@llvm.sqrt.f64(")
+    return text if intrinsic in text else f"{text}\n{intrinsic}\n"
 
 
 def _optimised(module: Any) -> bytes:

@@ -168,6 +168,11 @@ def read_layout() -> dict[str, Any]:
     return dict(layout)
 
 
+def described_array(array: Any) -> dict[str, Any]:
+    """Return what modules call the type of an array, and its shape."""
+    return {"type": _TYPES.get(array.dtype, array.dtype.str[1:]), "shape": array.shape}
+
+
 def in_node(cases: Iterable[Case]) -> list[dict[str, Any]]:
     """Return what comes of cases in Node.js: arrays as in Python, and all else by name."""
     read_layout()
@@ -177,11 +182,9 @@ def in_node(cases: Iterable[Case]) -> list[dict[str, Any]]:
     for case in cases:
         entries = []
         for name, array in case.arrays.items():
-            data = np.ascontiguousarray(array)
-            type_ = _TYPES.get(data.dtype, data.dtype.str[1:])
-            entries.append({"name": name, "type": type_, "shape": data.shape, "at": at})
-            content.append(data.tobytes())
-            at += data.nbytes
+            entries.append({"name": name, **described_array(array), "at": at})
+            content.append(array.tobytes())
+            at += array.nbytes
         described.append({**case.options, "repeats": case.repeats, "arrays": entries})
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
