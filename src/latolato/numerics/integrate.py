@@ -248,10 +248,11 @@ def integrate(
             progress(min(reached / duration, 1.0))
         if not np.all(abs(np.array([state.angle, state.velocity])) <= LARGEST):
             lost = ~(np.max(abs(samples[: 2 * angles]), axis=0) <= LARGEST)
-            reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
+            if lost.any():
+                reached = float(sample_times[np.argmax(lost)])
+                samples[:, np.argmax(lost) :] = np.nan
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
             failed = True
-            samples[:, np.argmax(lost) :] = np.nan
             break
         if reached >= duration:
             break
