@@ -20,7 +20,7 @@ from typing import Any
 import llvmlite.binding as llvm
 import numpy as np
 
-from latolato.numerics import lane_rows, many, observe, records, watch
+from latolato.numerics import lane_rows, many, observe, prepare, records, watch, whole
 from latolato.numerics.engine import loop, record
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
 from latolato.numerics.pieces import Formula, Recipe
@@ -35,13 +35,19 @@ _LINKER = "ziglang"
 # Every browser has had these since 2023; lanes are made of `simd128`.
 _FEATURES = "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext"
 # Functions of C that modules take from a page's `Math`, which has them under the same names. Both
-# err by a unit in the last place at most. The sine of the equation of motion is not one of them:
-# see `latolato.scalar`.
-_MATH = ("acos", "asin", "atan", "cos", "exp", "expm1", "log", "log1p", "pow", "sin", "tan")
+# err by about a unit in the last place. The sine of the equation of motion is not one of them: see
+# `latolato.scalar`.
+_MATH = (
+    "acos", "asin", "atan", "atan2", "cos", "exp", "expm1", "hypot", "log", "log1p", "pow", "sin",
+    "tan",
+)  # fmt: skip
 # It lies before all data, so that a run which needed more would end in an error.
 _STACK = 256 * 1024
 # What pages call; all other pieces are called by these.
-_CALLED = ("engine", "clamp", "observer", "observer_linear", "many", "lanes")
+_CALLED = (
+    "engine", "clamp", "observer", "observer_linear", "many", "lanes", "shake", "begin", "allowed",
+    "prepare",
+)  # fmt: skip
 _TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 _NARROW = {"i64": "i32"}
 # What shows an observable the steps, or the matrices, of all lanes.
@@ -56,13 +62,17 @@ _RECORDS = {
     "body": records.BODY,
     "point": record.POINT,
     "stretch": _USUAL,
-    "ball": observe.BALL,
+    "ball": records.BALL,
+    "case": records.CASE,
 }
 _BUNDLES = {
     "arguments": loop.empty_arguments(_USUAL),
     "observation": observe.empty_observation(_USUAL),
     "job": many.empty_job(_USUAL),
     "task": many.empty_task(_USUAL),
+    "shaking": whole.empty_shaking(),
+    "beginning": whole.empty_beginning(),
+    "cases": prepare.empty_cases(),
 }
 
 
@@ -110,6 +120,10 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     if maker == "make_observer_entry":
         is_linear = "restoring_linear" in laws
         return ("observer_linear", ("one",)) if is_linear else ("observer", ("one", "two"))
+    if maker in ("make_shake_entry", "make_begin_entry", "make_allowed_entry"):
+        return maker.removeprefix("make_").removesuffix("_entry"), ("one", "two")
+    if maker == "make_prepare_entry":
+        return "prepare", ("lanes",)
     if maker == "make_lanes":
         return "lanes", ("lanes",)
     if maker in ("make_fly", "make_locate"):
@@ -225,6 +239,8 @@ def _for_pages(name: str, returned: str, taken: Sequence[str]) -> Iterator[str]:
     call = f'call {returned} @"{name}"({", ".join(passed)})'
     if returned == "void":
         yield f"  {call}\n  ret void\n}}"
+    elif returned not in _NARROW:
+        yield f"  %found = {call}\n  ret {returned} %found\n}}"
     else:
         yield f"  %found = {call}\n  %narrow = trunc {returned} %found to {_NARROW[returned]}"
         yield f"  ret {_NARROW[returned]} %narrow\n}}"
@@ -247,6 +263,8 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "ball_rows": observe.BALL_ROWS,
         "contact_kinds": CONTACT_KINDS,
         "statuses": records.STATUS_NAMES,
+        "problems": prepare.PROBLEMS,
+        "drives": list(whole.WRITTEN),
         "steppers": {each.name: _stepper(each) for each in (BLANES_MOAN_RKN, BLANES_MOAN_GENERAL)},
         "lanes": {
             name.lower(): getattr(lane_rows, name)

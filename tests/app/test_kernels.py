@@ -61,6 +61,7 @@ def empty_page(browser):
 
 
 def test_a_page_computes_what_python_computes(empty_page):
+    modules = read_layout()["modules"]
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.6)
     drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
     case = record_run(toy, drive, initial_angle=0.5, times=np.linspace(0.0, 10.0, 201))
@@ -69,7 +70,7 @@ def test_a_page_computes_what_python_computes(empty_page):
         for name, array in case.arrays.items()
     ]
     found = empty_page.evaluate(RUN, {"arrays": arrays, "how": case.options["how"]})
-    assert found["pieces"] == read_layout()["modules"]
+    assert found["pieces"] == modules
     assert found["status"] == case.expected["status"] == "complete"
     assert len(found["times"]) > 10
     # The motion is regular: see `tests/numerics/test_wasm.py`.

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from in_node import MODULES, in_node, read_layout, record_run, run_points_in_node
+from in_node import MODULES, from_parameters, in_node, read_layout, record_run, run_points_in_node
 from latolato.numerics.observe import BALL_ROWS
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.record import LEDGER
+from latolato.start import DEFAULT_REST_SPEED
 from latolato.sweep.chunk import run_chunk
 from latolato.sweep.kernels import run_fastest, run_scalar
 from latolato.sweep.plan import make_plan
@@ -237,6 +238,31 @@ def test_contacts_and_statuses_are_the_same(twins):
                 assert np.all(in_node <= np.maximum(CASCADE, FACTOR * by_shift)), (name, what)
         seen |= {node["status"], *kinds}
     assert seen == {"complete", "stopped", "failed", *CONTACT_KINDS}
+
+
+def test_runs_begin_from_parameters():
+    random = np.random.default_rng(5)
+    shaken = {name: drive for name, drive in drives(random).items() if name != "measured"}
+    shaken["static"] = ll.Static()
+    cases, names = [], []
+    for system_name, drive_name in itertools.product(
+        ("linear drag", "mathieu", "walls, all drags", "two balls"), shaken
+    ):
+        system, how = systems(random)[system_name]
+        drive = shaken[drive_name]
+        case = record_run(system, drive, times=TIMES, **how, tolerance=1e-10)
+        given = {"angles": np.atleast_1d(how["initial_angle"]), "duration": DURATION}
+        given |= {"tolerance": 1e-10, "rest_speed": DEFAULT_REST_SPEED}
+        cases += [case, from_parameters(case, system, drive, **given)]
+        names.append((system_name, drive_name))
+    found = in_node(cases)
+    for name, from_memory, alone in zip(names, found[::2], found[1::2], strict=True):
+        assert alone["status"] == "complete"
+        # What is prepared differs by fused multiply-adds: a last digit of the drive's phases, say.
+        for what in ("samples", "contact_times"):
+            np.testing.assert_allclose(
+                alone[what], from_memory[what], rtol=0, atol=1e-9, err_msg=str(name)
+            )
 
 
 def test_references_of_thirty_digits():

@@ -2,6 +2,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
+import { begin, shake } from "../../src/latolato/app/static/js/kernels/begin.js";
 import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
 import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
 import { integrate, observe } from "../../src/latolato/app/static/js/kernels/run.js";
@@ -38,10 +39,14 @@ function give(name, bytes) {
 
 const bytesOf = (numbers) => new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
 
-function run(kernels, memory, { how, seen }) {
-  const begin = performance.now();
+function run(kernels, memory, { how, seen, parameters }) {
+  if (parameters) {
+    memory.stretches = shake(kernels, parameters.kind, parameters.drive);
+    memory.run = begin(kernels, parameters.case, memory.stretches);
+  }
+  const start = performance.now();
   const { samples, contacts, ...about } = integrate(kernels, memory, how);
-  about.seconds = (performance.now() - begin) / 1e3;
+  about.seconds = (performance.now() - start) / 1e3;
   return [about, () => {
     give("samples", kernels.bytes(samples));
     give("contact_times", bytesOf(contacts.times));
@@ -61,9 +66,9 @@ function points(kernels, memory, { contact_limit, slots, is_linear, hooks, lanes
   const progress = under("progress");
   const all = { order: memory.order, points: { ...under("points"), contact_limit }, progress,
     stepper: under("stepper"), slots, is_linear };
-  const begin = performance.now();
+  const start = performance.now();
   runPoints(kernels, all, hooks, lanes);
-  const seconds = (performance.now() - begin) / 1e3;
+  const seconds = (performance.now() - start) / 1e3;
   return [{ seconds }, () => {
     for (const [name, array] of Object.entries(progress)) give(name, kernels.bytes(array));
   }];

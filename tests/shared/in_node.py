@@ -11,8 +11,8 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -20,13 +20,16 @@ from unittest import mock
 import numpy as np
 
 import latolato as ll
-from latolato.numerics import integrate, observe, records, shipped
+from latolato.numerics import integrate, records, shipped
 from latolato.numerics.engine import record
 from latolato.numerics.many import Progress
+from latolato.numerics.prepare import cases_of
 from latolato.numerics.sources import digest_of_sources
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of
+from latolato.numerics.whole import WRITTEN
 from latolato.observables.base import observables
+from latolato.physics.contacts import Exact
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweep.chunk import RunPoints
 from latolato.sweep.plan import Plan
@@ -41,7 +44,8 @@ _TYPES = {
     records.SETTINGS: "settings",
     records.BODY: "body",
     records.stretch_dtype(): "stretch",
-    observe.BALL: "ball",
+    records.BALL: "ball",
+    records.CASE: "case",
 }
 
 
@@ -109,6 +113,37 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
     ):
         ll.simulate(system, drive, **options)
     return case
+
+
+def from_parameters(case: Case, system: Any, drive: Any, **given: Any) -> Case:
+    """Return a case of `record_run` that Node.js begins from the run's parameters by itself."""
+    (record,) = cases_of(
+        system, Exact(), follows_ledger=1,
+        follows_tension=system.restoring is not restoring_linear, **given,
+    )  # fmt: skip
+    numbers = {
+        field.name: value
+        for field in fields(drive)
+        if "quantity" in field.metadata and (value := getattr(drive, field.name)) is not None
+    }
+    parameters = {
+        "kind": next(name for name, kind in WRITTEN.items() if kind is type(drive)),
+        "drive": {**numbers, "side": getattr(drive, "side", 0.0)},
+        "case": {path: value for path, value in _paths(record) if not np.isnan(value).any()},
+    }
+    arrays = {name: a for name, a in case.arrays.items() if name not in ("run", "stretches")}
+    return Case({**case.options, "parameters": parameters}, arrays, case.expected)
+
+
+def _paths(record: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the numbers of a record by the paths of their fields."""
+    for name in record.dtype.names:
+        value = record[name]
+        if value.dtype.names is None:
+            yield before + name, value.tolist()
+            continue
+        for i, inner in enumerate(np.atleast_1d(value)):
+            yield from _paths(inner, f"{before}{name}.{i}.")
 
 
 def points_case(

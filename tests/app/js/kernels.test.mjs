@@ -55,6 +55,7 @@ test("fields of records are found by their path, also of later records", () => {
   kernels.set(runs, "state.angle", 0.5, -0.25);
   assert.equal(kernels.get(runs, "state.steps"), 12);
   assert.deepEqual([...kernels.numbers(kernels.field(runs, "state.angle"))], [0.5, -0.25]);
+  assert.equal(kernels.get(runs, "state.angle.1"), -0.25);
   assert.equal(kernels.get(runs, "state.steps", 1), 0);
   assert.equal(kernels.field(runs, "state.angle", 1).at, runs.at + 56 + 16);
   assert.throws(() => kernels.get(runs, "state.colour"), /state has no field colour/);

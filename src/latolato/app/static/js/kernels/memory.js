@@ -15,7 +15,8 @@
  *   bundles: Record<string, Word[]>, modules: Record<string, string[]>,
  *   observables: Record<string, Record<string, string>>, occasions: string[],
  *   sample_rows: Record<string, number>, sample_rows_count: number, pivot_rows: string[],
- *   ball_rows: string[], contact_kinds: string[], statuses: string[],
+ *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
+ *   drives: string[],
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
  *   steps_per_call: number}} Layout
  */
@@ -114,13 +115,19 @@ export class Kernels {
   /**
    * Return a field of the record with this number, as an array.
    * @param {Held} held
-   * @param {string} path such as `state.angle`
+   * @param {string} path such as `state.angle`, or `bodies.1.rate` for the second of several
    * @param {number} [index]
    * @returns {Held}
    */
   field({ at, type }, path, index = 0) {
     const found = { at: at + index * this.size(type), type, shape: [1] };
     for (const name of path.split(".")) {
+      const number = Number(name);
+      if (Number.isInteger(number)) {
+        found.at += number * this.size(found.type);
+        found.shape = [];
+        continue;
+      }
       const field = this.layout.records[found.type].fields[name];
       if (!field) throw new Error(`a record of ${found.type} has no field ${name}`);
       found.at += field.at;

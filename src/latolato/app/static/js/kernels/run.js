@@ -9,9 +9,9 @@ import { WORD } from "./memory.js";
 
 /**
  * A run at its beginning: the record with its state, settings, bodies and stepper, the drive's
- * stretches, kicks, and the instants of the samples; see `integrate.make_runs` and `loop.Timetable`.
- * @typedef {{run: Held, stretches: Held, starts: Held, jumps: Held, kick_times: Held,
- *   kick_sizes: Held, times: Held}} Prepared
+ * stretches, kicks, and the instants of the samples; see `begin` and `loop.Timetable`.
+ * @typedef {{run: Held, stretches: Held, kick_times: Held, kick_sizes: Held,
+ *   times: Held}} Prepared
  *
  * What came of it. Rows of samples are those of the layout, behind angle and velocity of two balls;
  * kinds of contacts are numbers of those in the layout, their values the velocities before and
@@ -37,7 +37,7 @@ const PER_BALL = 2;
  */
 export function integrate(kernels, prepared, { balls, duration, contact_limit, piece = "engine" }) {
   const { layout } = kernels;
-  const { run, times, stretches, starts, jumps, kick_times, kick_sizes } = prepared;
+  const { run, times, stretches, kick_times, kick_sizes } = prepared;
   const samples = kernels.take("f8", layout.sample_rows_count, times.shape[0]);
   kernels.numbers(samples).fill(NaN);
   const seen = kernels.take("f8", 1);
@@ -60,8 +60,8 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
     const kinds = kernels.take("i8", size);
     const values = kernels.take("f8", parts.length - 2, size);
     kernels.fill(kernels.field(run, "words"), "arguments", {
-      "timetable.stretches": stretches, "timetable.starts": starts, "timetable.jumps": jumps,
-      "timetable.kick_times": kick_times, "timetable.kick_sizes": kick_sizes,
+      "timetable.stretches": stretches, "timetable.kick_times": kick_times,
+      "timetable.kick_sizes": kick_sizes,
       "output.sample_times": times, "output.samples": samples, "output.contact_times": found,
       "output.contact_kinds": kinds, "output.contact_values": values,
       "eyes.acc": seen, "eyes.column": 0, "eyes.columns": balls,
@@ -147,7 +147,7 @@ function forget(kernels, samples, balls) {
  * @returns {{pivot: Held, out: Held}}
  */
 export function observe(kernels, prepared, samples, how) {
-  const { times, stretches, starts } = prepared;
+  const { times, stretches } = prepared;
   const { balls, gravity, with_lab, piece = "observer" } = how;
   const { pivot_rows, ball_rows, sample_rows } = kernels.layout;
   const [size] = times.shape;
@@ -155,8 +155,7 @@ export function observe(kernels, prepared, samples, how) {
   const out = kernels.take("f8", balls.shape[0], ball_rows.length, size);
   const modes = { ...times, at: samples.at + sample_rows.mode * size * WORD };
   kernels.call(piece, "observation", {
-    times, modes, samples, stretches, starts, balls, gravity, with_lab: Number(with_lab),
-    pivot, out,
+    times, modes, samples, stretches, balls, gravity, with_lab: Number(with_lab), pivot, out,
   });
   return { pivot, out };
 }
