@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import latolato as ll
-from latolato.numerics.integrate import Start, choose_step, choose_stepper, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.sweep.chunk import run_chunk
 from latolato.sweep.kernels import run_fastest
 from latolato.sweep.plan import make_plan
@@ -42,12 +42,11 @@ SEVERAL = (
 def one_run() -> tuple[Callable[[], None], Case]:
     """Return a native run and the same for Node.js."""
     start = TOY.contact_angle_low + 0.2
-    walls = TOY.contact_angle_low, TOY.contact_angle_high
     began = Start((start,), (0.0,))
-    step = choose_step(TOY, DRIVE, began, 1e-10, choose_stepper(TOY))
+    step = choose_step(TOY, DRIVE, began, 1e-10)
 
     def native() -> None:
-        integrate(TOY, DRIVE, began, SAMPLES, LONG, walls=walls, step=step, rest_speed=1e-6)
+        integrate(TOY, DRIVE, began, SAMPLES, LONG, step=step, rest_speed=1e-6)
 
     return native, record_run(TOY, DRIVE, initial_angle=start, times=SAMPLES, duration=LONG)
 
