@@ -52,7 +52,7 @@ research: $(STAMPS)/video kernels ## install, map 16,281 runs with their stabili
 
 .PHONY: kernels
 kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
-	@$(BIN)/python -c "import numba" 2>/dev/null || $(PIP) install -q -e .
+	@$(BIN)/python -c "import numba, ziglang" 2>/dev/null || $(PIP) install -q -e ".[kernels]"
 	@$(BIN)/python .ci/kernels.py
 
 .PHONY: test

@@ -18,6 +18,7 @@ from hatchling.build import *  # noqa: F403 - all other hooks are its own
 _COMPILERS = [
     "numba==0.62.1; python_version < '3.14'",
     "numba==0.63.1; python_version >= '3.14'",
+    "ziglang==0.17.1",  # links WebAssembly
 ]
 
 

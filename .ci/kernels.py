@@ -1,7 +1,7 @@
-"""Compiles the package's pieces into LLVM bitcode, ``kernels.zip``: `make kernels`.
+"""Compiles the package's pieces: LLVM bitcode, ``kernels.zip``, and WebAssembly: `make kernels`.
 
-``python .ci/kernels.py [FILE]``; the file that the package reads is the default. Nothing is done
-if it was made of these very sources, by no newer LLVM.
+``python .ci/kernels.py [FILE]``; the file that the package reads is the default, and the folder
+``wasm`` lies beside it. Nothing is done if they were made of these very sources, by no newer LLVM.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ import llvmlite.binding as llvm
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
+import wasm
+
 from latolato.numerics import pieces, shipped
 from latolato.numerics.sources import digest_of_sources
 from latolato.observables import Observable
@@ -31,7 +33,6 @@ _INTRINSICS = {
     "acos", "asin", "atan", "ceil", "cos", "exp", "fabs", "floor", "fma", "fmod", "log", "memcpy",
     "memmove", "memset", "pow", "sin", "sqrt", "tan",
 }  # fmt: skip
-_LLVM_TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 
 
 class _LinkedError(BaseException):
@@ -53,19 +54,17 @@ def _recipes() -> list[pieces.Recipe]:
 
 def _entry(text: str, kind: str, name: str) -> str:
     """Return the code of a function that has the types of a piece and calls numba's function."""
-    returned, taken = kind.rstrip(")").split("(")
-    types = [_LLVM_TYPES[name.strip()] for name in taken.split(",")]
-    given = [f"{type_} %a{i}" for i, type_ in enumerate(types)]
+    returned, taken = wasm.types_of(kind)
+    given = [f"{type_} %a{i}" for i, type_ in enumerate(taken)]
     # numba's function comes first; it writes its result and returns a status.
     numbas = re.search(r"^define .*?@([\w.]+)\(", text, re.MULTILINE)[1]
     called = ", ".join(["ptr %result", "ptr %status", *given])
     if returned == "void":
         end, result = "  ret void", "ptr"
     else:
-        result = _LLVM_TYPES[returned]
-        end = f"  %value = load {result}, ptr %result\n  ret {result} %value"
+        end, result = f"  %value = load {returned}, ptr %result\n  ret {returned} %value", returned
     return (
-        f"\ndefine {_LLVM_TYPES[returned]} @{name}({', '.join(given)}) {{\n"
+        f'\ndefine {returned} @"{name}"({", ".join(given)}) {{\n'
         f"  %result = alloca {result}\n  %status = alloca ptr\n"
         f"  call i32 @{numbas}({called})\n{end}\n}}\n"
     )
@@ -103,11 +102,15 @@ def _name(number: int) -> str:
     return f"piece_{number:03}"
 
 
-def _piece(number: int) -> tuple[bytes, list[str]]:
-    """Return one of the recipes, compiled."""
+def _piece(number: int) -> tuple[bytes, list[str], bytes]:
+    """Return one of the recipes, compiled: what `_bitcode` returns, and an object file for pages.
+
+    The latter is empty if no module for pages has the piece.
+    """
     from latolato.numerics.compiled import compile_piece  # imports numba
 
     recipe, linked = _recipes()[number], []
+    name, modules = wasm.place_of(recipe)
 
     def note(text: str) -> None:
         linked.append(text)
@@ -116,32 +119,40 @@ def _piece(number: int) -> tuple[bytes, list[str]]:
     try:
         compile_piece(recipe, note)
     except _LinkedError:
-        return _bitcode(linked[0], recipe.kind, _name(number))
-    raise AssertionError(recipe.key)
+        (text,) = linked
+    bitcode, called = _bitcode(text, recipe.kind, _name(number))
+    if not modules:
+        return bitcode, called, b""
+    return bitcode, called, wasm.object_of(text + _entry(text, recipe.kind, name), name)
 
 
-def _is_fresh(path: Path) -> bool:
-    """Return whether the file was made of these sources by this program, for an LLVM like ours."""
+def _is_fresh(path: Path, folder: Path) -> bool:
+    """Return whether all was made of these sources by this program, for an LLVM like ours."""
     try:
         with zipfile.ZipFile(path) as archive:
             damaged, about = archive.testzip(), json.loads(archive.read("about.json"))
         is_readable = about["llvm"] <= list(llvm.llvm_version_info)
-        sources = about["builder"], about["sources"]
+        is_same = all(about[key] == value for key, value in _made_of().items())
+        return is_readable and damaged is None and is_same and wasm.is_fresh(folder, _made_of())
     except Exception:  # no such file, or one of anything else
         return False
-    return is_readable and damaged is None and sources == (_builder(), digest_of_sources())
 
 
-def _builder() -> str:
-    """Return a digest of this program."""
-    return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+def _made_of() -> dict[str, str]:
+    """Return digests of the sources and of this program."""
+    digest = hashlib.sha256()
+    for file in (__file__, wasm.__file__):
+        digest.update(Path(file).read_bytes())
+    return {"sources": digest_of_sources(), "builder": digest.hexdigest()}
 
 
 def main() -> None:
-    """Compile all, write the archive."""
+    """Compile all, write the archive and the modules."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped.ARCHIVE
-    if _is_fresh(path):
+    folder = path.with_name("wasm")
+    if _is_fresh(path, folder):
         return
+    wasm.check_linker()
     begin, recipes = time.monotonic(), _recipes()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -151,23 +162,27 @@ def main() -> None:
         with ProcessPoolExecutor(min(os.cpu_count() or 1, 8)) as processes:
             made = list(processes.map(_piece, range(len(recipes))))
     about = {
-        "sources": digest_of_sources(),
-        "builder": _builder(),
+        **_made_of(),
         "llvm": llvm.llvm_version_info,
-        "calls": sorted({name for _, called in made for name in called}),
+        "calls": sorted({name for _, called, _ in made for name in called}),
         "pieces": {recipe.key: _name(i) for i, recipe in enumerate(recipes)},
     }
     handle, new = tempfile.mkstemp(suffix=".zip", dir=path.parent)
     os.close(handle)
     contents = [("about.json", json.dumps(about, indent=1).encode())]
-    contents += [(_name(i), code) for i, (code, _) in enumerate(made)]
+    contents += [(_name(i), code) for i, (code, _, _) in enumerate(made)]
     with zipfile.ZipFile(new, "w") as archive:
         for name, content in contents:  # without the time of day: equal sources, equal files
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, 9)
     os.chmod(new, 0o644)
     os.replace(new, path)
+    objects = {recipe.key: code for recipe, (_, _, code) in zip(recipes, made, strict=True)}
+    for_pages = wasm.write(folder, _made_of(), wasm.modules_of(recipes), objects)
     size, seconds = path.stat().st_size, time.monotonic() - begin
-    print(f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, in {seconds:.0f} s")
+    print(
+        f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, for pages {for_pages / 1e3:.0f} kB, "
+        f"in {seconds:.0f} s"
+    )
 
 
 if __name__ == "__main__":

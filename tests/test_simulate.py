@@ -534,6 +534,14 @@ class TestLimits:
             )
         assert "failed" in found.attrs["status"]
 
+    def test_samples_before_an_overflow_are_kept(self):
+        drive = ll.Harmonic(drive_amplitude=3.0, drive_frequency=40.0)
+        given = {"initial_angle": 0.1, "times": [0.1, 0.5]}
+        with pytest.warns(RuntimeWarning, match="failed at t = 12 s"):
+            found = ll.simulate(ll.Mathieu(length=1.0, mass=0.8), drive, duration=12.0, **given)
+        whole = ll.simulate(ll.Mathieu(length=1.0, mass=0.8), drive, **given)
+        assert np.array_equal(found.angle.values, whole.angle.values)
+
 
 class TestExtremeInput:
     @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])

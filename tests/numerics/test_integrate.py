@@ -74,7 +74,7 @@ def test_resuming_in_small_chunks_changes_roundings_only(name, most_steps, monke
     end = 5.0 if name == "pair" else 12.0
     whole = run(SYSTEMS[name], end=end)
     assert len(whole.contact_times) > (2 if name == "pair" else 5)
-    monkeypatch.setattr(module, "_STEPS_PER_CALL", most_steps)
+    monkeypatch.setattr(module, "STEPS_PER_CALL", most_steps)
     assert_close(whole, run(SYSTEMS[name], end=end))
 
 

@@ -269,7 +269,12 @@ def caller_of(what: str) -> Callable[..., Any]:
     def call(typing_context: Any, address: Any, given: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             kinds = [context.get_value_type(argument) for argument in kind.args]
-            function = ir.FunctionType(context.get_value_type(kind.return_type), kinds)
+            returned = (
+                ir.VoidType()  # numba's own is a pointer, which WebAssembly tells from nothing
+                if kind.return_type == types.void
+                else context.get_value_type(kind.return_type)
+            )
+            function = ir.FunctionType(returned, kinds)
             values = [
                 context.cast(builder, builder.extract_value(args[1], i), was, wanted)
                 for i, (was, wanted) in enumerate(zip(given.types, kind.args, strict=True))

@@ -33,10 +33,10 @@ Floats = NDArray[np.float64]
 Law = Callable[..., float]
 
 # Steps after which a kernel hands back control, so that progress shows and Ctrl-C works.
-_STEPS_PER_CALL = 200_000
+STEPS_PER_CALL = 200_000
 
 # Energies are floats up to here; only linear motion grows so far.
-_LARGEST = 1e100
+LARGEST = 1e100
 
 TOLERANCES = (1e-14, 1e-2)
 
@@ -235,7 +235,7 @@ def integrate(
         size = min(room, contact_limit - count) + 4  # an event may need several rows
         buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
         output = Output(sample_times, samples, *buffers)
-        written = carry_on(runs, timetable, output, Eyes(acc, 0, angles), duration, _STEPS_PER_CALL)
+        written = carry_on(runs, timetable, output, Eyes(acc, 0, angles), duration, STEPS_PER_CALL)
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
         values.append(buffers[2][:, :written])
@@ -246,12 +246,13 @@ def integrate(
             raise RuntimeError(f"the integration came to a halt at t = {reached:.17g} s")
         if progress is not None:
             progress(min(reached / duration, 1.0))
-        if not np.all(abs(np.array([state.angle, state.velocity])) <= _LARGEST):
-            lost = ~(np.max(abs(samples[: 2 * angles]), axis=0) <= _LARGEST)
-            reached = float(sample_times[np.argmax(lost)]) if lost.any() else reached
+        if not np.all(abs(np.array([state.angle, state.velocity])) <= LARGEST):
+            lost = ~(np.max(abs(samples[: 2 * angles]), axis=0) <= LARGEST)
+            if lost.any():
+                reached = float(sample_times[np.argmax(lost)])
+                samples[:, np.argmax(lost) :] = np.nan
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
             failed = True
-            samples[:, np.argmax(lost) :] = np.nan
             break
         if reached >= duration:
             break

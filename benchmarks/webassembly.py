@@ -1,0 +1,104 @@
+"""WebAssembly in Node.js beside native code: one run, and a map in lanes, from the same memory.
+
+Work: the toy of Fig. 4 with a push of 0.2 rad, A0 = 0.2 m, both walls, e = 1, for 300 s at
+tolerance 1e-10; and 24 x 24 points of a map without drag, 300 s each at tolerance 1e-6, with the
+final angle and with eight observables. Native code and Node.js take turns; each time is the least
+of all. Prints a table and writes ``webassembly.json`` beside itself.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import latolato as ll
+from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.sweep.chunk import run_chunk
+from latolato.sweep.kernels import run_fastest
+from latolato.sweep.plan import make_plan
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
+from in_node import MODULES, Case, in_node, points_case, record_run
+
+TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1)
+DRIVE = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
+LONG = 300.0
+SAMPLES = np.linspace(0.0, LONG, 30_000)
+TURNS, REPEATS = 5, 3
+SIDE = 24
+SEVERAL = (
+    "mean_energy", "crossings", "largest_angle", "bottom_contacts", "top_contacts",
+    "impact_speed", "works", "final_angle",
+)  # fmt: skip
+
+
+def one_run() -> tuple[Callable[[], None], Case]:
+    """Return a native run and the same for Node.js."""
+    start = TOY.contact_angle_low + 0.2
+    began = Start((start,), (0.0,))
+    step = choose_step(TOY, DRIVE, began, 1e-10)
+
+    def native() -> None:
+        integrate(TOY, DRIVE, began, SAMPLES, LONG, step=step, rest_speed=1e-6)
+
+    return native, record_run(TOY, DRIVE, initial_angle=start, times=SAMPLES, duration=LONG)
+
+
+def points(system: ll.LatoLato, observables: tuple[str, ...]) -> tuple[Callable[[], None], Case]:
+    """Return what runs a map natively, and the same for Node.js."""
+    share = (np.arange(SIDE) + 0.5) / SIDE
+    plan = make_plan(
+        system, None, axes={"drive_amplitude": 0.5 * share, "frequency_ratio": 5.0 * share},
+        duration=LONG, observables=observables, initial_angle=math.asin(0.1) + 0.2,
+        tolerance=1e-6, chunk_size=SIDE**2,
+    )  # fmt: skip
+    cases: list[Case] = []
+    run_chunk(plan, 0, lambda *batch: cases.append(points_case(*batch, in_lanes=True)))
+    return lambda: run_chunk(plan, 0, run_fastest) and None, cases[0]
+
+
+def measure(native: Callable[[], None], case: Case) -> tuple[float, float]:
+    """Return the least seconds of native code and of Node.js."""
+    case.repeats = REPEATS
+    here, there = math.inf, math.inf
+    native()
+    for _ in range(TURNS):
+        for _ in range(REPEATS):
+            begin = time.perf_counter()
+            native()
+            here = min(here, time.perf_counter() - begin)
+        (found,) = in_node([case])
+        there = min(there, found["seconds"])
+    return here, there
+
+
+def main() -> None:
+    """Measure and print."""
+    elastic = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    work = {
+        "one run": one_run(),
+        "map, final angle": points(elastic, ("final_angle",)),
+        "map, eight observables": points(elastic, SEVERAL),
+        "map with drag, eight observables": points(TOY, SEVERAL),
+    }
+    found = {}
+    for name, (native, case) in work.items():
+        here, there = measure(native, case)
+        found[name] = {"native_s": here, "node_s": there, "ratio": there / here}
+        print(f"{name:34} native {1e3 * here:8.2f} ms, Node.js {1e3 * there:8.2f} ms, "
+              f"ratio {there / here:.2f}")  # fmt: skip
+    sizes = {path.stem: path.stat().st_size for path in sorted(MODULES.glob("*.wasm"))}
+    print("sizes in bytes:", sizes, "together", sum(sizes.values()))
+    about = {"machine": platform.machine(), "work": found, "sizes": sizes}
+    Path(__file__).with_suffix(".json").write_text(json.dumps(about, indent=1))
+
+
+if __name__ == "__main__":
+    main()

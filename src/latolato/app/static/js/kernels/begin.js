@@ -1,0 +1,66 @@
+/** From the parameters of a drive and a run to the run's beginning, as `latolato.numerics.whole`. */
+
+/**
+ * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").Kernels} Kernels
+ */
+
+/**
+ * Return the stretches of a drive's motion.
+ * @param {Kernels} kernels of the module `one` or `two`
+ * @param {string} kind such as `harmonic`; a measured pivot has its stretches from Python
+ * @param {Record<string, number | number[]>} parameters by the names that Python has, but `side`
+ *   for a crank's guide: 1 above, -1 below
+ */
+export function shake(kernels, kind, parameters) {
+  const { bundles, drives } = kernels.layout;
+  if (!drives.includes(kind)) throw new Error(`no drive is called ${kind}`);
+  const times = parameters.times ?? [];
+  // A change takes two stretches; one more lies before all of them, and one behind.
+  const stretches = kernels.take("stretch", 2 * (Array.isArray(times) ? times.length : 1) + 2);
+  const number = kernels.take("i8", 1);
+  /** @type {Record<string, Held | number>} */
+  const values = { stretches, number };
+  for (const { name, dimensions } of bundles.shaking) {
+    if (name in values) continue;
+    const value = parameters[name.slice("drive.".length)];
+    values[name] = dimensions === undefined ? Number(value ?? 0) : listed(kernels, value);
+  }
+  values["drive.kind"] = drives.indexOf(kind);
+  kernels.call("shake", "shaking", values);
+  return { ...stretches, shape: [Number(kernels.numbers(number)[0])] };
+}
+
+/**
+ * Return numbers as an array in memory.
+ * @param {Kernels} kernels
+ * @param {number | number[] | undefined} values
+ */
+function listed(kernels, values) {
+  const numbers = Array.isArray(values) ? values : [];
+  const held = kernels.take("f8", numbers.length);
+  kernels.numbers(held).set(numbers);
+  return held;
+}
+
+/**
+ * Return the record of a run at time zero; it throws what is wrong with the parameters, one of the
+ * layout's problems.
+ * @param {Kernels} kernels of the module `one` or `two`
+ * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
+ *   such as `balls.0.mass`; others are zero, an offset and bounds of the drive not given
+ * @param {Held} stretches of the drive
+ */
+export function begin(kernels, parameters, stretches) {
+  const run = kernels.take("run", 1);
+  const problem = kernels.take("i8", 1);
+  const held = kernels.take("case", 1);
+  const absent = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
+  for (const [path, value] of Object.entries({ ...absent, ...parameters })) {
+    kernels.set(held, path, ...[value].flat());
+  }
+  kernels.call("begin", "beginning", { case: held, stretches, run, problem });
+  const found = Number(kernels.numbers(problem)[0]);
+  if (found !== 0) throw new Error(kernels.layout.problems[found]);
+  return run;
+}

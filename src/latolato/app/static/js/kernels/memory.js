@@ -1,0 +1,227 @@
+/**
+ * The compiled code that Python calls, as WebAssembly: its memory, its records and its calls.
+ *
+ * There are three modules: `one` and `two` run one and two balls, `lanes` runs points of a map.
+ * `make kernels` makes them and `layout.json`, which says which pieces they have and what lies
+ * where in their memory. For what the names in it mean see `latolato.numerics`.
+ */
+
+/**
+ * An array in a module's memory, row by row. Its type is `f8`, `i8` (64 bits) or a record's name.
+ * @typedef {{at: number, type: string, shape: number[]}} Held
+ * @typedef {{name: string, type: string, dimensions?: number}} Word
+ * @typedef {{
+ *   records: Record<string, {size: number, fields: Record<string, Held>}>,
+ *   bundles: Record<string, Word[]>, modules: Record<string, string[]>,
+ *   observables: Record<string, Record<string, string>>, occasions: string[],
+ *   sample_rows: Record<string, number>, sample_rows_count: number, pivot_rows: string[],
+ *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
+ *   drives: string[],
+ *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
+ *   steps_per_call: number}} Layout
+ */
+
+const ALIGNMENT = 64;
+const PAGE = 65536;
+// Bytes of a number.
+export const WORD = 8;
+const VIEWS = { f8: Float64Array, i8: BigInt64Array };
+
+/** @param {number[]} shape */
+const count = (shape) => shape.reduce((a, b) => a * b, 1);
+
+/** A module with its memory, in which arrays are taken one behind the other. */
+export class Kernels {
+  /**
+   * Return a module that is ready to be called.
+   * @param {WebAssembly.Module} module
+   * @param {string} name
+   * @param {Layout} layout
+   */
+  static async start(module, name, layout) {
+    /** @type {Record<string, any>} */
+    const math = {};
+    for (const each of WebAssembly.Module.imports(module)) {
+      math[each.name] = Math[/** @type {"sin"} */ (each.name)];
+    }
+    const { exports } = await WebAssembly.instantiate(module, { env: math });
+    return new Kernels(exports, layout.modules[name], layout);
+  }
+
+  /**
+   * @param {Record<string, any>} exports
+   * @param {string[]} names of the pieces
+   * @param {Layout} layout
+   */
+  constructor(exports, names, layout) {
+    this.exports = exports;
+    this.layout = layout;
+    const { memory, pieces, __heap_base: heap } = exports;
+    this.top = heap.value;
+    const places = new Uint32Array(memory.buffer, pieces.value, names.length);
+    /** @type {Record<string, number>} What compiled code calls pieces by. */
+    this.pieces = Object.fromEntries(names.map((name, i) => [name, places[i]]));
+  }
+
+  /**
+   * Return the size of a type in bytes.
+   * @param {string} type
+   */
+  size(type) {
+    return type in VIEWS ? WORD : this.layout.records[type].size;
+  }
+
+  /**
+   * Return a new array of zeros. Views of other arrays are lost if the memory must grow.
+   * @param {string} type
+   * @param {...number} shape
+   * @returns {Held}
+   */
+  take(type, ...shape) {
+    const { memory } = this.exports;
+    const at = Math.ceil(this.top / ALIGNMENT) * ALIGNMENT;
+    this.top = at + count(shape) * this.size(type);
+    const missing = this.top - memory.buffer.byteLength;
+    if (missing > 0) memory.grow(Math.ceil(missing / PAGE));
+    new Uint8Array(memory.buffer, at, this.top - at).fill(0);
+    return { at, type, shape };
+  }
+
+  /**
+   * Give an array back, and all that were taken after it.
+   * @param {Held} held
+   */
+  release(held) {
+    this.top = held.at;
+  }
+
+  /**
+   * Return a view of an array of numbers.
+   * @param {Held} held
+   * @returns {any}
+   */
+  numbers({ at, type, shape }) {
+    return new VIEWS[/** @type {"f8"} */ (type)](this.exports.memory.buffer, at, count(shape));
+  }
+
+  /**
+   * Return a view of an array's bytes.
+   * @param {Held} held
+   */
+  bytes({ at, type, shape }) {
+    return new Uint8Array(this.exports.memory.buffer, at, count(shape) * this.size(type));
+  }
+
+  /**
+   * Return a field of the record with this number, as an array.
+   * @param {Held} held
+   * @param {string} path such as `state.angle`, or `bodies.1.rate` for the second of several
+   * @param {number} [index]
+   * @returns {Held}
+   */
+  field({ at, type }, path, index = 0) {
+    const found = { at: at + index * this.size(type), type, shape: [1] };
+    for (const name of path.split(".")) {
+      const number = Number(name);
+      if (Number.isInteger(number)) {
+        found.at += number * this.size(found.type);
+        found.shape = [];
+        continue;
+      }
+      const field = this.layout.records[found.type].fields[name];
+      if (!field) throw new Error(`a record of ${found.type} has no field ${name}`);
+      found.at += field.at;
+      found.type = field.type;
+      found.shape = field.shape;
+    }
+    return found;
+  }
+
+  /**
+   * Return a number of a record.
+   * @param {Held} held
+   * @param {string} path
+   * @param {number} [index]
+   */
+  get(held, path, index = 0) {
+    return Number(this.numbers(this.field(held, path, index))[0]);
+  }
+
+  /**
+   * Write numbers into a field of a record.
+   * @param {Held} held
+   * @param {string} path
+   * @param {...number} values
+   */
+  set(held, path, ...values) {
+    const field = this.field(held, path);
+    this.numbers(field).set(field.type === "i8" ? values.map(BigInt) : values);
+  }
+
+  /**
+   * Write the words from which compiled code reads arrays and numbers; see `pieces.words_of`.
+   * @param {Held} words
+   * @param {string} bundle
+   * @param {Record<string, Held | number>} values by the names that the bundle has in the layout
+   */
+  fill(words, bundle, values) {
+    const integers = new BigInt64Array(this.exports.memory.buffer, words.at);
+    const floats = new Float64Array(this.exports.memory.buffer, words.at);
+    let at = 0;
+    for (const { name, type, dimensions } of this.layout.bundles[bundle]) {
+      const value = values[name];
+      if (dimensions === undefined) {
+        if (typeof value !== "number") throw new TypeError(`${bundle} needs the number ${name}`);
+        if (type === "f8") floats[at] = value;
+        else integers[at] = BigInt(value);
+        at += 1;
+        continue;
+      }
+      if (typeof value !== "object" || value.type !== type || value.shape.length !== dimensions) {
+        throw new TypeError(`${bundle} needs ${name} of ${type} in ${dimensions} dimensions`);
+      }
+      const strides = value.shape.map((_, i) => count(value.shape.slice(i + 1)) * this.size(type));
+      for (const word of [value.at, ...value.shape, ...strides]) {
+        integers[at] = BigInt(word);
+        at += 1;
+      }
+    }
+  }
+
+  /**
+   * Call a piece with the words of a bundle.
+   * @param {string} piece
+   * @param {string} bundle
+   * @param {Record<string, Held | number>} values
+   */
+  call(piece, bundle, values) {
+    const sizes = this.layout.bundles[bundle].map(({ dimensions = 0 }) => 1 + 2 * dimensions);
+    const words = this.take("i8", sizes.reduce((a, b) => a + b, 0));
+    this.fill(words, bundle, values);
+    this.exports[piece](words.at);
+    this.release(words);
+  }
+
+  /**
+   * Return the table of what observables are shown; see `pieces.hook_table`.
+   * @param {[number, string][][]} shown for each occasion pairs of first slot and piece
+   * @returns {Held}
+   */
+  hooks(shown) {
+    /** @type {number[]} */
+    const begins = [];
+    /** @type {number[]} */
+    const pairs = [];
+    for (const found of shown) {
+      begins.push(shown.length + pairs.length);
+      for (const [first, name] of found) {
+        if (!(name in this.pieces)) throw new Error(`this module has no piece ${name}`);
+        pairs.push(this.pieces[name], first);
+      }
+      pairs.push(0);
+    }
+    const table = this.take("i8", begins.length + pairs.length);
+    this.numbers(table).set([...begins, ...pairs].map(BigInt));
+    return table;
+  }
+}

@@ -1,0 +1,88 @@
+/** Points of a map in lanes or one by one, as `latolato.sweep.kernels`. */
+
+/**
+ * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").Kernels} Kernels
+ */
+
+/**
+ * Points of a map: what they are by the names of `many.Points`, with which of them run and in which
+ * order; where their progress goes, by those of `many.Progress`; the stepper's weights.
+ * @typedef {{order: Held, points: Record<string, Held | number>, progress: Record<string, Held>,
+ *   stepper: {kicks: Held, drifts: Held, nodes: Held}, slots: number, is_linear: boolean}} Points
+ */
+
+/**
+ * Run points of one ball.
+ *
+ * @param {Kernels} kernels of the module `lanes`
+ * @param {Points} given
+ * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
+ *   slot and piece
+ * @param {{walled: boolean, shown: [number, string][][]} | null} lanes whether there are walls, and
+ *   what shows the observables all lanes' steps, and matrices; null runs one point after the other,
+ *   as all must that `latolato.sweep.kernels.has_lanes` excludes
+ */
+export function runPoints(kernels, given, hooks, lanes) {
+  const { layout } = kernels;
+  const { order, stepper, slots, is_linear } = given;
+  const size = layout.scratch_contacts;
+  const runs = kernels.take("run", 1);
+  const stages = stepper.drifts.shape[0];
+  kernels.set(runs, "stages", stages);
+  for (const name of /** @type {("kicks" | "drifts" | "nodes")[]} */ (["kicks", "drifts", "nodes"])) {
+    kernels.set(runs, name, ...kernels.numbers(stepper[name]));
+  }
+  kernels.set(runs, "settings.is_linear", Number(is_linear));
+  kernels.set(runs, "engine", kernels.pieces.engine);
+  kernels.set(runs, "hooks", kernels.hooks(hooks).at);
+  const job = {
+    order, cancel: kernels.take("i8", 1),
+    ...named("points", given.points), ...named("progress", given.progress),
+    "scratch.runs": runs, "scratch.contact_times": kernels.take("f8", size),
+    "scratch.contact_kinds": kernels.take("i8", size),
+    "scratch.contact_values": kernels.take("f8", 4, size),
+    "scratch.no_times": kernels.take("f8", 0),
+    "scratch.no_samples": kernels.take("f8", layout.sample_rows_count, 0),
+  };
+  if (lanes === null) {
+    kernels.call("many", "job", job);
+  } else {
+    const space = laneSpace(kernels, stages, slots, is_linear, lanes);
+    kernels.call("lanes", "task", { ...job, ...named("weights", stepper), ...named("space", space) });
+  }
+  kernels.release(runs);
+}
+
+/**
+ * Return the memory of lanes and their pieces; see `many.make_lane_space`.
+ * @param {Kernels} kernels
+ * @param {number} stages
+ * @param {number} slots
+ * @param {boolean} is_linear
+ * @param {{walled: boolean, shown: [number, string][][]}} lanes
+ */
+function laneSpace(kernels, stages, slots, is_linear, { walled, shown }) {
+  const { lanes, rows, table_rows, impacts, impact_rows } = kernels.layout.lanes;
+  const law = is_linear ? "restoring_linear" : "restoring_sine";
+  const [, matrices] = shown;
+  const fly = `fly_${law}${walled ? "_walled" : ""}${matrices.length ? "_tangents" : ""}`;
+  const point = kernels.take("i8", lanes);
+  kernels.numbers(point).fill(-1n);
+  return {
+    w: kernels.take("f8", rows * lanes), z: kernels.take("f8", impact_rows * impacts),
+    table: kernels.take("f8", (stages + 1) * table_rows * lanes),
+    acc: kernels.take("f8", lanes * slots), point, index: kernels.take("i8", lanes),
+    lane: kernels.take("i8", impacts), fly: kernels.pieces[fly],
+    locate: kernels.pieces[`locate_${law}`], hooks: kernels.hooks(shown),
+  };
+}
+
+/**
+ * Return values with their names behind that of a tuple.
+ * @param {string} tuple
+ * @param {Record<string, Held | number>} values
+ */
+function named(tuple, values) {
+  return Object.fromEntries(Object.entries(values).map(([name, value]) => [`${tuple}.${name}`, value]));
+}

