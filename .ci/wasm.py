@@ -23,7 +23,7 @@ import numpy as np
 from latolato.numerics import lane_rows, many, observe, prepare, records, watch, whole
 from latolato.numerics.engine import loop, record
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
-from latolato.numerics.pieces import Formula, Recipe
+from latolato.numerics.pieces import SHARED, Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
@@ -133,7 +133,10 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
         kept = ("lanes",) if settings["damped"] and settings["works"] else ()
         flags = [flag for flag in ("walled", "tangents") if settings.get(flag)]
         return "_".join([maker.removeprefix("make_"), *laws, *flags]), kept
-    how = watch.OCCASIONS[settings["occasion"]] if settings else maker.removeprefix("make_")
+    if maker == "make_survey":
+        return "_".join(["survey", *(name for name in SHARED if settings[name])]), ("lanes",)
+    occasion = settings.get("occasion")
+    how = maker.removeprefix("make_") if occasion is None else watch.OCCASIONS[occasion]
     return hook_name(recipe.laws[0], how), ("lanes",)
 
 
@@ -257,6 +260,10 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "bundles": {name: list(_fields(value)) for name, value in _BUNDLES.items()},
         "modules": {name: list(pieces) for name, pieces in modules.items()},
         "observables": {name: _hooks_of(kind) for name, kind in observables.items()},
+        "needs": {
+            name: [need for need in SHARED if need in kind.needs]
+            for name, kind in observables.items()
+        },
         "occasions": watch.OCCASIONS,
         "sample_rows": {**LEDGER, "mode": records.S_MODE},  # behind two for each of two balls
         "sample_rows_count": records.SAMPLE_ROWS,

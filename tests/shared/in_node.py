@@ -23,6 +23,7 @@ import latolato as ll
 from latolato.numerics import integrate, records, shipped
 from latolato.numerics.engine import record
 from latolato.numerics.many import Progress
+from latolato.numerics.pieces import SHARED
 from latolato.numerics.prepare import cases_of
 from latolato.numerics.sources import digest_of_sources
 from latolato.numerics.steppers import Stepper
@@ -164,6 +165,7 @@ def points_case(
     for_lanes = {
         "walled": walled,
         "shown": [shown(ON_STEP, "show"), shown(ON_TANGENT, "follow")],
+        "needs": [name for name in SHARED if any(name in o.needs for o in plan.observables)],
     }
     options = {
         "module": "lanes",

@@ -183,12 +183,12 @@ def locate_recipe(restoring: Formula, *, damped: bool, works: bool) -> Recipe:
 
 
 # What observables may name among their needs that is found for all of them together.
-_SHARED = ("energy", "turn")
+SHARED = ("energy", "turn")
 
 
 def survey_recipe(needs: frozenset[str], restoring: Formula, potential: Formula) -> Recipe:
     """Return what finds that for the step of every lane."""
-    settings = tuple((name, name in needs) for name in _SHARED)
+    settings = tuple((name, name in needs) for name in SHARED)
     return Recipe("lane_flight:make_survey", SHOW, (restoring, potential), settings)
 
 
@@ -196,7 +196,7 @@ def show_recipe(
     formula: Formula, needs: frozenset[str], restoring: Formula, potential: Formula
 ) -> Recipe:
     """Return what shows an observable the step of every lane."""
-    settings = tuple((name, name in needs) for name in _SHARED)
+    settings = tuple((name, name in needs) for name in SHARED)
     return Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential), settings)
 
 
@@ -244,7 +244,7 @@ def lane_pieces(watched: Sequence[Observable], *laws: Formula) -> list[list[tupl
         for block, observable in zip(slots_of(watched), watched, strict=True)
         if observable.step is not None
     ]
-    needs = frozenset[str]().union(*(needs for _, _, needs in shown)) & frozenset(_SHARED)
+    needs = frozenset[str]().union(*(needs for _, _, needs in shown)) & frozenset(SHARED)
     shared = [(0, piece_of(survey_recipe(needs, *laws)))] if needs else []
     steps = [(first, piece_of(show_recipe(step, own, *laws))) for first, step, own in shown]
     matrices = hooks_of(watched)[ON_TANGENT]

@@ -19,8 +19,9 @@
  * @param {Points} given
  * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
  *   slot and piece
- * @param {{walled: boolean, shown: [number, string][][]} | null} lanes whether there are walls, and
- *   what shows the observables all lanes' steps, and matrices; null runs one point after the other,
+ * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
+ *   are walls, what shows the observables all lanes' steps, and matrices, and what they need of each
+ *   step, by the names and in the order of the layout; null runs one point after the other,
  *   as all must that `latolato.sweep.kernels.has_lanes` excludes
  */
 export function runPoints(kernels, given, hooks, lanes) {
@@ -60,12 +61,14 @@ export function runPoints(kernels, given, hooks, lanes) {
  * @param {number} stages
  * @param {number} slots
  * @param {boolean} is_linear
- * @param {{walled: boolean, shown: [number, string][][]}} lanes
+ * @param {{walled: boolean, shown: [number, string][][], needs: string[]}} lanes
  */
-function laneSpace(kernels, stages, slots, is_linear, { walled, shown }) {
+function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) {
   const { lanes, rows, table_rows, impacts, impact_rows } = kernels.layout.lanes;
   const law = is_linear ? "restoring_linear" : "restoring_sine";
-  const [, matrices] = shown;
+  const [steps, matrices] = shown;
+  /** @type {[number, string][]} */
+  const shared = needs.length ? [[0, `survey_${needs.join("_")}`]] : [];
   const fly = `fly_${law}${walled ? "_walled" : ""}${matrices.length ? "_tangents" : ""}`;
   const point = kernels.take("i8", lanes);
   kernels.numbers(point).fill(-1n);
@@ -74,7 +77,7 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown }) {
     table: kernels.take("f8", (stages + 1) * table_rows * lanes),
     acc: kernels.take("f8", lanes * slots), point, index: kernels.take("i8", lanes),
     lane: kernels.take("i8", impacts), fly: kernels.pieces[fly],
-    locate: kernels.pieces[`locate_${law}`], hooks: kernels.hooks(shown),
+    locate: kernels.pieces[`locate_${law}`], hooks: kernels.hooks([[...shared, ...steps], matrices]),
   };
 }
 
