@@ -21,7 +21,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from latolato.numerics import lane_rows, many, observe, prepare, records, watch, whole
-from latolato.numerics.engine import loop, record
+from latolato.numerics.engine import book, loop, record
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
 from latolato.numerics.pieces import SHARED, Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
@@ -133,8 +133,9 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
         kept = ("lanes",) if settings["damped"] and settings["works"] else ()
         flags = [flag for flag in ("walled", "tangents") if settings.get(flag)]
         return "_".join([maker.removeprefix("make_"), *laws, *flags]), kept
-    if maker == "make_survey":
-        return "_".join(["survey", *(name for name in SHARED if settings[name])]), ("lanes",)
+    if maker == "make_survey":  # the one that finds everything serves all maps
+        found = [name for name in SHARED if settings[name]]
+        return "_".join(["survey", *found]), ("lanes",) if found == [*SHARED] else ()
     occasion = settings.get("occasion")
     how = maker.removeprefix("make_") if occasion is None else watch.OCCASIONS[occasion]
     return hook_name(recipe.laws[0], how), ("lanes",)
@@ -281,6 +282,8 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "scratch_contacts": len(many.make_scratch().contact_times),
         "largest": LARGEST,
         "steps_per_call": STEPS_PER_CALL,
+        "most_halvings": book.MOST_HALVINGS,
+        "most_steps_to_repeat": book.MOST_STEPS_TO_REPEAT,
     }
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from latolato.errors import InputError
 from latolato.numerics import records
-from latolato.numerics.engine.book import allowed_error
+from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
     TOLERANCES,
     Floats,
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 SAMPLES_PER_PERIOD = 100
 # More default samples than this would fill the memory: ask for `times` then.
 MOST_DEFAULT_SAMPLES = 20_000_000
-_MOST_HALVINGS = 3
-_MOST_STEPS_TO_REPEAT = 20_000_000
 
 
 def simulate(
@@ -238,7 +236,7 @@ def _recorded(
         if clamped or residual <= allowed or trajectory.status != "complete":
             break
         steps = int(state.total_steps)
-        if halvings == _MOST_HALVINGS or steps > _MOST_STEPS_TO_REPEAT:
+        if halvings == MOST_HALVINGS or steps > MOST_STEPS_TO_REPEAT:
             share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
             warnings.warn(
                 f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "

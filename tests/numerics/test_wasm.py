@@ -265,6 +265,18 @@ def test_runs_begin_from_parameters():
             )
 
 
+def test_a_page_repeats_with_half_the_step_where_python_does():
+    pendulum = ll.Pendulum(**BODY, damping=0.5)
+    noise = ll.VelocityKicks(strength=30.0, seed=4, interval=0.5)
+    given = {"angles": (0.5,), "duration": 20.0, "tolerance": 1e-10}
+    times = np.linspace(0.0, 20.0, 101)
+    case = record_run(pendulum, ll.Static(), initial_angle=0.5, noise=noise, times=times)
+    (found,) = in_node([from_parameters(case, pendulum, ll.Static(), **given)])
+    assert found["closes"]
+    assert found["halvings"] > 0
+    assert found["run"]["settings"]["step"][0] == pytest.approx(case.expected["step"], rel=1e-14)
+
+
 def test_references_of_thirty_digits():
     cases = {}
     for name, case in CASES.items():

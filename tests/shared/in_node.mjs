@@ -2,10 +2,10 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { begin, shake } from "../../src/latolato/app/static/js/kernels/begin.js";
+import { shake } from "../../src/latolato/app/static/js/kernels/begin.js";
 import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
 import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
-import { integrate, observe } from "../../src/latolato/app/static/js/kernels/run.js";
+import { integrate, observe, simulate } from "../../src/latolato/app/static/js/kernels/run.js";
 
 const [modules, folder] = process.argv.slice(2);
 const layout = JSON.parse(readFileSync(join(modules, "layout.json"), "utf8"));
@@ -40,12 +40,11 @@ function give(name, bytes) {
 const bytesOf = (numbers) => new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
 
 function run(kernels, memory, { how, seen, parameters }) {
-  if (parameters) {
-    memory.stretches = shake(kernels, parameters.kind, parameters.drive);
-    memory.run = begin(kernels, parameters.case, memory.stretches);
-  }
+  if (parameters) memory.stretches = shake(kernels, parameters.kind, parameters.drive);
   const start = performance.now();
-  const { samples, contacts, ...about } = integrate(kernels, memory, how);
+  const { samples, contacts, run: record, ...about } = parameters
+    ? simulate(kernels, parameters.case, memory, how) : integrate(kernels, memory, how);
+  if (record) memory.run = record;
   about.seconds = (performance.now() - start) / 1e3;
   return [about, () => {
     give("samples", kernels.bytes(samples));

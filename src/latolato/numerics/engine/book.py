@@ -34,8 +34,11 @@ def follow_ledger(state: Any, energy: float) -> None:
     state.ledger_error = max(state.ledger_error, error)
 
 
-# A run whose ledger closes worse than this many tolerances is repeated with half the step.
+# A run whose ledger closes worse than this many tolerances is repeated with half the step, unless
+# it has been so often or had too many steps.
 _LEDGER_MARGIN = 5.0
+MOST_HALVINGS = 3
+MOST_STEPS_TO_REPEAT = 20_000_000
 # Below these shares of the largest energy and of all losses the ledger measures rounding, not the
 # step.
 _ROUNDING = 2e-12

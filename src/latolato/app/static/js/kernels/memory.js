@@ -18,7 +18,8 @@
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
  *   drives: string[],
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
- *   steps_per_call: number}} Layout
+ *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number,
+ *   needs: Record<string, string[]>}} Layout
  */
 
 const ALIGNMENT = 64;

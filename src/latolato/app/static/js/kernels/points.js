@@ -21,7 +21,7 @@
  *   slot and piece
  * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
  *   are walls, what shows the observables all lanes' steps, and matrices, and what they need of each
- *   step, by the names and in the order of the layout; null runs one point after the other,
+ *   step; null runs one point after the other,
  *   as all must that `latolato.sweep.kernels.has_lanes` excludes
  */
 export function runPoints(kernels, given, hooks, lanes) {
@@ -68,7 +68,7 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) 
   const law = is_linear ? "restoring_linear" : "restoring_sine";
   const [steps, matrices] = shown;
   /** @type {[number, string][]} */
-  const shared = needs.length ? [[0, `survey_${needs.join("_")}`]] : [];
+  const shared = needs.length ? [[0, "survey_energy_turn"]] : [];
   const fly = `fly_${law}${walled ? "_walled" : ""}${matrices.length ? "_tangents" : ""}`;
   const point = kernels.take("i8", lanes);
   kernels.numbers(point).fill(-1n);

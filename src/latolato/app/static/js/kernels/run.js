@@ -1,5 +1,6 @@
 /** Runs of one ball and of two from their prepared beginning, as `latolato.numerics.integrate`. */
 
+import { begin } from "./begin.js";
 import { WORD } from "./memory.js";
 
 /**
@@ -90,6 +91,35 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
     if (reached >= duration) return ended("complete");
     if (contacts >= contact_limit) return ended("stopped");
     room = Math.min(Math.max(room, 2 * written), MOST_ROOM);
+  }
+}
+
+/**
+ * Return what comes of a run from its parameters, and its record; `latolato.simulate` does the same.
+ *
+ * It is repeated with half the step as long as the energy ledger closes worse than the tolerance
+ * allows, some times at most; `closes` says whether it did at last.
+ * @param {Kernels} kernels
+ * @param {Record<string, number | number[]>} parameters of the case, see `begin`
+ * @param {Omit<Prepared, "run">} given
+ * @param {{balls: number, duration: number, contact_limit: number, piece?: string}} how
+ * @returns {Run & {run: Held, halvings: number, closes: boolean}}
+ */
+export function simulate(kernels, parameters, given, how) {
+  const { most_halvings, most_steps_to_repeat } = kernels.layout;
+  let step = Number(parameters.step ?? 0);
+  for (let halvings = 0; ; halvings += 1) {
+    const run = begin(kernels, { ...parameters, step }, given.stretches);
+    const found = integrate(kernels, { ...given, run }, how);
+    const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
+    const closes = kernels.get(run, "state.ledger_error") <= allowed;
+    const steps = kernels.get(run, "state.total_steps");
+    if (closes || how.piece === "clamp" || found.status !== "complete"
+      || halvings === most_halvings || steps > most_steps_to_repeat) {
+      return { ...found, run, halvings, closes };
+    }
+    step = 0.5 * kernels.get(run, "settings.step");
+    kernels.release(run);
   }
 }
 
