@@ -184,7 +184,6 @@ def make_events(
         """Show the saltation matrix; velocities and accelerations are those just before."""
         b1, b2 = run.bodies[0], run.bodies[1]
         e = run.settings.restitution
-        clear_matrix(run.jacobian, 4)
         if two:
             after = (run.now[0].velocity, run.now[1].velocity)
             pulls = (slowed(run.now[0], b1), slowed(run.now[1], b2))
