@@ -55,10 +55,7 @@ TOYS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", TOYS)
-def test_the_matrix_is_that_of_finite_differences(name):
-    system, drive, start, duration, kinds = TOYS[name]
-    flow = Flow(system, drive, speed=20.0)
+def assert_matrix_is_that_of_differences(flow, start, duration, kinds):
     middle = np.array(start)
     found = flow.follow(middle, duration)
     assert set(found.contact_kinds) == set(kinds)
@@ -70,6 +67,21 @@ def test_the_matrix_is_that_of_finite_differences(name):
     # Central differences of 1e-6 err by about 1e-6^2 |M|^3 and the run's 1e-12 over 1e-6.
     scale = np.max(np.abs(found.matrix)) ** 2
     assert np.max(np.abs(found.matrix - differences)) < 1e-7 * max(scale, 1.0)
+
+
+@pytest.mark.parametrize("name", TOYS)
+def test_the_matrix_is_that_of_finite_differences(name):
+    system, drive, start, duration, kinds = TOYS[name]
+    assert_matrix_is_that_of_differences(Flow(system, drive, speed=20.0), start, duration, kinds)
+
+
+@pytest.mark.parametrize("name, start", [
+    ("bounces", (0.4, -3.0)), ("rubbed", (0.4, -3.0)), ("pair", (0.4, -3.0, -0.1, -1.0)),
+    ("rubbed pair", (0.4, -3.0, -0.1, -1.0)),
+])  # fmt: skip
+def test_the_matrix_of_one_impact_is_that_of_finite_differences(name, start):
+    flow = Flow(*TOYS[name][:2], speed=20.0, compiled=False)
+    assert_matrix_is_that_of_differences(flow, start, 0.2, (0,))
 
 
 @pytest.mark.parametrize("name", [name for name in TOYS if name not in ("sticks", "pair at rest")])
