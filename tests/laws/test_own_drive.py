@@ -99,3 +99,17 @@ def test_a_drive_of_ones_own_is_swept_along_its_own_parameters():
         one = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=value, fast=15.1), **run)
         # Two impacts at a tolerance of 1e-8; `simulate` may halve the step, a sweep does not.
         assert found == pytest.approx(float(one.angle[-1]), abs=1e-7)
+
+
+def test_a_drive_without_bounds_or_with_former_jumps_is_refused():
+    class Boundless(Beating):
+        fastest_frequency = Drive.fastest_frequency
+
+    found = Boundless(drive_amplitude=0.1, slow=3.0, fast=4.0)
+    with pytest.raises(TypeError, match="must define fastest_frequency and largest_acceleration"):
+        ll.simulate(ll.Pendulum(length=1.0, mass=1.0), found, initial_angle=0.1, duration=1.0)
+    with pytest.raises(TypeError, match="a stretch has its `jump`"):
+
+        class Jumping(Beating):
+            def velocity_jumps(self, duration):
+                return [0.0]

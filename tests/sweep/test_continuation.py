@@ -202,3 +202,16 @@ def test_every_parameter_of_a_followed_zip_moves_steadily():
     axes = {"case": {"length": [0.9, 1.0, 1.1], "mass": [1.0, 3.0, 2.0]}}
     with pytest.raises(ValueError, match="sort the values of mass"):
         ll.sweep(PENDULUM, DRIVE, **{**SWEEP, "axes": axes, "continuation": "case"})
+
+
+def test_an_invalid_point_hands_on_the_start_above_its_wall():
+    toy = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.01, drive_frequency=15.1)
+    asked = {"transient_periods": 1.0, "duration": 4.0, "observables": ["final_angle"]}
+    axes = {"drive_frequency": [1e-3, 2.0]}  # the first one's transient takes hours
+    asked |= {"axes": axes, "initial_offset": 0.5}
+    with pytest.warns(RuntimeWarning, match="transient must be shorter"):
+        found = ll.sweep(toy, drive, continuation="drive_frequency", **asked)
+    with pytest.warns(RuntimeWarning, match="transient must be shorter"):
+        alone = ll.sweep(toy, drive, **asked)
+    assert float(found.final_angle[1]) == float(alone.final_angle[1])

@@ -425,3 +425,14 @@ def test_a_point_that_goes_on_from_another_cannot_run_alone():
     )
     with pytest.raises(ValueError, match="cannot run alone"):
         arguments_of(plan, 1)
+
+
+def test_a_point_with_too_many_steps_is_told_so_whatever_its_drag():
+    fast = 0.85e10 * 5.0 * 1e-6 ** (1.0 / 6.0) / 5.0  # too fast for the step of drag alone
+    axes = {"quadratic_damping": [0.0, 1e-12], "drive_frequency": [fast]}
+    asked = {"duration": 5.0, "initial_angle": 1.0, "observables": ["largest_angle"]}
+    drive = ll.Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    plan = make_plan(PENDULUM, drive, axes=axes, tolerance=1e-6, **asked)
+    batch = make_batch(plan, np.arange(2), stepper_of(plan))
+    assert not batch.valid.any()
+    assert batch.reason.startswith("this point would take more than 1e+10 steps")

@@ -128,7 +128,7 @@ def engine_of(
     """Return the engine as Python calls it, compiled or as plain Python.
 
     Its arguments are those of `engine.loop.make_engine`, but for the first: runs of shape (1,), as
-    from `make_runs`. `stretch` is the layout of the drive's stretches, if it is not the usual one.
+    from `prepared_runs`. `stretch` is the layout of the drive's stretches, if not the usual one.
     """
     if not compiled:
         plain = make_trajectory(*laws, count=count, watch=make_watch(hooks), motion=motion)

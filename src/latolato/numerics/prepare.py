@@ -63,8 +63,8 @@ class Cases(NamedTuple):
     cases : ndarray
         Records of `CASE`.
     stretches : ndarray, shape (stretch,)
-        The drives' stretches; those of case k begin at ``firsts[k]``. Only cases that leave their
-        drive's bounds open have any.
+        The drives' stretches; those of case k begin at ``firsts[k]``. They are read only where a
+        case leaves its drive's bounds open.
     firsts : ndarray, shape (case + 1,)
     settings, bodies, states : ndarray
         Records of shapes (case,), (case, body) and (case,), zero before.

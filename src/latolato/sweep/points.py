@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from latolato.errors import InputError
 from latolato.numerics import records
 from latolato.numerics.engine.record import STATE
-from latolato.numerics.integrate import Start, choose_step
+from latolato.numerics.integrate import Start
 from latolato.numerics.many import Points
 from latolato.numerics.prepare import (
     MOST_STEPS,
@@ -27,6 +27,7 @@ from latolato.numerics.prepare import (
     cases_of,
     choose_stepper,
     prepare_cases,
+    prepared_runs,
 )
 from latolato.numerics.records import BALL, BODY, SETTINGS
 from latolato.numerics.steppers import Stepper
@@ -150,15 +151,15 @@ def make_batch(
     settings = np.zeros(count, dtype=SETTINGS)
     bodies = np.zeros((count, 4), dtype=BODY)
     states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
-    has_forms = stretches.dtype == records.stretch_dtype()  # others know their bounds
+    # Drives with numbers of their own have given their bounds.
+    has_forms = stretches.dtype == records.stretch_dtype()
     prepare_cases(Cases(
         cases, stretches if has_forms else np.zeros(0, dtype=records.stretch_dtype()),
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
     valid = problems == FINE
     # An invalid point hands its start on to its neighbour in a continuation.
-    offset = np.nan_to_num(cases["initial_offset"][~valid])
-    states["angle"][~valid] = cases["initial_angle"][~valid] + offset[:, None]
+    states["angle"][~valid] = _given_angles(cases[~valid])
     states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
     points = Points(
@@ -207,6 +208,16 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
             cases["initial_angle"][:, i] = previous.angles[i]
             cases["initial_angular_velocity"][:, i] = previous.velocities[i]
     return cases
+
+
+def _given_angles(cases: NDArray[Any]) -> Floats:
+    """Return the angles at which points would start, whatever is wrong with them."""
+    angles, offset = cases["initial_angle"].copy(), cases["initial_offset"]
+    with np.errstate(all="ignore"):
+        share = cases["balls"]["radius"][:, 0] / cases["balls"]["length"][:, 0]
+        touch = np.arcsin(np.where((share >= 0.0) & (share < 1.0), share, 0.0))
+    angles[:, 0] = np.where(np.isnan(offset), angles[:, 0], touch + offset)
+    return angles
 
 
 def _stretches(
@@ -402,7 +413,12 @@ def _objects(
         )
     if any(o.mirrored for o in plan.observables):
         _check_mirrored(system, start)
-    step = choose_step(system, drive, start, plan.tolerance, plan.contact)
+    case = cases_of(
+        system, plan.contact, angles=start.angles, velocities=start.velocities, is_exact=1,
+        bounds=(drive.largest_acceleration, drive.fastest_frequency), tolerance=plan.tolerance,
+        is_rough=not is_smooth(plan),
+    )  # fmt: skip
+    step = float(prepared_runs(case, stepper_of(plan))[0]["settings"]["step"][0])
     if not plan.duration <= MOST_STEPS * step:
         raise InputError(
             f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "

@@ -46,6 +46,10 @@ class Drive:
     rotation: ClassVar[Any] = None
     write: ClassVar[Any] = None
 
+    def __init_subclass__(cls) -> None:
+        if hasattr(cls, "velocity_jumps"):
+            raise TypeError(f"{cls.__name__}.velocity_jumps is not read: a stretch has its `jump`")
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -61,14 +65,21 @@ class Drive:
         return [stretch for stretch in found if stretch.start <= duration]
 
     def course(self) -> tuple[list[Stretch], float]:
-        """Return all stretches that there are, and where the last one ends [s]."""
+        """Return all stretches that there are, and where the last one ends [s].
+
+        One that never ends must be steady.
+        """
+        if self.write is None:
+            raise TypeError(
+                f"{type(self).__name__} must define fastest_frequency and largest_acceleration"
+            )
         return self.stretches(math.inf), math.inf
 
     @property
     def fastest_frequency(self) -> float:
         """Largest angular frequency in the motion [rad/s]; sets the step.
 
-        A drive with formulas of its own must give this and the next one.
+        A drive without `write` must give this and the next one.
         """
         return fastest_frequency(*self.course())
 
