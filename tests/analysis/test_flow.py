@@ -49,10 +49,7 @@ TOYS = {
         SHAKE, (0.4, 0.2, -0.2, 0.1), 5.0, (0, 2),
     ),
     "plastic pair": (
-        ll.BallPair(
-            right=ll.Ball(length=1.0, mass=0.8, radius=0.1),
-            left=ll.Ball(length=1.05, mass=0.4, radius=0.1), restitution=0.0,
-        ),
+        ll.BallPair(right=RIGHT, left=LEFT, restitution=0.0),
         SHAKE, (0.4, -3.0, -0.1, -1.0), 0.3, (0, 2),
     ),
     "jumping pair": (

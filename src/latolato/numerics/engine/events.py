@@ -174,20 +174,30 @@ def make_events(
         balls.settle(run)
         state.touch = state.side = side
         state.mode = lasting if rests else FLIGHT
-        if rests:
+        if rests and (closing == 0.0 or not two):
             unite(run, eyes)
         elif closing != 0.0 and look.sees_matrices(run):
-            show_impact(run, eyes, v1, v2, a1, a2)
+            show_impact(run, eyes, v1, v2, a1, a2, rests)
 
     @part
-    def show_impact(run: Any, eyes: Eyes, v1: float, v2: float, a1: float, a2: float) -> None:
-        """Show the saltation matrix; velocities and accelerations are those just before."""
+    def show_impact(
+        run: Any, eyes: Eyes, v1: float, v2: float, a1: float, a2: float, rests: bool
+    ) -> None:
+        """Show the saltation matrix; velocities and accelerations are those just before.
+
+        Two balls that rest move as one from then on, with the mean of their accelerations.
+        """
         b1, b2 = run.bodies[0], run.bodies[1]
-        e = run.settings.restitution
+        e = 0.0 if rests else run.settings.restitution
         if two:
+            share = share_of(run)
+            pull_1, pull_2 = slowed(run.now[0], b1), slowed(run.now[1], b2)
+            if rests:
+                pull_1 = pull_2 = share * pull_1 + (1.0 - share) * pull_2
             after = (run.now[0].velocity, run.now[1].velocity)
-            pulls = (slowed(run.now[0], b1), slowed(run.now[1], b2))
-            write_pair_saltation(run.jacobian, share_of(run), e, (v1, v2), after, (a1, a2), pulls)
+            write_pair_saltation(
+                run.jacobian, share, e, (v1, v2), after, (a1, a2), (pull_1, pull_2)
+            )
         else:
             after_1 = run.now[0].velocity
             write_matrix(run.jacobian, 0, wall_saltation(v1, after_1, a1, slowed(run.now[0], b1)))
