@@ -222,7 +222,8 @@ def test_points_begin_as_single_runs_do(name, follows):
         alone, problem = prepared_runs(case, stepper)
         assert problem == 0
         assert batch.points.settings[k].tobytes() == alone["settings"].tobytes()
-        assert batch.points.bodies[k].tobytes() == alone["bodies"].tobytes()
+        bodies = batch.points.bodies[k]
+        assert bodies.tobytes() == alone["bodies"][0, : len(bodies)].tobytes()
         assert batch.states[k].tobytes() == alone["state"].tobytes()
         first, last = batch.points.firsts[k : k + 2]
         own = stretch_records(drive, plan.duration)

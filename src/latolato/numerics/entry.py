@@ -81,43 +81,33 @@ def make_observer_entry(
     stretch: np.dtype[Any],
 ) -> Callable[[int], None]:
     """Return the function ``(address)`` that fills an `Observation`."""
-    observation_at = bundle_at(kind_of(empty_observation(stretch)))
     observe = part(make_observer(height, velocity, acceleration, restoring, potential, part))
-
-    def observer(address: int) -> None:
-        observe(observation_at(address))
-
-    return observer
+    return _given_by_address(empty_observation(stretch), observe)
 
 
 def make_prepare_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that prepares `Cases`."""
-    cases_at, prepare_all = bundle_at(kind_of(empty_cases())), make_prepare(part)
-
-    def prepare_at(address: int) -> None:
-        prepare_all(cases_at(address))
-
-    return prepare_at
+    return _given_by_address(empty_cases(), make_prepare(part))
 
 
 def make_shake_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that writes the stretches of a `Shaking`."""
-    given_at, shake = bundle_at(kind_of(empty_shaking())), make_shake(part)
-
-    def shake_at(address: int) -> None:
-        shake(given_at(address))
-
-    return shake_at
+    return _given_by_address(empty_shaking(), make_shake(part))
 
 
 def make_begin_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that makes the record of a `Beginning`."""
-    given_at, begin = bundle_at(kind_of(empty_beginning())), make_begin(part)
+    return _given_by_address(empty_beginning(), make_begin(part))
 
-    def begin_at(address: int) -> None:
-        begin(given_at(address))
 
-    return begin_at
+def _given_by_address(example: Any, work: Callable[[Any], None]) -> Callable[[int], None]:
+    """Return the function ``(address)`` that calls another with the tuple whose words lie there."""
+    given_at = bundle_at(kind_of(example))
+
+    def work_at(address: int) -> None:
+        work(given_at(address))
+
+    return work_at
 
 
 def make_allowed_entry(part: Part) -> Callable[[int, float], float]:

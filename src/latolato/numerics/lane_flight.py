@@ -152,8 +152,8 @@ def make_survey(
 ) -> Callable[..., None]:
     """Return what finds for all observables what they share of the step of every lane.
 
-    Few lanes turn round in a step, and the potential at its start is that at the end of the last
-    one, unless the lane has been loaded meanwhile: the others are listed and seen to one by one.
+    Few lanes turn round in a step. The potential at its start is known from the end of the last
+    one, but in the few lanes that have been loaded since. These are listed and seen to one by one.
     """
     potential = restoring_laws(restoring, potential_of, part).potential
     numbers_at = array_at()

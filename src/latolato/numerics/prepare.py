@@ -119,6 +119,15 @@ def step_for(rate: float, tolerance: float, is_rough: bool) -> float:
 
 
 @formula
+def has_rough_drag(balls: Any, count: int) -> bool:
+    """Return whether the drag of any ball is not linear in its velocity."""
+    for i in range(count):
+        if balls[i].quadratic_damping > 0.0 or balls[i].coulomb_damping > 0.0:
+            return True
+    return False
+
+
+@formula
 def body_record(ball: Any) -> tuple[float, float, float, float, float]:
     """Return one ball's numbers in the order of `BODY`."""
     l, m = ball.length, ball.mass
@@ -318,8 +327,7 @@ def cases_of(
 
 def choose_stepper(system: System) -> Stepper:
     """Return the splitting whose order holds for the motion and the works of this system."""
-    smooth = all(b.quadratic_damping == b.coulomb_damping == 0.0 for b in system.balls)
-    return BLANES_MOAN_RKN if smooth else BLANES_MOAN_GENERAL
+    return BLANES_MOAN_GENERAL if has_rough_drag(system.balls, system.angles) else BLANES_MOAN_RKN
 
 
 def prepared_runs(

@@ -14,7 +14,7 @@ import numpy as np
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import run_dtype
-from latolato.numerics.prepare import prepare
+from latolato.numerics.prepare import has_rough_drag, prepare
 from latolato.numerics.records import CASE, stretch_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
 from latolato.physics.drives import drives
@@ -118,10 +118,7 @@ def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
 
     def begin(given: Beginning) -> None:
         case, run = given.case[0], given.run[0]
-        case.is_rough = 0
-        for i in range(case.angles):
-            if case.balls[i].quadratic_damping > 0.0 or case.balls[i].coulomb_damping > 0.0:
-                case.is_rough = 1
+        case.is_rough = 1 if has_rough_drag(case.balls, case.angles) else 0
         given.problem[0] = prepare(case, given.stretches, run.settings, run.bodies, run.state)
         if case.is_rough != 0:
             write_weights(run, *rough)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,17 +24,17 @@ from latolato.numerics.prepare import (
     OUT_OF_RANGE,
     Cases,
     cases_of,
-    choose_stepper,
+    has_rough_drag,
     prepare_cases,
     prepared_runs,
 )
 from latolato.numerics.records import BALL, BODY, SETTINGS
-from latolato.numerics.steppers import Stepper
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE
 from latolato.physics.drives import Drive, Harmonic, Static
 from latolato.physics.drives.stretch import COSINE
 from latolato.physics.noise import KEY, VelocityKicks
-from latolato.physics.pendulum import Ball, System, restoring_linear
+from latolato.physics.pendulum import System, restoring_linear
 from latolato.quantities import is_computable
 from latolato.start import checked_start, kicks_of, walls_of
 from latolato.sweep.axes import DERIVED, parameters_of
@@ -83,17 +82,12 @@ def is_smooth(plan: Plan) -> bool:
     """Return whether no point of the plan has drag that is not smooth at rest."""
     names = {"quadratic_damping", "coulomb_damping"}
     varied = {p.removeprefix("right_").removeprefix("left_") for p in plan.varied}
-    return not names & varied and all(
-        getattr(ball, name) == 0.0 for ball in plan.system.balls for name in names
-    )
+    return not (names & varied or has_rough_drag(plan.system.balls, plan.system.angles))
 
 
 def stepper_of(plan: Plan) -> Stepper:
     """Return the one stepper that all points of a plan use."""
-    if is_smooth(plan):
-        return choose_stepper(plan.system)
-    rough = Ball(length=1.0, mass=1.0, coulomb_damping=1.0)
-    return choose_stepper(SimpleNamespace(balls=(rough,)))  # type: ignore[arg-type]
+    return BLANES_MOAN_RKN if is_smooth(plan) else BLANES_MOAN_GENERAL
 
 
 def columns_of(plan: Plan, index: NDArray[np.int64]) -> Columns:
@@ -149,7 +143,7 @@ def make_batch(
     cases = _cases(plan, columns, previous)
     stretches, firsts = _stretches(plan, columns, cases, valid)
     settings = np.zeros(count, dtype=SETTINGS)
-    bodies = np.zeros((count, 4), dtype=BODY)
+    bodies = np.zeros((count, 1 if plan.system.angles == 1 else 4), dtype=BODY)
     states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
     # Drives with numbers of their own have given their bounds.
     has_forms = stretches.dtype == records.stretch_dtype()
