@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import latolato as ll
+import latolato.numerics.compiled  # makes formulas known to numba
 from latolato.scalar import sine
 from latolato.sweep.chunk import run_chunk
 from latolato.sweep.kernels import run_fastest, run_scalar
@@ -296,6 +297,7 @@ _SCALE = """
 import pathlib, sys, tempfile, time
 import numpy as np
 import latolato as ll
+import latolato.numerics.compiled  # makes formulas known to numba
 
 side, store, duration = int(sys.argv[1]), sys.argv[2] == "store", float(sys.argv[3])
 toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
