@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +46,7 @@ _MATH = (
 _STACK = 256 * 1024
 # What pages call; all other pieces are called by these.
 _CALLED = (
-    "engine", "clamp", "observer", "observer_linear", "many", "lanes", "shake", "begin", "allowed",
-    "prepare",
+    "engine", "clamp", "observer", "many", "lanes", "shake", "begin", "allowed", "prepare",
 )  # fmt: skip
 _TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 _NARROW = {"i64": "i32"}
@@ -118,9 +118,10 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     if maker == "make_many_entry":
         return "many", ("lanes",) if settings["balls"] == 1 else ()
     if maker == "make_observer_entry":
-        is_linear = "restoring_linear" in laws
-        return ("observer_linear", ("one",)) if is_linear else ("observer", ("one", "two"))
-    if maker in ("make_shake_entry", "make_begin_entry", "make_allowed_entry"):
+        return "observer", ("one", "two")
+    if maker == "make_shake_entry":
+        return "shake", ("one", "two", "lanes")
+    if maker in ("make_begin_entry", "make_allowed_entry"):
         return maker.removeprefix("make_").removesuffix("_entry"), ("one", "two")
     if maker == "make_prepare_entry":
         return "prepare", ("lanes",)
@@ -260,11 +261,8 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "records": {name: _record_layout(dtype) for name, dtype in _RECORDS.items()},
         "bundles": {name: list(_fields(value)) for name, value in _BUNDLES.items()},
         "modules": {name: list(pieces) for name, pieces in modules.items()},
-        "observables": {name: _hooks_of(kind) for name, kind in observables.items()},
-        "needs": {
-            name: [need for need in SHARED if need in kind.needs]
-            for name, kind in observables.items()
-        },
+        "observables": {name: _observable(kind) for name, kind in observables.items()},
+        "shared_needs": SHARED,
         "occasions": watch.OCCASIONS,
         "sample_rows": {**LEDGER, "mode": records.S_MODE},  # behind two for each of two balls
         "sample_rows_count": records.SAMPLE_ROWS,
@@ -274,7 +272,10 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "statuses": records.STATUS_NAMES,
         "problems": prepare.PROBLEMS,
         "drives": list(whole.WRITTEN),
-        "steppers": {each.name: _stepper(each) for each in (BLANES_MOAN_RKN, BLANES_MOAN_GENERAL)},
+        "rotating_drives": [
+            name for name, kind in whole.WRITTEN.items() if kind.rotation is not None
+        ],
+        "steppers": {"smooth": _stepper(BLANES_MOAN_RKN), "rough": _stepper(BLANES_MOAN_GENERAL)},
         "lanes": {
             name.lower(): getattr(lane_rows, name)
             for name in ("LANES", "ROWS", "TABLE_ROWS", "IMPACTS", "IMPACT_ROWS")
@@ -319,6 +320,20 @@ def _fields(value: Any, name: str = "") -> Iterator[dict[str, Any]]:
         yield {"name": name, "type": _type_of(value.dtype), "dimensions": value.ndim}
     else:
         yield {"name": name, "type": "f8" if isinstance(value, float) else "i8"}
+
+
+def _observable(kind: Any) -> dict[str, Any]:
+    """Return what pages must know of an observable whose parameters are the usual ones."""
+    usual = kind()
+    return {
+        "parameters": dict(zip([f.name for f in fields(kind)], usual.parameters, strict=True)),
+        "dimension": kind.dimension,
+        "widths": usual.widths,
+        "marks": usual.marks,
+        "slots": usual.slots,
+        "needs": sorted(kind.needs),
+        "pieces": _hooks_of(kind),
+    }
 
 
 def _hooks_of(observable: type) -> dict[str, str]:

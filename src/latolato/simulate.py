@@ -19,6 +19,7 @@ from latolato.numerics.integrate import (
     Trajectory,
     choose_step,
     integrate,
+    laws_key,
     observe,
 )
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, Observation, ball_records
@@ -26,7 +27,7 @@ from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import System, restoring_linear, systems
 from latolato.quantities import NON_NEGATIVE, POSITIVE, Range
 from latolato.record import Record, attributes_of, record_of
 from latolato.registry import checked_count, checked_number
@@ -348,9 +349,9 @@ def _observe(
     samples = trajectory.samples
     observation = Observation(
         times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
-        int(with_lab), pivot, out,
+        int(system.restoring is restoring_linear), int(with_lab), pivot, out,
     )  # fmt: skip
-    laws = drive.height, drive.velocity, drive.acceleration, system.restoring, system.potential
+    laws = drive.height, drive.velocity, drive.acceleration, *laws_key(system)
     observe(observation, *laws)
     found = dict(zip(PIVOT_ROWS, pivot, strict=True))
     found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})

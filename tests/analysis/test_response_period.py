@@ -8,7 +8,10 @@ import pytest
 import latolato as ll
 from latolato.analysis import response_period, response_period_map, wilson
 from latolato.errors import InputError
-from latolato.observables.period import ResponsePeriod, find_mirror, find_period
+from latolato.numerics.watch import blank_slots
+from latolato.observables import Segment
+from latolato.observables.period import ResponsePeriod, Samples, find_mirror, find_period
+from latolato.physics.contacts import BOTTOM
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
@@ -85,25 +88,28 @@ def test_a_period_longer_than_asked_for_is_not_found():
     assert found.recurrence_residual > 0.1
 
 
+# Where 49 angles and then 49 velocities of one ball lie.
+SAMPLES = Samples(0, 49, 1, 0, 49, 1)
+
+
 @pytest.mark.parametrize("period", [1, 2, 3, 7, 16])
 def test_samples_made_with_a_period_show_it_and_no_shorter_one(period):
     rng = np.random.default_rng(period)
     cycle = rng.uniform(-3.0, 3.0, (5, 1, period))
     angle = np.tile(cycle, 49)[..., :49]
     angle = angle + 2.0 * math.pi * np.arange(49)  # whole turns do not count
-    found, left = find_period(
-        angle, np.zeros_like(angle), np.ones(5), longest=16, angle_tolerance=1e-4
-    )
-    assert np.all(found == period)
-    assert np.all(left < 1e-12)  # rounding of some hundred radians
+    for samples in angle[:, 0]:
+        found, left = find_period([*samples, *np.zeros(49)], SAMPLES, 1.0, 16, 1e-4)
+        assert found == period
+        assert left < 1e-12  # rounding of some hundred radians
 
 
 def test_the_mirror_image_is_found_at_half_the_period_only_if_it_is_there():
     cycle = np.array([0.3, -0.5, 0.7, -0.3, 0.5, -0.7])
-    angle = np.tile(cycle, 9)[None, None, :49]
+    angle = np.tile(cycle, 9)[:49]
     spoilt = angle + 0.1
     for samples, residual in ((angle, 0.0), (spoilt, 0.2)):
-        left, shift = find_mirror(samples, 0.0 * samples, np.ones(1), np.array([6.0]))
+        left, shift = find_mirror([*samples, *np.zeros(49)], SAMPLES, 1.0, 6.0)
         assert shift == 3.0
         assert left == pytest.approx(residual, abs=1e-12)  # rounding
 
@@ -113,11 +119,16 @@ def test_the_mirror_image_is_found_at_half_the_period_only_if_it_is_there():
 )
 def test_a_motion_grazes_if_an_impact_has_hardly_any_speed_and_nothing_rests(slowest, held, kind):
     watched = ResponsePeriod(longest=2, angle_tolerance=1e-5)
-    # Six running values, then time, angle, velocity and counts at each end of a drive period.
-    slots = np.zeros((6 + 5 * watched.marks, 1))
-    slots[2], slots[3], slots[4] = 1.0, slowest, held
-    slots[6::5, 0], slots[7::5, 0] = np.arange(watched.marks), 0.3
-    found = watched.values(slots, None)
+    slots = blank_slots([watched], 1)
+    acc = slots.ravel()
+    ResponsePeriod.start(acc, 0, 1, 0.3)
+    for number in range(watched.marks):  # one drive period is one second
+        ResponsePeriod.mark(acc, 0, 1, number, float(number), 0.3, 1.0)
+    ResponsePeriod.contact(acc, 0, 1, 0.5, BOTTOM, -slowest, slowest, slowest)
+    at_rest = Segment(0.0, held, *[0.3] * 2, *[0.0] * 8, 1.0, 0.3)
+    ResponsePeriod.step(acc, 0, 1, at_rest)
+    ResponsePeriod.finish(acc, 0, 1, None)
+    found = watched.read(slots, 1)
     assert found["response_period"] == 1.0
     assert found["periodicity"] == kind
 

@@ -8,7 +8,7 @@ import pytest
 
 from latolato.errors import extra_command
 from latolato.numerics.many import make_progress
-from latolato.numerics.watch import slots_of
+from latolato.numerics.watch import blank_slots
 from latolato.sweep.points import make_batch, stepper_of
 
 if not importlib.util.find_spec("numba_cuda"):
@@ -46,9 +46,9 @@ def test_kernel_compiles_to_ptx_in_double_precision(plan):
     from latolato.sweep.executors.cuda import kernel_arguments, kernel_of
 
     stepper = stepper_of(plan)
-    slots = sum(block.size for block in slots_of(plan.observables))
-    progress = make_progress(plan.size, slots, plan.system.angles)
     batch = make_batch(plan, np.arange(plan.size), stepper)
+    slots = blank_slots(plan.observables, plan.size * plan.system.angles)
+    progress = make_progress(batch.states, slots.ravel())
     order = np.arange(plan.size)
     cancel = np.zeros(1, dtype=np.int64)
     arguments = (*kernel_arguments(batch, stepper, order, progress), cancel)

@@ -10,8 +10,17 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from in_node import MODULES, from_parameters, in_node, read_layout, record_run, run_points_in_node
+from in_node import (
+    MODULES,
+    from_parameters,
+    in_node,
+    map_case,
+    read_layout,
+    record_run,
+    run_points_in_node,
+)  # fmt: skip
 from latolato.numerics.observe import BALL_ROWS
+from latolato.numerics.records import INVALID
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.record import LEDGER
 from latolato.start import DEFAULT_REST_SPEED
@@ -19,7 +28,7 @@ from latolato.sweep.chunk import run_chunk
 from latolato.sweep.kernels import run_fastest, run_scalar
 from latolato.sweep.plan import make_plan
 from references import CASES, WITH_CONTACTS, bound_of, check, read
-from watched import IN_LANES
+from watched import IN_LANES, WITHOUT_PERIODS
 
 BODY = {"length": 1.0, "mass": 0.8}
 DRAGS = {"damping": 0.03, "quadratic_damping": 0.02, "coulomb_damping": 0.01}
@@ -315,11 +324,48 @@ def apart(values, others):
     """How far apart variables are at each point of a map, as shares of their size above 1."""
     found = {}
     for name, one in values.items():
-        one, other = (x.reshape(*x.shape[:2], -1).astype(float) for x in (one, others[name]))
-        both = np.isnan(one) & np.isnan(other)
-        far = np.abs(np.where(both, 0.0, one - other)) / (1.0 + np.abs(np.nan_to_num(other)))
+        shape = others["status"].shape
+        one, other = (x.reshape(*shape, -1).astype(float) for x in (one, others[name]))
+        same = (one == other) | (np.isnan(one) & np.isnan(other))
+        with np.errstate(invalid="ignore"):  # infinite ones
+            far = np.where(same, 0.0, np.abs(one - other) / (1.0 + np.abs(np.nan_to_num(other))))
         found[name] = np.nan_to_num(far, nan=np.inf).max(axis=-1)
     return found
+
+
+ROUGH = ll.LatoLato(**TOY, **DRAGS, restitution=0.9)
+FROM_PARAMETERS = {**SWEEPS, "rough": (ROUGH, 0.4, ("slack_fraction",))}
+
+
+@pytest.mark.parametrize("name", FROM_PARAMETERS)
+def test_maps_agree_from_their_parameters_on(name):
+    system, angle, further = FROM_PARAMETERS[name]
+    given = {
+        "axes": {
+            "drive_amplitude": [0.0, 0.02, 0.1, 0.3],
+            "frequency_ratio": [0.5, 1.0, 2.0, 3.0],
+            "length": [0.05, 0.5, 1.0],  # a rod shorter than the ball is no toy
+        },
+        "duration": 20.0,
+        "transient": 2.0,
+        "observables": [*WITHOUT_PERIODS, "response_samples", *further],
+        "initial_angle": angle,
+        "tolerance": 1e-8,
+    }
+    plan = make_plan(system, None, **given)
+    expected, _ = run_chunk(plan, 0, run_fastest)
+    moved, _ = run_chunk(make_plan(shifted(system), None, **given), 0, run_fastest)
+    (node,) = in_node([map_case(plan, expected)])
+    found = {name: node[name] for name in expected}
+    status = expected["status"]
+    assert np.array_equal(found["status"], status)
+    assert np.any(status == INVALID) == system.has_contacts
+    regular = np.max(list(apart(moved, expected).values()), axis=0) < REGULAR
+    assert np.count_nonzero(regular & (status != INVALID)) >= 15
+    sizes = apart(found, expected)
+    assert sizes["final_angle"][regular].max() <= CLOSE
+    for variable, size in sizes.items():
+        assert size[regular].max() <= OBSERVED, variable
 
 
 @pytest.mark.parametrize("in_lanes", [True, False], ids=["lanes", "one by one"])

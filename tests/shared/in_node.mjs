@@ -4,6 +4,7 @@ import { join } from "node:path";
 
 import { shake } from "../../src/latolato/app/static/js/kernels/begin.js";
 import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
+import { computeMap } from "../../src/latolato/app/static/js/kernels/map.js";
 import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
 import { integrate, observe, simulate } from "../../src/latolato/app/static/js/kernels/run.js";
 
@@ -73,6 +74,25 @@ function points(kernels, memory, { contact_limit, slots, is_linear, hooks, lanes
   }];
 }
 
+/** Compute a map whose columns are arrays of the case by their paths, with a mark of what they are. */
+function map(kernels, arrays, { question }) {
+  const columns = (kind) => Object.fromEntries(arrays
+    .filter(({ name }) => name.startsWith(`${kind}:`))
+    .map(({ name, shape, at }) => {
+      const bytes = Uint8Array.from(given.subarray(at, at + 8 * shape[0]));
+      return [name.slice(kind.length + 1), new Float64Array(bytes.buffer)];
+    }));
+  const start = performance.now();
+  const { status, problems, values } = computeMap(kernels, { ...question, ...columns("question"),
+    parameters: { ...question.parameters, ...columns("parameter") },
+    drive: { ...question.drive, parameters: columns("drive") } });
+  const seconds = (performance.now() - start) / 1e3;
+  return [{ seconds, problems: [...problems] }, () => {
+    give("status", bytesOf(Float64Array.from(status)));
+    for (const [name, numbers] of Object.entries(values)) give(name, bytesOf(numbers));
+  }];
+}
+
 const known = {};
 for (const { module, repeats, arrays, ...options } of JSON.parse(
   readFileSync(join(folder, "given.json"), "utf8"))) {
@@ -81,7 +101,8 @@ for (const { module, repeats, arrays, ...options } of JSON.parse(
   const first = kernels.take("f8", 1);
   let least = Infinity;
   for (let i = 1; i <= repeats; i += 1) {
-    const [about, giveAll] = (options.how ? run : points)(kernels, held(kernels, arrays), options);
+    const [about, giveAll] = options.question ? map(kernels, arrays, options)
+      : (options.how ? run : points)(kernels, held(kernels, arrays), options);
     least = Math.min(least, about.seconds);
     if (i === repeats) {
       giveAll();

@@ -32,6 +32,8 @@ from latolato.numerics.whole import WRITTEN
 from latolato.observables.base import observables
 from latolato.physics.contacts import Exact
 from latolato.physics.pendulum import restoring_linear
+from latolato.registry import describe
+from latolato.sweep import points
 from latolato.sweep.chunk import RunPoints
 from latolato.sweep.plan import Plan
 from latolato.sweep.points import Batch
@@ -103,7 +105,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
         case.options["seen"] = {
             "gravity": observation.gravity,
             "with_lab": bool(observation.with_lab),
-            "piece": "observer_linear" if restoring_linear in laws else "observer",
+            "is_linear": bool(observation.is_linear),
         }
         case.expected = {**case.expected, "pivot": observation.pivot, "out": observation.out}
 
@@ -147,6 +149,20 @@ def _paths(record: Any, before: str = "") -> Iterator[tuple[str, Any]]:
             yield from _paths(inner, f"{before}{name}.{i}.")
 
 
+def _columns(records: Any, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the numbers of an array of records by the paths of their fields."""
+    for name in records.dtype.names:
+        column = records[name]
+        each = [(name, column)]
+        if column.ndim > 1:
+            each = [(f"{name}.{i}", column[:, i]) for i in range(column.shape[1])]
+        for path, inner in each:
+            if inner.dtype.names is None:
+                yield before + path, np.ascontiguousarray(inner)
+            else:
+                yield from _columns(inner, f"{before}{path}.")
+
+
 def points_case(
     plan: Plan, batch: Batch, stepper: Stepper, order: Any, progress: Progress, *, in_lanes: bool
 ) -> Case:
@@ -155,7 +171,7 @@ def points_case(
     pieces = {
         (how, getattr(kind, {"show": "step", "follow": "tangent"}.get(how, how))): piece
         for name, kind in observables.items()
-        for how, piece in layout["observables"][name].items()
+        for how, piece in layout["observables"][name]["pieces"].items()
     }
 
     def shown(occasion: int, how: str) -> list[tuple[int, str]]:
@@ -195,6 +211,35 @@ def run_points_in_node(in_lanes: bool) -> RunPoints:
             array[:] = found[name]
 
     return run
+
+
+def map_case(plan: Plan, expected: dict[str, Any]) -> Case:
+    """Return the points of a plan as Node.js begins them from their parameters by itself."""
+    columns = points.columns_of(plan, np.arange(plan.size))
+    numbers = dict(_columns(points._cases(plan, columns, None)))
+    parameters = {path: column for path, column in numbers.items() if not np.isnan(column).any()}
+    kind = next(name for name, kind in WRITTEN.items() if type(plan.drive) is kind)
+    question = {
+        "count": plan.size,
+        "parameters": {path: float(c[0]) for path, c in parameters.items() if c.dtype == np.int64},
+        "drive": {"kind": kind},
+        "observables": [
+            {"name": name, **({"parameters": given} if given and not o.marks else {})}
+            for o in plan.observables
+            for name, given in [(observables.name_of(o), describe(o))]
+        ],
+        "duration": plan.duration,
+        "contact_limit": plan.contact_limit,
+    }
+    floats = {path: c for path, c in parameters.items() if c.dtype == np.float64}
+    named = [f.name for f in fields(plan.drive) if f.name in columns]
+    arrays = {
+        **{f"parameter:{path}": c.copy() for path, c in floats.items() if path != "duration"},
+        **{f"drive:{name}": columns[name] for name in named},
+        "question:transient": points.transient_of(plan, columns),
+        "question:period": points._drive_period(columns),
+    }
+    return Case({"module": "lanes", "question": question}, arrays, expected)
 
 
 def read_layout() -> dict[str, Any]:
@@ -245,8 +290,9 @@ def _like(name: str, data: bytes, case: Case) -> Any:
     """Return bytes as an array of the kind that Python has under this name."""
     if name == "run":
         return np.frombuffer(data, record.run_dtype())
-    like = case.expected[name]
-    numbers = np.frombuffer(data, np.float64 if name.startswith("contact") else like.dtype)
+    like = np.asarray(case.expected[name])
+    is_float = name.startswith("contact") or "question" in case.options
+    numbers = np.frombuffer(data, np.float64 if is_float else like.dtype)
     if name == "contact_values":
         return numbers.reshape(4, -1)
     return numbers if name.startswith("contact") else numbers.reshape(like.shape)

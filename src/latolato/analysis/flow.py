@@ -13,7 +13,8 @@ from latolato.analysis.starts import checked_system
 from latolato.errors import InputError
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
-from latolato.observables.deviations import STATE, Deviations
+from latolato.observables.base import STATE
+from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System

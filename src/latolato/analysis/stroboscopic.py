@@ -15,6 +15,7 @@ from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
     ResponseSamples,
+    Samples,
     find_mirror,
     find_period,
 )
@@ -36,7 +37,6 @@ QUANTITIES_HERE: dict[str, Quantity] = {
     "rotation_number": Quantity(
         "1", r"\rho", "turns (signed), swings, or with walls impacts per drive period"
     ),
-    "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
     "status": Quantity("1", "", "status"),
     "ball": Quantity("1", "", "ball"),
 }
@@ -238,11 +238,16 @@ def motion_of(
     period, residual, kind = (
         of(n) for n in ("response_period", "recurrence_residual", "periodicity")
     )
+    numbers = np.stack([angle, velocity], axis=2)  # (point, ball, 2, sample)
+    marks = numbers.shape[-1]
+    samples = Samples(0, marks, 1, 2 * marks, marks, balls)
     if two:
         kinds = kind
-        period, residual = find_period(
-            angle, velocity, each, longest=longest, angle_tolerance=angle_tolerance
-        )
+        period, residual = np.full((2, count), math.nan)
+        for k in np.flatnonzero(np.isfinite(kinds).all(axis=1)):
+            period[k], residual[k] = find_period(
+                numbers[k].ravel().tolist(), samples, each[k], longest, angle_tolerance
+            )
         kind = np.where(np.isfinite(period), 1.0, 3.0)
         kind = np.where((kind == 1.0) & (kinds == 2.0).any(axis=1), 2.0, kind)
         rests = (kinds == 0.0).all(axis=1)
@@ -251,8 +256,14 @@ def motion_of(
     period = np.where(np.isnan(kind), math.nan, period)
     if isinstance(system, LatoLato):  # its left ball is the mirror image at every instant
         mirror = shift = np.where(np.isfinite(period), 0.0, math.nan)
+    elif two:
+        mirror, shift = np.full((2, count), math.nan)
+        for k in np.flatnonzero(np.isfinite(period)):
+            mirror[k], shift[k] = find_mirror(
+                numbers[k].ravel().tolist(), samples, each[k], period[k]
+            )
     else:
-        mirror, shift = find_mirror(angle, velocity, each, period)
+        mirror, shift = of("mirror_residual"), of("mirror_shift")
     turns = of("turns_per_period")
     if two:  # of the one that turns more
         turns = np.take_along_axis(turns, abs(turns).argmax(axis=1)[:, None], axis=1)[:, 0]

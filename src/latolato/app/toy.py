@@ -45,7 +45,7 @@ from latolato.physics.drives.stretch import (
     write_change,
     written,
 )
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear
 from latolato.quantities import QUANTITIES, Range
 from latolato.registry import checked_number, suggest
 from latolato.scenario import Scenario
@@ -113,7 +113,7 @@ class Toy:
         self._stepper = choose_stepper(system)
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
         self._carry_on = engine_of(system.angles, pivot_acceleration, *laws_key(system))
-        self._laws = *drive_laws, system.restoring, system.potential
+        self._laws = *drive_laws, *laws_key(system)
         case = cases_of(
             system, law, angles=start.angles, velocities=start.velocities, bounds=(0.0, 0.0),
             tolerance=TOLERANCE, is_exact=1,
@@ -376,7 +376,8 @@ class Toy:
             samples[records.S_WORK :, 0] = 0.0
         observation = Observation(
             instants, samples[records.S_MODE], samples, self._stretches, self._balls,
-            float(self.system.gravity), 0, pivot, out,
+            float(self.system.gravity), int(self.system.restoring is restoring_linear), 0,
+            pivot, out,
         )  # fmt: skip
         observe(observation, *self._laws)
         self.pivot = tuple(map(float, pivot[:, -1]))

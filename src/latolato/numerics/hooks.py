@@ -23,7 +23,7 @@ from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.pieces import HOOK
 from latolato.numerics.watch import OCCASIONS, Eyes, Watch
-from latolato.observables import Segment
+from latolato.observables import Outcome, Segment
 
 # What observables are shown on each occasion, behind their slots: see `Observable`.
 _SHOWN = tuple(map(kind_of, (
@@ -32,6 +32,8 @@ _SHOWN = tuple(map(kind_of, (
     (0, 0.0, 0.0, 0.0),
     (0.0, 0.0),
     (0, 0.0, 0.0, np.empty(MATRIX_SHAPE)),
+    (0.0,),
+    (Outcome(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0),),
 )))  # fmt: skip
 
 
@@ -77,5 +79,5 @@ def make_calling_watch(part: Part) -> Watch:
 
         return show
 
-    step, contact, mark, restart, tangent = map(make, range(len(OCCASIONS)))
-    return Watch(step, contact, mark, restart, tangent, sees)
+    step, contact, mark, restart, tangent, start, finish = map(make, range(len(OCCASIONS)))
+    return Watch(step, contact, mark, restart, tangent, start, finish, sees)

@@ -18,7 +18,7 @@ from latolato.numerics.observe import Observation, empty_observation
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
-from latolato.numerics.watch import BLIND, Eyes, Hooks, hooks_of, make_watch
+from latolato.numerics.watch import BLIND, ON_START, Eyes, Hooks, blank_slots, hooks_of, make_watch
 from latolato.observables import Observable
 from latolato.physics.contacts import ContactLaw, Exact
 from latolato.physics.drives import Drive
@@ -213,9 +213,10 @@ def integrate(
     )  # fmt: skip
     case["step"] = step
     stretches = records.stretch_records(drive, duration)
+    hooks = hooks_of(watched)
     carry_on = engine_of(
         angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype,
-        motion=law.motion, compiled=compiled, hooks=hooks_of(watched),
+        motion=law.motion, compiled=compiled, hooks=hooks,
     )  # fmt: skip
     runs, _ = prepared_runs(case, stepper, stretches.dtype, compiled=compiled)
     state = runs["state"].view(np.recarray)[0]
@@ -225,8 +226,10 @@ def integrate(
         np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
     )
     samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
-    columns = [[v for o in watched for v in o.initial(np.array(x))] for x in start.angles]
-    acc = np.array(columns, dtype=np.float64).T.ravel() if watched else np.zeros(1)
+    acc = blank_slots(watched, angles).ravel()
+    for first, formula in hooks[ON_START]:
+        for ball, angle in enumerate(start.angles):
+            formula(acc, first * angles + ball, angles, angle)
     room = 256
     kinds, times, values = [], [], []
     count = 0
@@ -263,5 +266,5 @@ def integrate(
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, float(min(reached, duration)), step, stepper, status, failed,
-        acc.reshape(-1, angles) if watched else np.zeros((0, angles)),
+        acc.reshape(-1, angles),
     )  # fmt: skip

@@ -69,7 +69,7 @@ def make_lanes(
     inline = inlined(part)
     watch, task_at = make_calling_watch(part), bundle_at(kind_of(empty_task(stretch)))
     steering = make_steering(make_caller(part), watch, part)
-    carry_to, is_over, arrive, time_of = steering
+    start, carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part)
     restoring = laws.restoring
     call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
@@ -172,6 +172,7 @@ def make_lanes(
         columns = len(progress.status)
         for slot in range(len(acc) // L):
             acc[slot * L + j] = progress.acc[slot * columns + k]
+        start(k, task.scratch, progress, acc, j, L)
 
     @part
     def make_idle(j: int, w: Any) -> None:

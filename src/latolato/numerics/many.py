@@ -29,6 +29,7 @@ from latolato.numerics.records import (
     SETTINGS,
 )
 from latolato.numerics.watch import ON_CONTACT, Eyes, Watch
+from latolato.observables import Outcome
 
 _STEPS_PER_CALL = 20_000  # after so many steps a trajectory is looked at: is it finite still?
 _ROWS = 60  # of the contact table that is handed on to the observables
@@ -90,13 +91,10 @@ class Weights(NamedTuple):
     nodes: Any
 
 
-def make_progress(count: int, slots: int, balls: int) -> Progress:
-    """Return the arrays that `count` points of `balls` angles write to."""
+def make_progress(states: Any, acc: Any) -> Progress:
+    """Return what points start with: their states, shape (point,), and their accumulators."""
     return Progress(
-        np.zeros(count, dtype=STATE),
-        np.zeros(count, dtype=STATE),
-        np.zeros(count, dtype=np.int64),
-        np.zeros(max(slots, 1) * count * balls),
+        states.copy(), np.zeros_like(states), np.zeros(len(states), dtype=np.int64), acc
     )
 
 
@@ -184,7 +182,11 @@ def empty_job(stretch: np.dtype[Any]) -> Job:
     """Return a job without points."""
     numbers = np.zeros(0, dtype=np.int64)
     return Job(
-        numbers, empty_points(stretch), make_scratch(stretch), make_progress(0, 0, 1), numbers
+        numbers,
+        empty_points(stretch),
+        make_scratch(stretch),
+        make_progress(np.zeros(0, dtype=STATE), np.zeros(0)),
+        numbers,
     )
 
 
@@ -199,6 +201,7 @@ def empty_task(stretch: np.dtype[Any]) -> Task:
 class Steering(NamedTuple):
     """What is done with one point between and at its stops; see `make_steering`."""
 
+    start: Callable[..., None]
     carry_to: Callable[..., int]
     is_over: Callable[..., bool]
     arrive: Callable[..., None]
@@ -226,7 +229,16 @@ def make_steering(
     ``columns`` in ``acc``.
     """
     on_contact, on_mark, on_restart, sees = watch.contact, watch.mark, watch.restart, watch.sees
-    two = balls == 2
+    on_start, on_finish, two = watch.start, watch.finish, balls == 2
+
+    @part
+    def start(
+        k: int, scratch: Scratch, progress: Progress, acc: Any, column: int, columns: int
+    ) -> None:
+        """Let the observables of point k begin."""
+        eyes = Eyes(acc, column, columns)
+        for ball in range(balls):
+            on_start(scratch.runs[0], eyes, ball, progress.states[k].angle[ball])
 
     @part
     def carry_to(
@@ -299,23 +311,33 @@ def make_steering(
             for ball in range(balls):
                 angle, velocity = state.angle[ball], state.velocity[ball]
                 on_mark(run, eyes, ball, index - 1, t, angle, velocity)
-        elif state.grazes > 0:
-            progress.status[k] = GRAZING
-        elif state.rests != 0:
-            progress.status[k] = AT_REST
         else:
-            progress.status[k] = CONVERGED
+            progress.status[k] = (
+                GRAZING if state.grazes > 0 else AT_REST if state.rests != 0 else CONVERGED
+            )
+            begun, observed = progress.begun[k], t - points.stops[k, 0]
+            for ball in range(balls):
+                outcome = Outcome(
+                    state.angle[ball], state.velocity[ball], observed,
+                    points.bodies[k, ball].inertia, state.drive_work - begun.drive_work,
+                    state.damping_loss - begun.damping_loss,
+                    state.impact_loss - begun.impact_loss,
+                    state.capture_loss - begun.capture_loss,
+                    state.slack_time[ball] - begun.slack_time[ball], balls,
+                )  # fmt: skip
+                on_finish(run, eyes, ball, outcome)
 
-    return Steering(carry_to, is_over, arrive, time_of)
+    return Steering(start, carry_to, is_over, arrive, time_of)
 
 
 def make_point(steering: Steering, part: Part = as_it_stands, balls: int = 1) -> Any:
     """Return the function that carries one point of a sweep from its start to its end."""
-    carry_to, is_over, arrive, time_of = steering
+    start, carry_to, is_over, arrive, time_of = steering
 
     @part
     def point(k: int, points: Points, scratch: Scratch, progress: Progress) -> None:
         acc, column, columns = progress.acc, balls * k, balls * len(progress.status)
+        start(k, scratch, progress, acc, column, columns)
         for index in range(points.stops.shape[1]):
             stop = points.stops[k, index]
             if math.isnan(stop):

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import JOINT, REST
 from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
@@ -50,6 +51,8 @@ class Observation(NamedTuple):
         See `ball_records`.
     gravity : float
         [m/s^2]
+    is_linear : int
+        Whether the package's linear restoring law holds.
     with_lab : int
         Whether the laboratory's rows are filled as well.
     pivot : ndarray, shape (3, time)
@@ -64,6 +67,7 @@ class Observation(NamedTuple):
     stretches: Any
     balls: Any
     gravity: Any
+    is_linear: Any
     with_lab: Any
     pivot: Any
     out: Any
@@ -74,7 +78,7 @@ def empty_observation(stretch: np.dtype[Any]) -> Observation:
     floats, table = np.zeros(0), np.zeros((1, 0))
     stretches, balls = np.zeros(0, dtype=stretch), np.zeros(0, dtype=BALL)
     out = np.zeros((1, 1, 0))
-    return Observation(floats, floats, table, stretches, balls, 0.0, 0, table, out)
+    return Observation(floats, floats, table, stretches, balls, 0.0, 0, 0, table, out)
 
 
 def make_observer(
@@ -86,13 +90,16 @@ def make_observer(
     part: Part = as_it_stands,
 ) -> Callable[..., None]:
     """Return the function that fills `pivot` and `out` of an `Observation`."""
+    laws = restoring_laws(restoring, potential, part)
+    restored_at, potential_at = laws.restoring, laws.potential
 
     @part
-    def free(angle: float, speed: float, ay: float, gravity: float, b: Any) -> float:
+    def free(o: Any, angle: float, speed: float, ay: float, b: Any) -> float:
         """Return the angular acceleration that a ball would have without the other one."""
         sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
         force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
-        return swung(gravity + ay, 1.0 / b.length, restoring(angle)) - force / (b.mass * b.length)
+        restored = restored_at(angle, o.is_linear)
+        return swung(o.gravity + ay, 1.0 / b.length, restored) - force / (b.mass * b.length)
 
     def observe(o: Any) -> None:
         times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
@@ -110,9 +117,11 @@ def make_observer(
                 b = balls[j]
                 l, m = b.length, b.mass
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
-                restored = restoring(angle)
+                restored = restored_at(angle, o.is_linear)
                 out[j, KINETIC, i] = kinetic_energy(speed, m, l)
-                out[j, POTENTIAL, i] = potential_energy(potential(angle), m, l, gravity)
+                out[j, POTENTIAL, i] = potential_energy(
+                    potential_at(angle, o.is_linear), m, l, gravity
+                )
                 out[j, DRIVE, i] = drive_power(speed, restored, ay, m, l)
                 out[j, DAMPING, i] = damping_power(
                     speed, l, b.damping, b.quadratic_damping, b.coulomb_damping
@@ -122,8 +131,8 @@ def make_observer(
                     out[j, TENSION, i] = wall_tension(angle, ay, m, gravity)
             if touching and len(balls) == 2:
                 b1, b2 = balls[0], balls[1]
-                free_1 = free(samples[0, i], samples[1, i], ay, gravity, b1)
-                free_2 = free(samples[2, i], samples[3, i], ay, gravity, b2)
+                free_1 = free(o, samples[0, i], samples[1, i], ay, b1)
+                free_2 = free(o, samples[2, i], samples[3, i], ay, b2)
                 torque = contact_torque(
                     free_1, free_2, b1.mass * b1.length**2, b2.mass * b2.length**2
                 )

@@ -297,7 +297,6 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
         rotation,
     )
     from latolato.physics.pendulum import (
-        potential_linear,
         potential_sine,
         restoring_linear,
         restoring_sine,
@@ -313,13 +312,14 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
     for balls in (1, 2):
         yield many_recipe(balls, usual)
     yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)
-    for pair in (laws, (restoring_linear, potential_linear)):
-        yield observer_recipe(usual, pivot_height, pivot_velocity, pivot_acceleration, *pair)
+    yield observer_recipe(usual, pivot_height, pivot_velocity, pivot_acceleration, *laws)
     answers = (False, True)
-    for restoring in (restoring_sine, restoring_linear):
-        for damped, works in product(answers, answers):
-            yield locate_recipe(restoring, damped=damped, works=works)
-            for walled, tangents in product(answers, answers):
+    for damped, works in product(answers, answers):
+        yield locate_recipe(restoring_sine, damped=damped, works=works)
+        for restoring, walled in (
+            (restoring_sine, True), (restoring_sine, False), (restoring_linear, False),
+        ):  # fmt: skip
+            for tangents in answers:
                 yield fly_recipe(
                     restoring, damped=damped, works=works, walled=walled, tangents=tangents
                 )

@@ -1,4 +1,4 @@
-"""How observables are shown what happens: steps, contacts, marks, restarts, matrices.
+"""How observables are shown what happens: steps, contacts, marks, matrices, start and end.
 
 Every observable owns a block of slots, and a trajectory, or its ball, a column of each. Plain
 Python and GPUs fold the formulas of all observables into one function for each occasion. Compiled
@@ -10,14 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.observables import Observable
 
 Hooks = tuple[tuple[int, Callable[..., None]], ...]
 
-BLIND: tuple[Hooks, ...] = ((), (), (), (), ())
-OCCASIONS = ("step", "contact", "mark", "restart", "tangent")
-ON_STEP, ON_CONTACT, ON_MARK, ON_RESTART, ON_TANGENT = range(len(OCCASIONS))
+OCCASIONS = ("step", "contact", "mark", "restart", "tangent", "start", "finish")
+ON_STEP, ON_CONTACT, ON_MARK, ON_RESTART, ON_TANGENT, ON_START, ON_FINISH = range(len(OCCASIONS))
+BLIND: tuple[Hooks, ...] = ((),) * len(OCCASIONS)
 
 
 class Eyes(NamedTuple):
@@ -40,7 +43,7 @@ class Eyes(NamedTuple):
 class Watch(NamedTuple):
     """The functions that show observables something.
 
-    The first five are called with ``(run, eyes, ball, ...)`` and what an `Observable` is called
+    All but the last are called with ``(run, eyes, ball, ...)`` and what an `Observable` is called
     with behind its slots, `sees` with ``(run, occasion)``: whether anybody looks on then.
     """
 
@@ -49,6 +52,8 @@ class Watch(NamedTuple):
     mark: Callable[..., None]
     restart: Callable[..., None]
     tangent: Callable[..., None]
+    start: Callable[..., None]
+    finish: Callable[..., None]
     sees: Callable[..., bool]
 
 
@@ -63,10 +68,19 @@ def slots_of(watched: Sequence[Observable]) -> list[Slots]:
     """Return where each observable's slots lie, one block after the other."""
     found, first = [], 0
     for observable in watched:
-        count = len(observable.initial(0.0))  # type: ignore[arg-type]
-        found.append(Slots(first, count))
-        first += count
+        found.append(Slots(first, observable.slots))
+        first += observable.slots
     return found
+
+
+def blank_slots(watched: Sequence[Observable], columns: int) -> NDArray[np.float64]:
+    """Return the slots before a run, of shape (slot, column): parameters, then zeros."""
+    blocks = slots_of(watched)
+    acc = np.zeros((sum(block.size for block in blocks), columns))
+    for observable, block in zip(watched, blocks, strict=True):
+        parameters = observable.parameters
+        acc[block.first : block.first + len(parameters)] = np.array(parameters)[:, None]
+    return acc
 
 
 def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
@@ -110,5 +124,5 @@ def make_watch(hooks: tuple[Hooks, ...], part: Part = as_it_stands) -> Watch:
             shows = link(first, formula, shows)
         return shows
 
-    step, contact, mark, restart, tangent = (folded(found) for found in hooks)
-    return Watch(step, contact, mark, restart, tangent, sees)
+    step, contact, mark, restart, tangent, start, finish = map(folded, hooks)
+    return Watch(step, contact, mark, restart, tangent, start, finish, sees)

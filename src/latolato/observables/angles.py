@@ -29,6 +29,12 @@ def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
     acc[i] = abs(angle)
 
 
+@formula
+def _start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note the initial |angle|."""
+    acc[i] = abs(angle)
+
+
 @observables.register("largest_angle")
 @dataclass(frozen=True, kw_only=True)
 class LargestAngle(Observable):
@@ -36,15 +42,8 @@ class LargestAngle(Observable):
 
     variables: ClassVar[Any] = {"largest_angle": QUANTITIES["largest_angle"]}
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
+    start: ClassVar[Any] = staticmethod(_start)
     step: ClassVar[Any] = staticmethod(_step)
-
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the initial |angle|."""
-        return [abs(angle)]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the largest |angle|."""
-        return {"largest_angle": slots[0]}
 
 
 @observables.register("largest_angle_after_transient")
@@ -58,30 +57,39 @@ class LargestAngleAfterTransient(Observable):
         )
     }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
+    start: ClassVar[Any] = staticmethod(_start)
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the initial |angle|."""
-        return [abs(angle)]
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the largest |angle|."""
-        return {"largest_angle_after_transient": slots[0]}
+# Slots of `MotionClass`: its two angles, then the largest overall and after the transient.
+@formula
+def _class_start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note the initial |angle|."""
+    acc[i + 2 * n] = abs(angle)
+    acc[i + 3 * n] = abs(angle)
 
 
 @formula
-def _both_step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _class_step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Keep the largest |angle| overall and after the transient."""
     now = largest_angle(s)
-    acc[i] = max(acc[i], now)
-    acc[i + n] = max(acc[i + n], now)
+    acc[i + 2 * n] = max(acc[i + 2 * n], now)
+    acc[i + 3 * n] = max(acc[i + 3 * n], now)
 
 
 @formula
-def _both_restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
-    """Forget the transient in the second slot."""
-    acc[i + n] = abs(angle)
+def _class_restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
+    """Forget the transient in the last slot."""
+    acc[i + 3 * n] = abs(angle)
+
+
+@formula
+def _class_finish(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write 2 where strong, 1 where weak, else 0, and NaN where the angle is."""
+    overall, late = acc[i + 2 * n], acc[i + 3 * n]
+    known = 0.0 * overall + 0.0 * late  # zero, or NaN
+    acc[i + 2 * n] = known + (2.0 if overall >= acc[i] else 1.0 if late >= acc[i + n] else 0.0)
 
 
 @observables.register("motion_class")
@@ -97,8 +105,10 @@ class MotionClass(Observable):
         "motion_class": Quantity("1", "", "class of motion (0 none, 1 weak, 2 strong)")
     }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
-    step: ClassVar[Any] = staticmethod(_both_step)
-    restart: ClassVar[Any] = staticmethod(_both_restart)
+    start: ClassVar[Any] = staticmethod(_class_start)
+    step: ClassVar[Any] = staticmethod(_class_step)
+    restart: ClassVar[Any] = staticmethod(_class_restart)
+    finish: ClassVar[Any] = staticmethod(_class_finish)
 
     strong_angle: float = quantity_field(
         "largest_angle", Range(0.0, open_low=True), default=math.pi / 2.0
@@ -107,21 +117,30 @@ class MotionClass(Observable):
         "largest_angle", Range(0.0, open_low=True), default=math.pi / 4.0
     )
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the initial |angle| twice."""
-        return [abs(angle), abs(angle)]
+    @property
+    def memory(self) -> int:
+        """Both largest angles."""
+        return 2
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return 2 where strong, 1 where weak, else 0, and NaN where the angle is."""
-        strong, weak = slots[0] >= self.strong_angle, slots[1] >= self.weak_angle
-        known = 0.0 * slots[0] + 0.0 * slots[1]  # zero, or NaN
-        return {"motion_class": known + strong * 2.0 + (weak & ~strong) * 1.0}
+
+# Slots of `SelfStart`: the angle that counts, the largest distance from the start, the start.
+@formula
+def _moved_start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note the start."""
+    acc[i + 2 * n] = angle
 
 
 @formula
 def _moved_step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Keep the largest distance from the start."""
-    acc[i] = max(acc[i], abs(s.x1 - acc[i + n]))
+    acc[i + n] = max(acc[i + n], abs(s.x1 - acc[i + 2 * n]))
+
+
+@formula
+def _moved_finish(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write 1 where the ball moved, else 0, and NaN where the distance is."""
+    moved = acc[i + n]
+    acc[i + n] = moved - moved + (1.0 if moved > acc[i] else 0.0)
 
 
 @observables.register("self_start")
@@ -130,7 +149,9 @@ class SelfStart(Observable):
     """Whether the ball ever moves by more than `least_motion` from where it starts (1 or 0)."""
 
     variables: ClassVar[Any] = {"self_start": Quantity("1", "", "motion starts (1) or not (0)")}
+    start: ClassVar[Any] = staticmethod(_moved_start)
     step: ClassVar[Any] = staticmethod(_moved_step)
+    finish: ClassVar[Any] = staticmethod(_moved_finish)
 
     least_motion: float = quantity_field(
         "initial_offset",
@@ -139,10 +160,7 @@ class SelfStart(Observable):
         description="angle from the start that counts as motion",
     )
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return no distance, and the start."""
-        return [0.0, angle]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return 1 where the ball moved."""
-        return {"self_start": slots[0] - slots[0] + (slots[0] > self.least_motion)}
+    @property
+    def memory(self) -> int:
+        """The distance and the start."""
+        return 2

@@ -1,17 +1,18 @@
 """What every observable offers: numbers gathered while a trajectory runs, nothing stored.
 
-An observable owns some *slots* of an accumulator array. Its formulas are called at every step,
-contact and mark with the accumulator, the index `i` of its first slot and the distance `n`
-between slots: slot m is ``acc[i + m * n]``. They run as plain Python, compiled, in SIMD lanes and
-on a GPU, so they use :mod:`math` only; write `step` without branches around assignments (use
-``a if condition else b``), then lanes stay fast.
+An observable owns some *slots* of an accumulator array: first its parameters, in the order of its
+fields, then its variables, then what else it has to remember. Its formulas are called at every
+step, contact and mark with the accumulator, the index `i` of its first slot and the distance `n`
+between slots: slot m is ``acc[i + m * n]``. They run as plain Python, compiled, in SIMD lanes, on a
+GPU and in a web page, so they use :mod:`math` only; write `step` without branches around
+assignments (use ``a if condition else b``), then lanes stay fast.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from latolato.quantities import Quantity
 from latolato.registry import Registry, check_fields
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 observables: Registry[type] = Registry("observable")
+
+# Numbers of the state of two balls: two angles and two angular velocities.
+STATE = 4
 
 
 class Segment(NamedTuple):
@@ -51,19 +55,21 @@ class Segment(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What is known of many trajectories of one ball at their end; arrays of shape (point,).
+    """What is known of a ball at the end of a run.
 
-    `works` holds drive work, damping, impact and capture loss over the observed time [J], of both
-    balls for a `BallPair`.
+    Works and losses are those of the observed time, of both balls for a `BallPair`.
     """
 
-    angle: Any
-    velocity: Any
-    observed: Any  # time after the transient [s]
-    inertia: Any  # kg m^2
-    works: Mapping[str, Any]
-    slack: Any  # time in which the rod was pushed [s]
-    balls: int = 1
+    angle: float  # rad
+    velocity: float  # rad/s
+    observed: float  # time after the transient [s]
+    inertia: float  # kg m^2
+    drive_work: float  # J
+    damping_loss: float
+    impact_loss: float
+    capture_loss: float
+    slack: float  # time in which the rod was pushed [s]
+    balls: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,10 +79,13 @@ class Observable:
     Attributes
     ----------
     variables : mapping of str to Quantity
-        The variables of the dataset that `values` returns.
+        The variables of the dataset, in the order of their slots: one each, or as many as the
+        further dimension is long, for exponents always four.
     needs : set of str
         What costs extra: ``"energy"`` and ``"turn"`` of a `Segment`, which sweeps find faster if
         they are named here, ``"works"``, ``"slack"``.
+    start : formula ``(acc, i, n, angle)``
+        Before the run; all slots behind the parameters are zero.
     step : formula ``(acc, i, n, segment)``
         After every step, and after a time at rest, which is one segment.
     contact : formula ``(acc, i, n, t, kind, before, after, closing)``
@@ -91,6 +100,8 @@ class Observable:
         right, then of the left ball), the time that it took [s] and the logarithm of the
         determinant that the laws of motion give it. Columns 4 to 6 are free for scratch. It is
         called for the first ball only, and needs a contact law without a fixed step.
+    finish : formula ``(acc, i, n, outcome)``
+        At the end, with an `Outcome`; by default the variables' slots hold their values already.
     dimension : str
         A further dimension of the variables: ``sample`` (one for each mark), ``exponent`` (one for
         each number of the state) or none.
@@ -107,11 +118,13 @@ class Observable:
 
     variables: ClassVar[Mapping[str, Quantity]] = {}
     needs: ClassVar[frozenset[str]] = frozenset()
+    start: ClassVar[Callable[..., None] | None] = None
     step: ClassVar[Callable[..., None] | None] = None
     contact: ClassVar[Callable[..., None] | None] = None
     mark: ClassVar[Callable[..., None] | None] = None
     restart: ClassVar[Callable[..., None] | None] = None
     tangent: ClassVar[Callable[..., None] | None] = None
+    finish: ClassVar[Callable[..., None] | None] = None
     dimension: ClassVar[str] = ""
     angles: ClassVar[int] = 0
     mirrored: ClassVar[bool] = False
@@ -126,13 +139,43 @@ class Observable:
         """How many of the last drive periods' ends are to be marked."""
         return 0
 
-    def initial(self, angle: Floats) -> list[Any]:
-        """Return the first content of each slot, numbers or arrays of shape (point,)."""
-        return [0.0]
+    @property
+    def memory(self) -> int:
+        """How many slots it needs behind its parameters, its variables' among them."""
+        return 0
 
-    def values(self, slots: Floats, outcome: Outcome) -> dict[str, Any]:
-        """Return the variables from slots of shape (slot, point).
+    @property
+    def slots(self) -> int:
+        """How many slots it owns: parameters, variables, and what else it has to remember."""
+        return len(self.parameters) + max(self.memory, sum(self.widths.values()))
 
-        Arrays of an observable with a further dimension are of shape (point, sample).
+    @property
+    def parameters(self) -> list[float]:
+        """The values of the fields as numbers, which the first slots hold."""
+        return [float(getattr(self, field.name)) for field in fields(self)]
+
+    @property
+    def widths(self) -> dict[str, int]:
+        """How many slots each variable has."""
+        width = {"sample": self.marks, "exponent": STATE}.get(self.dimension, 1)
+        return {name: 1 if name in self.plain else width for name in self.variables}
+
+    def read(self, slots: Floats, balls: int) -> dict[str, Floats]:
+        """Return the variables of points of shape (point,), or (point, sample or exponent).
+
+        Parameters
+        ----------
+        slots : ndarray, shape (slot, point)
+            At the end of the runs.
+        balls : int
+            Angles of the state; there are twice as many exponents.
         """
-        raise TypeError(f"{type(self).__name__} must define values(slots, outcome)")
+        found, first = {}, len(self.parameters)
+        for name, width in self.widths.items():
+            rows = slots[first : first + width]
+            first += width
+            if not self.dimension or name in self.plain:
+                found[name] = rows[0]
+            else:
+                found[name] = rows[: 2 * balls].T if self.dimension == "exponent" else rows.T
+        return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -76,10 +77,6 @@ class BottomContacts(Observable):
     contact: ClassVar[Any] = staticmethod(_bottom)
     restart: ClassVar[Any] = staticmethod(_forget)
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the count."""
-        return {"bottom_contacts": slots[0]}
-
 
 @observables.register("top_contacts")
 @dataclass(frozen=True, kw_only=True)
@@ -90,9 +87,21 @@ class TopContacts(Observable):
     contact: ClassVar[Any] = staticmethod(_top)
     restart: ClassVar[Any] = staticmethod(_forget)
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the count."""
-        return {"top_contacts": slots[0]}
+
+@formula
+def _finish_speeds(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write mean, standard deviation and largest; NaN without impacts."""
+    count, mean, squares, largest = acc[i], acc[i + n], acc[i + 2 * n], acc[i + 3 * n]
+    none = count == 0.0
+    acc[i] = math.nan if none else mean
+    acc[i + n] = math.nan if none else math.sqrt(squares / max(count, 1.0))
+    acc[i + 2 * n] = math.nan if none else largest
+
+
+@formula
+def _finish_rest(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Turn the time at rest into a share."""
+    acc[i] /= end.observed
 
 
 @observables.register("impact_speed")
@@ -113,22 +122,12 @@ class ImpactSpeed(Observable):
     }
     contact: ClassVar[Any] = staticmethod(_speeds)
     restart: ClassVar[Any] = staticmethod(_forget_speeds)
+    finish: ClassVar[Any] = staticmethod(_finish_speeds)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return count, mean, squared deviations and largest."""
-        return [0.0, 0.0, 0.0, 0.0]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the statistics, NaN without impacts."""
-        count, mean, squares, largest = slots
-        nothing = 0.0 * count
-        nothing[count == 0.0] = float("nan")
-        variance = squares / (count + (count == 0.0))
-        return {
-            "mean_impact_speed": mean + nothing,
-            "impact_speed_deviation": variance**0.5 + nothing,
-            "largest_impact_speed": largest + nothing,
-        }
+    @property
+    def memory(self) -> int:
+        """Count, mean, squared deviations and largest."""
+        return 4
 
 
 @observables.register("rest_fraction")
@@ -142,7 +141,4 @@ class RestFraction(Observable):
     variables: ClassVar[Any] = {"rest_fraction": Quantity("1", "", "share of time at rest")}
     step: ClassVar[Any] = staticmethod(_rest)
     restart: ClassVar[Any] = staticmethod(_forget)
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the time at rest over the observed time."""
-        return {"rest_fraction": slots[0] / outcome.observed}
+    finish: ClassVar[Any] = staticmethod(_finish_rest)

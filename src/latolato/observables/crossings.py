@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Segment, observables
 from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
 from latolato.scalar import floor, formula
 
@@ -21,18 +21,30 @@ def _level(x: float, angle: float, per_period: float) -> float:
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
-    """Count the levels passed on the way to a turning point in the step, and from there on."""
-    angle, per_period = acc[i + n], acc[i + 2 * n]
+def _passages(s: Segment, angle: float, per_period: float) -> float:
+    """Return how many levels are passed up to a turning point in the step, and from there on."""
     middle = _level(s.turn, angle, per_period)
     there = abs(middle - _level(s.x0, angle, per_period))
-    acc[i] += there + abs(_level(s.x1, angle, per_period) - middle)
+    return there + abs(_level(s.x1, angle, per_period) - middle)
+
+
+# Slots of `Crossings`: its angle, whether that is unwrapped, the count, one over the period.
+@formula
+def _start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note one over the period of the levels."""
+    acc[i + 3 * n] = 1.0 / math.tau if acc[i + n] == 0.0 else _UNWRAPPED
+
+
+@formula
+def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+    """Count the passages of a step."""
+    acc[i + 2 * n] += _passages(s, acc[i], acc[i + 3 * n])
 
 
 @formula
 def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
     """Forget the transient."""
-    acc[i] = 0.0
+    acc[i + 2 * n] = 0.0
 
 
 @observables.register("crossings")
@@ -47,6 +59,7 @@ class Crossings(Observable):
 
     variables: ClassVar[Any] = {"crossings": QUANTITIES["crossings"]}
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
+    start: ClassVar[Any] = staticmethod(_start)
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
 
@@ -57,13 +70,22 @@ class Crossings(Observable):
         default=False, metadata={"description": "count the unwrapped angle instead"}
     )
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the count, the level and one over the period of the levels."""
-        return [0.0, self.crossing_angle, _UNWRAPPED if self.unwrapped else 1.0 / math.tau]
+    @property
+    def memory(self) -> int:
+        """The count and the period."""
+        return 2
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the count."""
-        return {"crossings": slots[0]}
+
+@formula
+def _top_step(acc: Any, i: int, n: int, s: Segment) -> None:
+    """Count half a passage for each of +pi and -pi, whose levels are one position."""
+    acc[i] += 0.5 * _passages(s, math.pi, 1.0 / math.tau)
+
+
+@formula
+def _top_restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
+    """Forget the transient."""
+    acc[i] = 0.0
 
 
 @observables.register("rotations")
@@ -75,13 +97,5 @@ class Rotations(Observable):
         "rotations": Quantity("1", r"N_{rot}", "passages over the top position")
     }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
-    step: ClassVar[Any] = staticmethod(_step)
-    restart: ClassVar[Any] = staticmethod(_restart)
-
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the count, the level pi, and a period that makes +pi and -pi one position."""
-        return [0.0, math.pi, 1.0 / math.tau]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return half the count: +pi and -pi were both passed."""
-        return {"rotations": 0.5 * slots[0]}
+    step: ClassVar[Any] = staticmethod(_top_step)
+    restart: ClassVar[Any] = staticmethod(_top_restart)

@@ -6,14 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
-from latolato.observables.base import Observable, Outcome, observables
+from latolato.observables.base import STATE, Observable, Outcome, observables
 from latolato.quantities import Quantity
 from latolato.scalar import formula
 
-# Of the state: two angles and two angular velocities at most.
-STATE = 4
 # A vector shorter than this part of what it was before its part along the others was taken away
 # holds rounding only: the motion has lost that direction.
 _LOST = 1e-13
@@ -39,21 +35,25 @@ def _gather(acc: Any, i: int, n: int, size: int, time: float, spread: float, jac
     acc[i + STATE * STATE * n] += spread
 
 
-def identity() -> list[float]:
-    """Return the slots of the unit matrix."""
-    return [1.0 if row == column else 0.0 for row in range(STATE) for column in range(STATE)]
+@formula
+def _start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Write the unit matrix."""
+    for row in range(STATE):
+        acc[i + (STATE + 1) * row * n] = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Deviations(Observable):
     """The matrix by which a run changes small deviations; not registered, as it is no number."""
 
+    start: ClassVar[Any] = staticmethod(_start)
     tangent: ClassVar[Any] = staticmethod(_gather)
     is_joint: ClassVar[bool] = True
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return the unit matrix and zero."""
-        return [*identity(), 0.0]
+    @property
+    def memory(self) -> int:
+        """The matrix and the logarithm."""
+        return STATE * STATE + 1
 
 
 # Slots of `LyapunovExponents` behind the vectors.
@@ -106,35 +106,48 @@ def _start_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> Non
         acc[i + k * n] = 0.0
 
 
+@formula
+def _finish_exponents(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write all exponents, largest first, and NaN for those that there are not.
+
+    Orthonormalisation sorts those that differ; what it cannot tell apart is sorted here.
+    """
+    time = acc[i + _TIME * n]
+    for k in range(STATE):
+        acc[i + k * n] = acc[i + (_SUMS + k) * n] / time if k < 2 * end.balls else math.nan
+    for last in range(2 * end.balls - 1, 0, -1):
+        for k in range(last):
+            first, second = acc[i + k * n], acc[i + (k + 1) * n]
+            acc[i + k * n] = second if first < second else first
+            acc[i + (k + 1) * n] = first if first < second else second
+
+
+@formula
+def _finish_residual(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write by how much the sum of all exponents misses the mean divergence.
+
+    NaN where the motion loses its past: both are minus infinity there.
+    """
+    total = 0.0
+    for k in range(STATE):
+        total += acc[i + (_SUMS + k) * n]
+    acc[i] = (total - acc[i + _SPREAD * n]) / acc[i + _TIME * n]
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Exponents(Observable):
-    """What both observables of exponents share."""
+    """What all observables of exponents share."""
 
+    start: ClassVar[Any] = staticmethod(_start)
     tangent: ClassVar[Any] = staticmethod(_stretch)
     restart: ClassVar[Any] = staticmethod(_start_again)
+    finish: ClassVar[Any] = staticmethod(_finish_exponents)
     is_joint: ClassVar[bool] = True
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return unit vectors and empty sums."""
-        return [*identity(), *[0.0] * (STATE + 2)]
-
-    @staticmethod
-    def exponents(slots: Any, balls: int) -> Any:
-        """Return all exponents [1/s], largest first, of shape (point, exponent).
-
-        Orthonormalisation sorts those that differ; what it cannot tell apart is sorted here.
-        """
-        found = slots[_SUMS : _SUMS + 2 * balls] / slots[_TIME]
-        return -np.sort(-found.T, axis=1)
-
-    @staticmethod
-    def residual(slots: Any) -> Any:
-        """Return by how much the sum of all exponents misses the mean divergence [1/s].
-
-        NaN where the motion loses its past: both are minus infinity there.
-        """
-        total = slots[_SUMS : _SUMS + STATE].sum(axis=0)
-        return (total - slots[_SPREAD]) / slots[_TIME]
+    @property
+    def memory(self) -> int:
+        """The vectors, their growth, the time and the divergence."""
+        return _SPREAD + 1
 
 
 @observables.register("lyapunov_exponent")
@@ -149,10 +162,6 @@ class LyapunovExponent(_Exponents):
     variables: ClassVar[Any] = {
         "lyapunov_exponent": Quantity("1/s", r"\lambda_1", "largest Lyapunov exponent")
     }
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the largest exponent."""
-        return {"lyapunov_exponent": self.exponents(slots, outcome.balls)[:, 0]}
 
 
 @observables.register("lyapunov_spectrum")
@@ -169,10 +178,6 @@ class LyapunovSpectrum(_Exponents):
     }
     dimension: ClassVar[str] = "exponent"
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the exponents."""
-        return {"lyapunov_exponents": self.exponents(slots, outcome.balls)}
-
 
 @observables.register("sum_rule_residual")
 @dataclass(frozen=True, kw_only=True)
@@ -184,10 +189,7 @@ class SumRuleResidual(_Exponents):
             "1/s", r"\Delta\lambda", "sum of the exponents minus the mean divergence"
         )
     }
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the residual."""
-        return {"sum_rule_residual": self.residual(slots)}
+    finish: ClassVar[Any] = staticmethod(_finish_residual)
 
 
 @formula
@@ -209,6 +211,18 @@ def _cross_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> Non
     acc[i + 3 * n] = 0.0
 
 
+@formula
+def _cross_start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Write a unit vector."""
+    acc[i] = 1.0
+
+
+@formula
+def _cross_finish(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the rate."""
+    acc[i] = acc[i + 2 * n] / acc[i + 3 * n]
+
+
 @observables.register("transverse_exponent")
 @dataclass(frozen=True, kw_only=True)
 class TransverseExponent(Observable):
@@ -224,16 +238,15 @@ class TransverseExponent(Observable):
             "1/s", r"\lambda_\perp", "growth rate of the departure from mirror symmetry"
         )
     }
+    start: ClassVar[Any] = staticmethod(_cross_start)
     tangent: ClassVar[Any] = staticmethod(_cross)
     restart: ClassVar[Any] = staticmethod(_cross_again)
+    finish: ClassVar[Any] = staticmethod(_cross_finish)
     is_joint: ClassVar[bool] = True
     angles: ClassVar[int] = 2
     mirrored: ClassVar[bool] = True
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return a unit vector and empty sums."""
-        return [1.0, 0.0, 0.0, 0.0]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the rate."""
-        return {"transverse_exponent": slots[2] / slots[3]}
+    @property
+    def memory(self) -> int:
+        """The vector, its growth and the time."""
+        return 4

@@ -23,6 +23,12 @@ def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
     acc[i] = 0.0
 
 
+@formula
+def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Turn the integral into the mean of the ball's energy."""
+    acc[i] *= end.inertia / end.observed
+
+
 @observables.register("mean_energy")
 @dataclass(frozen=True, kw_only=True)
 class MeanEnergy(Observable):
@@ -32,7 +38,4 @@ class MeanEnergy(Observable):
     needs: ClassVar[frozenset[str]] = frozenset({"energy"})
     step: ClassVar[Any] = staticmethod(_step)
     restart: ClassVar[Any] = staticmethod(_restart)
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the integral over the observed time."""
-        return {"mean_energy": outcome.inertia * slots[0] / outcome.observed}
+    finish: ClassVar[Any] = staticmethod(_finish)

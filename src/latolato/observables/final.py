@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -11,20 +12,25 @@ from latolato.quantities import QUANTITIES, Quantity
 from latolato.scalar import formula
 
 
+@formula
+def _finish_angle(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the final angle."""
+    acc[i] = end.angle
+
+
 @observables.register("final_angle")
 @dataclass(frozen=True, kw_only=True)
 class FinalAngle(Observable):
     """Angle at the end, unwrapped."""
 
     variables: ClassVar[Any] = {"final_angle": Quantity("rad", r"\theta_{end}", "final angle")}
+    finish: ClassVar[Any] = staticmethod(_finish_angle)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return nothing: the state tells."""
-        return []
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the final angle."""
-        return {"final_angle": outcome.angle}
+@formula
+def _finish_velocity(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the final angular velocity."""
+    acc[i] = end.velocity
 
 
 @observables.register("final_angular_velocity")
@@ -35,14 +41,14 @@ class FinalAngularVelocity(Observable):
     variables: ClassVar[Any] = {
         "final_angular_velocity": Quantity("rad/s", r"\dot\theta_{end}", "final angular velocity")
     }
+    finish: ClassVar[Any] = staticmethod(_finish_velocity)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return nothing: the state tells."""
-        return []
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the final angular velocity."""
-        return {"final_angular_velocity": outcome.velocity}
+@formula
+def _finish_works(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write works and losses."""
+    acc[i], acc[i + n] = end.drive_work, end.damping_loss
+    acc[i + 2 * n], acc[i + 3 * n] = end.impact_loss, end.capture_loss
 
 
 @observables.register("works")
@@ -59,14 +65,13 @@ class Works(Observable):
     }
     needs: ClassVar[frozenset[str]] = frozenset({"works"})
     is_joint: ClassVar[bool] = True
+    finish: ClassVar[Any] = staticmethod(_finish_works)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return nothing: the state tells."""
-        return []
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return works and losses."""
-        return dict(outcome.works)
+@formula
+def _finish_slack(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the time of slack over the observed time."""
+    acc[i] = end.slack / end.observed
 
 
 @observables.register("slack_fraction")
@@ -76,21 +81,22 @@ class SlackFraction(Observable):
 
     variables: ClassVar[Any] = {"slack_fraction": QUANTITIES["slack_fraction"]}
     needs: ClassVar[frozenset[str]] = frozenset({"slack"})
+    finish: ClassVar[Any] = staticmethod(_finish_slack)
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return nothing: the state tells."""
-        return []
 
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return the time of slack over the observed time."""
-        return {"slack_fraction": outcome.slack / outcome.observed}
+# Slots of `Stroboscope`: how many drive periods, the angles at their ends, the velocities.
+@formula
+def _start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note that there are no samples yet."""
+    for m in range(2 * int(acc[i])):
+        acc[i + (m + 1) * n] = math.nan
 
 
 @formula
 def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocity: float) -> None:
     """Note the state at the end of a drive period."""
-    acc[i + 2 * number * n] = angle
-    acc[i + (2 * number + 1) * n] = velocity
+    acc[i + (number + 1) * n] = angle
+    acc[i + (number + 1 + int(acc[i])) * n] = velocity
 
 
 @observables.register("stroboscope")
@@ -108,6 +114,7 @@ class Stroboscope(Observable):
             "rad/s", r"\dot\theta(kT)", "angular velocity once per drive period"
         ),
     }
+    start: ClassVar[Any] = staticmethod(_start)
     mark: ClassVar[Any] = staticmethod(_mark)
     dimension: ClassVar[str] = "sample"
 
@@ -123,14 +130,3 @@ class Stroboscope(Observable):
     def marks(self) -> int:
         """How many drive periods are marked."""
         return self.periods
-
-    def initial(self, angle: Any) -> list[Any]:
-        """Return NaN for every sample."""
-        return [float("nan")] * (2 * self.periods)
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return samples of shape (point, sample)."""
-        return {
-            "stroboscopic_angle": slots[0::2].T,
-            "stroboscopic_angular_velocity": slots[1::2].T,
-        }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from latolato.errors import InputError
 from latolato.observables.base import Observable, Outcome, Segment, observables
@@ -13,20 +13,17 @@ from latolato.physics.contacts import BOTTOM, TOP
 from latolato.quantities import Quantity, Range, quantity_field
 from latolato.scalar import floor, formula
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
 # What the values of `periodicity` mean.
 PERIODICITY = ("rest", "periodic", "grazing", "aperiodic")
 # Periods watched for each drive period of the longest response: it must recur twice and more.
 _REPEATS = 3
 _LONGEST = 64
-# Slots behind the running counts of passages and impacts; then come those of each mark.
-_FASTEST, _SLOWEST_IMPACT, _HELD, _LARGEST, _RUNNING = 2, 3, 4, 5, 6
-_PER_MARK = 5  # time, angle, angular velocity, passages, impacts
+# Slots: parameters, variables, angles and angular velocities of all marks, then their times and the
+# passages and impacts until then, then what is running: both counts, the fastest speed, the slowest
+# impact, the time held and the largest angle.
+_LONGEST_PERIOD, _TOLERANCE, _VARIABLES, _ANGLES = 0, 1, 2, 13
+_PER_MARK = 5
+_PASSAGES, _IMPACTS, _FASTEST, _SLOWEST_IMPACT, _HELD, _LARGEST, _RUNNING = range(7)
 
 
 def wrapped(angle: Any) -> Any:
@@ -34,16 +31,57 @@ def wrapped(angle: Any) -> Any:
     return (angle + math.pi) % math.tau - math.pi
 
 
+class Samples(NamedTuple):
+    """Where stroboscopic samples lie in an array of numbers, once per drive period.
+
+    Attributes
+    ----------
+    angle, velocity : int
+        Places of the first sample of the first ball [rad], [rad/s].
+    step : int
+        From one sample to the next.
+    ball : int
+        From one ball to the next.
+    marks, balls : int
+        Samples, and balls.
+    """
+
+    angle: int
+    velocity: int
+    step: int
+    ball: int
+    marks: int
+    balls: int
+
+
+@formula
+def _distance(numbers: Any, at: Samples, lag: int, frequency: float, image: bool) -> float:
+    """Return the largest distance between samples that far apart, or from their mirror image."""
+    found = 0.0
+    for ball in range(at.balls):
+        other = at.balls - 1 - ball if image else ball
+        sign = 1.0 if image else -1.0
+        for late in range(lag, at.marks):
+            here = late * at.step + ball * at.ball
+            there = (late - lag) * at.step + other * at.ball
+            turn = numbers[at.angle + here] + sign * numbers[at.angle + there]
+            turn -= math.tau * floor(turn / math.tau + 0.5)
+            speed = numbers[at.velocity + here] + sign * numbers[at.velocity + there]
+            found = max(found, abs(turn), abs(speed) / frequency)
+    return found
+
+
+@formula
 def find_period(
-    angle: Floats, velocity: Floats, frequency: Floats, *, longest: int, angle_tolerance: float
-) -> tuple[Floats, Floats]:
+    numbers: Any, at: Samples, frequency: float, longest: int, angle_tolerance: float
+) -> tuple[float, float]:
     """Return the shortest lag after which stroboscopic samples recur, and the distance left.
 
     Parameters
     ----------
-    angle, velocity : ndarray, shape (point, ball, sample)
-        Once per drive period [rad], [rad/s].
-    frequency : ndarray, shape (point,)
+    numbers : sequence of float
+        All samples, none of them NaN.
+    frequency : float
         Of the drive [rad/s].
     longest : int
         Largest lag that is tried.
@@ -52,59 +90,67 @@ def find_period(
 
     Returns
     -------
-    period, residual : ndarray, shape (point,)
+    period, residual : float
         The lag in drive periods (NaN if none recurs) and the largest distance
         ``max(|wrap(angle)|, |velocity|/frequency)`` between samples that far apart [rad], of the
         closest lag where none recurs.
     """
-    import numpy as np
-
-    scaled = velocity / frequency[:, None, None]
-    period = np.full(len(angle), math.nan)
-    residual = np.full(len(angle), math.inf)
+    residual = math.inf
     for lag in range(1, longest + 1):
-        turn = abs(wrapped(angle[..., lag:] - angle[..., :-lag])).max(axis=(1, 2))
-        speed = abs(scaled[..., lag:] - scaled[..., :-lag]).max(axis=(1, 2))
-        distance = np.maximum(turn, speed)
-        better = np.isnan(period) & (distance < residual)
-        residual = np.where(better, distance, residual)
-        period = np.where(better & (distance <= angle_tolerance), float(lag), period)
-    return period, np.where(np.isfinite(residual), residual, math.nan)
+        distance = _distance(numbers, at, lag, frequency, False)
+        residual = min(residual, distance)
+        if distance <= angle_tolerance:
+            return float(lag), residual
+    return math.nan, residual
 
 
-def find_mirror(
-    angle: Floats, velocity: Floats, frequency: Floats, period: Floats
-) -> tuple[Floats, Floats]:
+@formula
+def find_mirror(numbers: Any, at: Samples, frequency: float, period: float) -> tuple[float, float]:
     """Return how far periodic samples are from their mirror image, and the shift of the closest.
 
     The mirror image of one ball is ``-angle``, of two balls ``(-angle of the other)``. A motion is
-    symmetric if it equals its image, maybe some whole drive periods later. Arrays as in
+    symmetric if it equals its image, maybe some whole drive periods later. Parameters are those of
     `find_period`; NaN where the period is.
     """
-    import numpy as np
+    residual, shift = math.inf, math.nan
+    for lag in range(at.marks):
+        if lag < period:
+            distance = _distance(numbers, at, lag, frequency, True)
+            shift = float(lag) if distance < residual else shift
+            residual = min(residual, distance)
+    return residual if residual < math.inf else math.nan, shift
 
-    scaled = velocity / frequency[:, None, None]
-    residual = np.full(len(angle), math.inf)
-    shift = np.full(len(angle), math.nan)
-    for lag in range(int(np.nanmax(period, initial=0.0))):
-        late, early = slice(lag, None), slice(None, angle.shape[-1] - lag)
-        turn = abs(wrapped(angle[..., late] + angle[:, ::-1, early])).max(axis=(1, 2))
-        speed = abs(scaled[..., late] + scaled[:, ::-1, early]).max(axis=(1, 2))
-        distance = np.maximum(turn, speed)
-        better = (lag < period) & (distance < residual)
-        residual, shift = np.where(better, distance, residual), np.where(better, lag, shift)
-    return np.where(np.isfinite(residual), residual, math.nan), shift
+
+@formula
+def _marks(acc: Any, i: int, n: int) -> int:
+    """Return how many ends of drive periods are marked."""
+    return _REPEATS * int(acc[i]) + 1
+
+
+@formula
+def _running(acc: Any, i: int, n: int) -> int:
+    """Return the place of the first slot of what is running."""
+    return i + (_ANGLES + _PER_MARK * _marks(acc, i, n)) * n
+
+
+@formula
+def _start(acc: Any, i: int, n: int, angle: float) -> None:
+    """Note that there are no samples yet."""
+    for m in range(_ANGLES, _ANGLES + _PER_MARK * _marks(acc, i, n)):
+        acc[i + m * n] = math.nan
+    acc[_running(acc, i, n) + _SLOWEST_IMPACT * n] = math.inf
 
 
 @formula
 def _step(acc: Any, i: int, n: int, s: Segment) -> None:
     """Count passages through the hanging position, keep extremes and the time held."""
-    acc[i] += abs(floor(s.x1 / math.tau) - floor(s.x0 / math.tau))
-    acc[i + 2 * n] = max(acc[i + 2 * n], abs(s.v1))
-    acc[i + 4 * n] += s.held * (s.t1 - s.t0)
+    j = _running(acc, i, n)
+    acc[j] += abs(floor(s.x1 / math.tau) - floor(s.x0 / math.tau))
+    acc[j + _FASTEST * n] = max(acc[j + _FASTEST * n], abs(s.v1))
+    acc[j + _HELD * n] += s.held * (s.t1 - s.t0)
     turns = math.tau * floor(s.x0 / math.tau + 0.5)
     high = max(abs(s.x0 - turns), abs(s.x1 - turns), abs(s.turn - turns))
-    acc[i + 5 * n] = max(acc[i + 5 * n], min(high, math.pi))
+    acc[j + _LARGEST * n] = max(acc[j + _LARGEST * n], min(high, math.pi))
 
 
 @formula
@@ -113,24 +159,70 @@ def _contact(
 ) -> None:
     """Count an impact and keep the slowest."""
     if kind in (BOTTOM, TOP):
-        acc[i + n] += 1.0
-        acc[i + 3 * n] = min(acc[i + 3 * n], closing)
+        j = _running(acc, i, n)
+        acc[j + _IMPACTS * n] += 1.0
+        acc[j + _SLOWEST_IMPACT * n] = min(acc[j + _SLOWEST_IMPACT * n], closing)
 
 
 @formula
 def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocity: float) -> None:
     """Note state and counts; the extremes count from the first mark on."""
+    j, marks = _running(acc, i, n), _marks(acc, i, n)
     if number == 0:
-        acc[i + 2 * n] = abs(velocity)
-        acc[i + 3 * n] = math.inf
-        acc[i + 4 * n] = 0.0
-        acc[i + 5 * n] = abs(angle - math.tau * math.floor(angle / math.tau + 0.5))
-    first = i + (6 + 5 * number) * n
-    acc[first] = t
-    acc[first + n] = angle
-    acc[first + 2 * n] = velocity
-    acc[first + 3 * n] = acc[i]
-    acc[first + 4 * n] = acc[i + n]
+        acc[j + _FASTEST * n] = abs(velocity)
+        acc[j + _SLOWEST_IMPACT * n] = math.inf
+        acc[j + _HELD * n] = 0.0
+        acc[j + _LARGEST * n] = abs(angle - math.tau * math.floor(angle / math.tau + 0.5))
+    first, apart = i + (_ANGLES + number) * n, marks * n
+    acc[first] = angle
+    acc[first + apart] = velocity
+    acc[first + 2 * apart] = t
+    acc[first + 3 * apart] = acc[j]
+    acc[first + 4 * apart] = acc[j + _IMPACTS * n]
+
+
+@formula
+def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write period, class, counts per drive period and distances."""
+    watched, j = _marks(acc, i, n) - 1, _running(acc, i, n)
+    first, apart = i + _ANGLES * n, (watched + 1) * n
+    last = first + watched * n
+    samples = Samples(first, first + apart, n, 1, watched + 1, 1)
+    span, angles = acc[last + 2 * apart] - acc[first + 2 * apart], 0.0
+    for m in range(watched + 1):
+        angles += acc[first + m * n] - acc[first + m * n]
+    for m in range(_VARIABLES, _ANGLES):
+        acc[i + m * n] = math.nan
+    if not (span > 0.0 and angles == 0.0):
+        return
+    frequency = math.tau * watched / span
+    slow = acc[i + _TOLERANCE * n] * frequency
+    fastest, slowest = acc[j + _FASTEST * n], acc[j + _SLOWEST_IMPACT * n]
+    longest = int(acc[i + _LONGEST_PERIOD * n])
+    period, residual = find_period(acc, samples, frequency, longest, acc[i + _TOLERANCE * n])
+    rests = fastest <= slow
+    period = 1.0 if rests else period
+    recurs = period > 0.0
+    grazes = slowest <= slow and acc[j + _HELD * n] <= 0.0
+    lag = watched
+    if recurs:
+        lag -= watched % int(period)
+    turns = (acc[last] - acc[last - lag * n]) / lag / math.tau
+    passages = (acc[last + 3 * apart] - acc[last + 3 * apart - lag * n]) / lag
+    impacts = (acc[last + 4 * apart] - acc[last + 4 * apart - lag * n]) / lag
+    mirror, shift = find_mirror(acc, samples, frequency, period)
+    k = i + _VARIABLES * n
+    acc[k] = period
+    acc[k + n] = 0.0 if rests else (2.0 if grazes else 1.0) if recurs else 3.0
+    acc[k + 2 * n] = residual
+    acc[k + 3 * n] = 0.0 if rests else 0.5 * passages
+    acc[k + 4 * n] = floor(turns * lag + 0.5) / lag if recurs else turns  # whole ones in a period
+    acc[k + 5 * n] = impacts
+    acc[k + 6 * n] = mirror
+    acc[k + 7 * n] = shift
+    acc[k + 8 * n] = slowest if slowest < math.inf else math.nan
+    acc[k + 9 * n] = fastest
+    acc[k + 10 * n] = acc[j + _LARGEST * n]
 
 
 @observables.register("response_period")
@@ -149,7 +241,7 @@ class ResponsePeriod(Observable):
     drive period. `turns_per_period` are net turns per drive period; a rotating pendulum passes the
     hanging position once per turn. `impacts_per_period` counts impacts. All are over the largest
     whole number of response periods watched. `mirror_residual` is the distance of a periodic
-    motion of one angle without walls from its mirror image, at any shift.
+    motion of one angle without walls from its mirror image, `mirror_shift` drive periods later.
     `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
     """
 
@@ -163,6 +255,7 @@ class ResponsePeriod(Observable):
         "turns_per_period": Quantity("1", "R", "net turns per drive period"),
         "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
         "mirror_residual": Quantity("rad", r"\epsilon_m", "distance from the mirror image"),
+        "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
         "slowest_impact": Quantity("rad/s", r"v_{min}", "closing speed of the slowest impact"),
         "fastest_speed": Quantity("rad/s", r"\dot\theta_{max}", "largest angular speed"),
         "largest_angle_watched": Quantity(
@@ -170,9 +263,11 @@ class ResponsePeriod(Observable):
         ),
     }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
+    start: ClassVar[Any] = staticmethod(_start)
     step: ClassVar[Any] = staticmethod(_step)
     contact: ClassVar[Any] = staticmethod(_contact)
     mark: ClassVar[Any] = staticmethod(_mark)
+    finish: ClassVar[Any] = staticmethod(_finish)
 
     longest: int = field(default=16, metadata={"description": "longest response period"})
     angle_tolerance: float = quantity_field(
@@ -193,103 +288,20 @@ class ResponsePeriod(Observable):
         """How many ends of drive periods are marked: both of each period watched."""
         return _REPEATS * self.longest + 1
 
-    def initial(self, angle: Any) -> list[Any]:
-        """Return counts of zero and no marks."""
-        return [0.0, 0.0, 0.0, math.inf, 0.0, 0.0, *[math.nan] * (_PER_MARK * self.marks)]
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return period, class, counts per drive period and distances."""
-        import numpy as np
-
-        t, angle, velocity, passages, impacts = (
-            slots[_RUNNING + row :: _PER_MARK].T for row in range(_PER_MARK)
-        )
-        span = t[:, -1] - t[:, 0]
-        frequency = math.tau * (self.marks - 1) / span
-        known = np.isfinite(span) & np.isfinite(angle).all(axis=1)
-        nothing = np.where(known, 0.0, math.nan)
-        x, v = angle[:, None], velocity[:, None]
-        period, residual = find_period(
-            x, v, frequency, longest=self.longest, angle_tolerance=self.angle_tolerance
-        )
-        slow = self.angle_tolerance * frequency
-        rests = slots[_FASTEST] <= slow
-        period = np.where(rests, 1.0, period)
-        grazes = (slots[_SLOWEST_IMPACT] <= slow) & (slots[_HELD] <= 0.0)
-        periodicity = np.where(np.isfinite(period), np.where(grazes, 2.0, 1.0), 3.0)
-        watched = self.marks - 1
-        cycles = np.where(np.isfinite(period), period, 1.0)
-        lag = (watched // cycles * cycles).astype(np.int64)
-        rows = np.arange(len(lag))
-
-        def rate(counts: Any) -> Any:
-            return (counts[:, -1] - counts[rows, watched - lag]) / lag + nothing
-
-        turns = rate(angle) / math.tau
-        # Whole turns in a period, and no -0.0.
-        turns = np.where(np.isfinite(period), np.round(turns * lag) / lag, turns) + 0.0
-        slowest = np.where(np.isfinite(slots[_SLOWEST_IMPACT]), slots[_SLOWEST_IMPACT], math.nan)
-        return {
-            "response_period": period + nothing,
-            "periodicity": np.where(rests, 0.0, periodicity) + nothing,
-            "recurrence_residual": residual + nothing,
-            "windings": np.where(rests, 0.0, 0.5) * rate(passages),
-            "turns_per_period": np.where(np.isfinite(period), np.round(turns * lag) / lag, turns)
-            + 0.0,
-            "impacts_per_period": rate(impacts),
-            "mirror_residual": find_mirror(x, v, frequency, period)[0] + nothing,
-            "slowest_impact": slowest + nothing,
-            "fastest_speed": slots[_FASTEST] + nothing,
-            "largest_angle_watched": slots[_LARGEST] + nothing,
-        }
+    @property
+    def memory(self) -> int:
+        """Variables, marks and what is running."""
+        return _ANGLES - _VARIABLES + _PER_MARK * self.marks + _RUNNING
 
 
 @observables.register("response_samples")
 @dataclass(frozen=True, kw_only=True)
-class ResponseSamples(Observable):
+class ResponseSamples(ResponsePeriod):
     """What `ResponsePeriod` finds, with the samples it finds it from.
 
     The samples are those of `Stroboscope`: the ends of ``3 longest`` drive periods.
     """
 
     variables: ClassVar[Any] = {**ResponsePeriod.variables, **Stroboscope.variables}
-    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
-    step: ClassVar[Any] = staticmethod(_step)
-    contact: ClassVar[Any] = staticmethod(_contact)
-    mark: ClassVar[Any] = staticmethod(_mark)
     dimension: ClassVar[str] = "sample"
     plain: ClassVar[Any] = frozenset(ResponsePeriod.variables)
-
-    longest: int = field(default=16, metadata={"description": "longest response period"})
-    angle_tolerance: float = quantity_field(
-        "initial_offset",
-        Range(0.0, 1.0, open_low=True),
-        default=1e-4,
-        description="distance below which samples agree",
-    )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._period  # noqa: B018 - checks the fields
-
-    @property
-    def _period(self) -> ResponsePeriod:
-        """The observable that reads the samples."""
-        return ResponsePeriod(longest=self.longest, angle_tolerance=self.angle_tolerance)
-
-    @property
-    def marks(self) -> int:
-        """How many ends of drive periods are marked."""
-        return self._period.marks
-
-    def initial(self, angle: Any) -> list[Any]:
-        """Return counts of zero and no marks."""
-        return self._period.initial(angle)
-
-    def values(self, slots: Any, outcome: Outcome) -> dict[str, Any]:
-        """Return what `ResponsePeriod` does, and the samples of shape (point, sample)."""
-        return {
-            **self._period.values(slots, outcome),
-            "stroboscopic_angle": slots[_RUNNING + 1 :: _PER_MARK].T,
-            "stroboscopic_angular_velocity": slots[_RUNNING + 2 :: _PER_MARK].T,
-        }

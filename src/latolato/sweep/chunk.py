@@ -13,10 +13,9 @@ from latolato.numerics import records
 from latolato.numerics.many import Progress, make_progress
 from latolato.numerics.records import INVALID, STATUS_NAMES
 from latolato.numerics.steppers import Stepper
-from latolato.numerics.watch import slots_of
-from latolato.observables import Outcome
+from latolato.numerics.watch import blank_slots, slots_of
 from latolato.sweep.plan import Plan
-from latolato.sweep.points import Batch, Previous, make_batch, stepper_of, transient_of
+from latolato.sweep.points import Batch, Previous, make_batch, stepper_of
 
 # How an executor runs the points `order` of a batch, writing into the progress.
 RunPoints = Callable[[Plan, Batch, Stepper, NDArray[np.int64], Progress], None]
@@ -78,15 +77,8 @@ def _run(
     """Return the values of these points, what is wrong with the first invalid one, their ends."""
     batch = make_batch(plan, index, stepper, previous)
     balls, count = plan.system.angles, len(index)
-    blocks = slots_of(plan.observables)
-    progress = make_progress(count, sum(b.size for b in blocks), balls)
-    progress.states[:] = batch.states
-    acc = progress.acc.reshape(-1, count, balls)
-    for observable, block in zip(plan.observables, blocks, strict=True):
-        for ball in range(balls):
-            angle = batch.states["angle"][:, ball]
-            for slot, content in enumerate(observable.initial(angle)):
-                acc[block.first + slot, :, ball] = content
+    acc = blank_slots(plan.observables, balls * count).ravel()
+    progress = make_progress(batch.states, acc)
     # Longest first: the last points of a worker then are short ones.
     steps = plan.duration / np.where(batch.valid, batch.points.settings["step"], math.inf)
     order = np.argsort(-steps, kind="stable")
@@ -102,32 +94,14 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
     """Return the observables' variables, status and NaN where a point has no answer."""
     balls, count = plan.system.angles, len(batch.valid)
     acc = progress.acc.reshape(-1, count, balls)
-    states, begun = progress.states, progress.begun
-    ledger = ("drive_work", "damping_loss", "impact_loss", "capture_loss")
-    works = {name: states[name] - begun[name] for name in ledger}
-    slack = states["slack_time"] - begun["slack_time"]
-    observed = plan.duration - transient_of(plan, batch.columns)
     bad = progress.status >= records.EVENT_LIMIT
     values: Values = {}
     for observable, block in zip(plan.observables, slots_of(plan.observables), strict=True):
-        found = []
-        for ball in range(balls):
-            outcome = Outcome(
-                angle=states["angle"][:, ball],
-                velocity=states["velocity"][:, ball],
-                observed=observed,
-                inertia=batch.points.bodies["inertia"][:, ball],
-                works=works,
-                slack=slack[:, ball],
-                balls=balls,
-            )
-            slots = acc[block.first : block.first + block.size, :, ball]
-            with np.errstate(all="ignore"):  # points without an answer become NaN below
-                found.append(observable.values(slots, outcome))
+        slots = acc[block.first : block.first + block.size]
+        found = [observable.read(slots[:, :, ball], balls) for ball in range(balls)]
+        one = balls == 1 or observable.is_joint
         for name in observable.variables:
-            per_ball = [np.array(f[name], dtype=np.float64) for f in found]
-            one = balls == 1 or observable.is_joint
-            joined = per_ball[0] if one else np.stack(per_ball, axis=1)
+            joined = found[0][name].copy() if one else np.stack([f[name] for f in found], axis=1)
             joined[bad] = math.nan
             values[name] = joined
     values[STATUS] = progress.status.astype(np.int8)

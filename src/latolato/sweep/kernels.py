@@ -124,17 +124,19 @@ def run_fastest(
     system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
     damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
+    walled = system.has_contacts and plan.contact.meets
     fly = piece_of(fly_recipe(
-        system.restoring, damped=damped,
-        walled=system.has_contacts and plan.contact.meets, works=works,
+        system.restoring, damped=damped, walled=walled, works=works,
         tangents=bool(hooks[ON_TANGENT]),
     ))  # fmt: skip
-    locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
+    locate = None
+    if walled:
+        locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
     looking = lane_pieces(plan.observables, *laws_key(system))
     scratch, pieces = _prepared(plan, batch, stepper)
     space = make_lane_space(
         len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
-        locate.address, hook_table(looking),
+        0 if locate is None else locate.address, hook_table(looking),
     )  # fmt: skip
     weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
     never = np.zeros(1, dtype=np.int64)
@@ -144,7 +146,7 @@ def run_fastest(
     lanes = piece_of(lanes_recipe(batch.points.stretches.dtype, *laws))
     words = np.array(words_of(task, empty_task(batch.points.stretches.dtype)))
     lanes.call(words.ctypes.data)
-    del pieces, looking  # until now their code was called
+    del pieces, looking, locate  # until now their code was called
 
 
 def has_lanes(plan: Plan) -> bool:

@@ -13,13 +13,18 @@
  * @typedef {{
  *   records: Record<string, {size: number, fields: Record<string, Held>}>,
  *   bundles: Record<string, Word[]>, modules: Record<string, string[]>,
- *   observables: Record<string, Record<string, string>>, occasions: string[],
+ *   observables: Record<string, Observable>, occasions: string[], shared_needs: string[],
  *   sample_rows: Record<string, number>, sample_rows_count: number, pivot_rows: string[],
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
- *   drives: string[],
+ *   drives: string[], rotating_drives: string[], steppers: Record<string, Weights>,
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
- *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number,
- *   needs: Record<string, string[]>}} Layout
+ *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
+ *
+ * An observable with its usual parameters: how many slots each of its variables has, how many ends
+ * of drive periods it looks at, all its slots, and the pieces that are called on each occasion.
+ * @typedef {{parameters: Record<string, number>, dimension: string, widths: Record<string, number>,
+ *   marks: number, slots: number, needs: string[], pieces: Record<string, string>}} Observable
+ * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 
 const ALIGNMENT = 64;

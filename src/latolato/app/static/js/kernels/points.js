@@ -77,7 +77,7 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) 
     table: kernels.take("f8", (stages + 1) * table_rows * lanes),
     acc: kernels.take("f8", lanes * slots), point, index: kernels.take("i8", lanes),
     lane: kernels.take("i8", impacts), fly: kernels.pieces[fly],
-    locate: kernels.pieces[`locate_${law}`], hooks: kernels.hooks([[...shared, ...steps], matrices]),
+    locate: walled ? kernels.pieces[`locate_${law}`] : 0, hooks: kernels.hooks([[...shared, ...steps], matrices]),
   };
 }
 

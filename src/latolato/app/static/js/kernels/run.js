@@ -172,20 +172,20 @@ function forget(kernels, samples, balls) {
  * @param {Kernels} kernels
  * @param {Prepared} prepared
  * @param {Held} samples
- * @param {{balls: Held, gravity: number, with_lab: boolean, piece?: string}} how
- *   `piece` is `observer`, or `observer_linear` for the small-angle model
+ * @param {{balls: Held, gravity: number, is_linear?: boolean, with_lab: boolean}} how
  * @returns {{pivot: Held, out: Held}}
  */
 export function observe(kernels, prepared, samples, how) {
   const { times, stretches } = prepared;
-  const { balls, gravity, with_lab, piece = "observer" } = how;
+  const { balls, gravity, is_linear = false, with_lab } = how;
   const { pivot_rows, ball_rows, sample_rows } = kernels.layout;
   const [size] = times.shape;
   const pivot = kernels.take("f8", pivot_rows.length, size);
   const out = kernels.take("f8", balls.shape[0], ball_rows.length, size);
   const modes = { ...times, at: samples.at + sample_rows.mode * size * WORD };
-  kernels.call(piece, "observation", {
-    times, modes, samples, stretches, balls, gravity, with_lab: Number(with_lab), pivot, out,
+  kernels.call("observer", "observation", {
+    times, modes, samples, stretches, balls, gravity, is_linear: Number(is_linear),
+    with_lab: Number(with_lab), pivot, out,
   });
   return { pivot, out };
 }
