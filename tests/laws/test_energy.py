@@ -202,3 +202,15 @@ def test_lab_energy_balance_holds_along_a_run(name, damping_law):
     # Difference error: (w h)^6/140 of the scale, w up to about 25 rad/s; rounding eps/h.
     np.testing.assert_allclose(slope[clear], balance[clear], rtol=0, atol=2e-9)
     assert np.all(np.isfinite(angle))
+
+
+def test_the_rod_carries_a_ball_that_friction_holds():
+    # All of m (g + y0'') comes from the rod then, part of it through friction at the pivot.
+    system = ll.Pendulum(length=l, mass=m, coulomb_damping=5.0)
+    drive = ll.Harmonic(drive_amplitude=0.06, drive_frequency=7.0, drive_phase=0.4)
+    run = ll.simulate(
+        system, drive, initial_angle=0.4, times=np.linspace(0.0, 3.0, 200), frame="both"
+    )
+    assert np.all(run.angle == 0.4)
+    carried = m * (system.gravity + run.pivot_acceleration) * run.pivot_velocity
+    np.testing.assert_allclose(run.rod_power, carried, rtol=1e-13, atol=1e-14)

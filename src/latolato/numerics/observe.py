@@ -12,7 +12,7 @@ from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import JOINT, REST
 from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
-from latolato.physics.damping import damping_power, drag
+from latolato.physics.damping import damping_power, drag, static_friction
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
 from latolato.physics.pair import contact_torque, radial_push
 from latolato.physics.pendulum import Ball, swung
@@ -144,6 +144,9 @@ def make_observer(
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
                 sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
                 force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+                if speed == 0.0 and not touching:
+                    pull = -b.mass * (gravity + ay) * restored_at(angle, o.is_linear)
+                    force = static_friction(pull, b.coulomb_damping)
                 out[j, LAB, i] = lab_energy(angle, speed, y, vy, b.mass, b.length, gravity)
                 out[j, ROD, i] = rod_power(angle, force, out[j, TENSION, i], vy)
 

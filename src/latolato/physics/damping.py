@@ -83,6 +83,12 @@ def drag(velocity: float, sign: float, rate: float, quadratic: float, coulomb: f
 
 
 @formula
+def static_friction(pull: float, coulomb: float) -> float:
+    """Return the friction on a ball without motion: it balances the pull as far as it can."""
+    return min(max(pull, -coulomb), coulomb)
+
+
+@formula
 def damping_power(
     velocity: float,
     length: float,
