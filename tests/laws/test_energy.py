@@ -214,3 +214,15 @@ def test_the_rod_carries_a_ball_that_friction_holds():
     assert np.all(run.angle == 0.4)
     carried = m * (system.gravity + run.pivot_acceleration) * run.pivot_velocity
     np.testing.assert_allclose(run.rod_power, carried, rtol=1e-13, atol=1e-14)
+
+
+def test_the_rod_carries_a_ball_that_lies_against_the_other():
+    # The other ball pushes sideways only, and friction has nothing to do.
+    system = ll.LatoLato(length=l, mass=m, radius=0.05, coulomb_damping=5.0)
+    drive = ll.Harmonic(drive_amplitude=0.06, drive_frequency=7.0, drive_phase=0.4)
+    run = ll.simulate(
+        system, drive, initial_offset=0.0, times=np.linspace(0.0, 3.0, 200), frame="both"
+    )
+    assert np.all(run.angular_velocity == 0.0)
+    carried = m * (system.gravity + run.pivot_acceleration) * run.pivot_velocity
+    np.testing.assert_allclose(run.rod_power, carried, rtol=1e-13, atol=1e-14)
