@@ -104,6 +104,7 @@ class TestEverySystemDriveAndDamping:
 class TestLedger:
     @moderate
     @pytest.mark.filterwarnings("ignore:the run stopped:RuntimeWarning")
+    @example(0.0, 1.0, 0.0, 0.0, 0.0, 1e-108, 0.0, 1.0)  # a wall nearer to 0 than any rounding
     @given(
         amplitude=st.floats(0.0, 0.3),
         frequency=st.floats(1.0, 12.0),

@@ -82,7 +82,7 @@ def modes(kit):
                 begin = balls.leave(run, wall, -side, run.length)
             balls.shorten(run, balls.locate(run, GAP, wall, begin, run.length))
             balls.fly_by(run, run.length, run.end)
-            balls.separate(run, run.end, wall - balls.gap(run.end), 0.0)
+            balls.place(run, run.end, wall, balls.gap_rate(run.end))
             run.event = RELEASE
         body, end = run.bodies[0], run.end[0]
         run.work, run.loss = body.inertia * end.work, body.inertia * end.loss

@@ -25,7 +25,7 @@ class Balls(NamedTuple):
     gap: Callable[..., float]
     gap_rate: Callable[..., float]
     gap_acceleration: Callable[..., float]
-    separate: Callable[..., None]
+    place: Callable[..., None]
     fly: Callable[..., None]
     fly_by: Callable[..., None]
     settle: Callable[..., None]
@@ -70,17 +70,17 @@ def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) 
         return points[0].acceleration
 
     @part
-    def separate(run: Any, points: Any, angle: float, velocity: float) -> None:
-        """Widen the gap and its rate, with the mean angle and the angular momentum kept."""
+    def place(run: Any, points: Any, wanted: float, rate: float) -> None:
+        """Set the gap and its rate, with the mean angle and the angular momentum kept."""
         if two:
-            share = share_of(run)
+            share, angle = share_of(run), wanted - gap(points)
+            velocity = rate - gap_rate(points)
             points[0].angle += 0.5 * angle
             points[1].angle -= 0.5 * angle
             points[0].velocity += (1.0 - share) * velocity
             points[1].velocity -= share * velocity
         else:
-            points[0].angle += angle
-            points[0].velocity += velocity
+            points[0].angle, points[0].velocity = wanted, rate
 
     @inlined(part)
     def fly(run: Any) -> None:
@@ -184,6 +184,6 @@ def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) 
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_acceleration, separate, fly, fly_by, settle, locate, leave, parting,
+        gap, gap_rate, gap_acceleration, place, fly, fly_by, settle, locate, leave, parting,
         energy, plan_length, shorten,
     )  # fmt: skip

@@ -137,8 +137,7 @@ def make_flight(
         balls.shorten(run, length)
         fly_by(run, length, run.end)
         # Rounding may have turned a grazing velocity round.
-        missing = 2.0 * gap_rate(run.end) if gap_rate(run.end) * side < 0.0 else 0.0
-        balls.separate(run, run.end, wall - gap(run.end), -missing)
+        balls.place(run, run.end, wall, side * abs(gap_rate(run.end)))
         run.event, run.side = CONTACT, side
 
     @part
@@ -163,7 +162,7 @@ def make_flight(
         _, back = hop(before, -balls.parting(run, side, run.t, run.now), friction)
         balls.shorten(run, soon)
         fly_by(run, soon, run.end)
-        balls.separate(run, run.end, wall - gap(run.end), side * back - gap_rate(run.end))
+        balls.place(run, run.end, wall, side * back)
         if not two:
             run.end[0].work, run.end[0].loss = 0.0, 0.5 * (before - back) * (before + back)
         run.event, run.side = CONTACT, side
@@ -205,9 +204,8 @@ def make_flight(
         fly_by(run, length, run.inside)
         if run.event == CONTACT:
             wall = run.settings.low if run.side < 0.0 else run.settings.high
-            beyond = gap(run.inside) - wall
-            if beyond * run.side > 0.0:  # by a rounding
-                balls.separate(run, run.inside, -beyond, 0.0)
+            if (gap(run.inside) - wall) * run.side > 0.0:  # by a rounding
+                balls.place(run, run.inside, wall, gap_rate(run.inside))
         run.work_inside, run.loss_inside = 0.0, 0.0
         for i in range(count):
             run.work_inside += run.bodies[i].inertia * run.inside[i].work
