@@ -23,7 +23,7 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
-from latolato.cache import cache_directory
+from latolato.core.cache import cache_directory
 from latolato.numerics.sources import digest_of_sources
 
 HERE = Path(__file__).resolve().parent

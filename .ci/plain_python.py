@@ -16,7 +16,7 @@ from pathlib import Path
 import hypothesis
 import numpy as np
 
-from latolato.cache import cache_directory
+from latolato.core.cache import cache_directory
 from latolato.numerics import compiled, integrate, prepare, shipped
 from latolato.numerics.engine.record import as_objects
 from latolato.numerics.observe import make_observer
@@ -60,7 +60,7 @@ else:
     integrate.observe = _observe
     prepare_cases = prepare.prepare_cases
     prepare.prepare_cases = lambda given, **_: prepare_cases(given, compiled=False)
-    from latolato.sweep import kernels  # imports what was just replaced
+    from latolato.sweeps import kernels  # imports what was just replaced
 
     kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)
 

@@ -28,7 +28,7 @@ from latolato.numerics.pieces import SHARED, Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.record import LEDGER
+from latolato.simulation.record import LEDGER
 
 LAYOUT = "layout.json"
 _LINKER = "ziglang"
@@ -37,7 +37,7 @@ _LINKER = "ziglang"
 _FEATURES = "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext"
 # Functions of C that modules take from a page's `Math`, which has them under the same names. Both
 # err by about a unit in the last place. The sine of the equation of motion is not one of them: see
-# `latolato.scalar`.
+# `latolato.core.scalar`.
 _MATH = (
     "acos", "asin", "atan", "atan2", "cos", "exp", "expm1", "hypot", "log", "log1p", "pow", "sin",
     "tan",

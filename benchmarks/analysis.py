@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 
 import latolato as ll
-from latolato.sweep.chunk import run_chunk
-from latolato.sweep.kernels import run_fastest
-from latolato.sweep.plan import make_plan
+from latolato.sweeps.chunk import run_chunk
+from latolato.sweeps.kernels import run_fastest
+from latolato.sweeps.plan import make_plan
 
 MAPPED = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, damping=0.00506, restitution=0.9)

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 # Share of samples that may be ok where the ball is not followed, and that must be where it is.
 _FEW, _MANY = 0.05, 0.6

@@ -38,11 +38,11 @@ from scipy.integrate import solve_ivp
 
 import latolato as ll
 import latolato.numerics.compiled  # makes formulas known to numba
-from latolato.scalar import sine
-from latolato.sweep.chunk import run_chunk
-from latolato.sweep.kernels import run_fastest, run_scalar
-from latolato.sweep.plan import Plan, make_plan
-from latolato.sweep.points import stepper_of
+from latolato.core.scalar import sine
+from latolato.sweeps.chunk import run_chunk
+from latolato.sweeps.kernels import run_fastest, run_scalar
+from latolato.sweeps.plan import Plan, make_plan
+from latolato.sweeps.points import stepper_of
 
 DURATION = 300.0
 RADIUS = 0.1

@@ -20,9 +20,9 @@ import numpy as np
 
 import latolato as ll
 from latolato.numerics.integrate import Start, choose_step, integrate
-from latolato.sweep.chunk import run_chunk
-from latolato.sweep.kernels import run_fastest
-from latolato.sweep.plan import make_plan
+from latolato.sweeps.chunk import run_chunk
+from latolato.sweeps.kernels import run_fastest
+from latolato.sweeps.plan import make_plan
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
 from in_node import MODULES, Case, in_node, points_case, record_run

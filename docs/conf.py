@@ -78,8 +78,8 @@ def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 def glossary() -> str:
     """Return the table of all quantities."""
+    from latolato.core.quantities import QUANTITIES
     from latolato.observables import observables
-    from latolato.quantities import QUANTITIES
 
     known = dict(QUANTITIES)
     for observable in observables.values():
@@ -91,8 +91,8 @@ def glossary() -> str:
 def analysis_glossary() -> str:
     """Return the table of what analyses answer beside the quantities known everywhere."""
     import latolato.analysis
+    from latolato.core.quantities import QUANTITIES, Quantity
     from latolato.observables import observables
-    from latolato.quantities import QUANTITIES, Quantity
 
     known = set(QUANTITIES).union(*(o.variables for o in observables.values()))
     rows: dict[tuple[str, ...], list[str]] = {}
@@ -196,7 +196,7 @@ def analysis_names() -> str:
 
 def command_line() -> str:
     """Return the reference that typer writes about the installed command."""
-    arguments = ["-m", "typer", "latolato.cli", "utils", "docs", "--name", "latolato"]
+    arguments = ["-m", "typer", "latolato.cli.main", "utils", "docs", "--name", "latolato"]
     # A wide terminal without colours gives the same text on every machine.
     environment = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
     done = subprocess.run(

@@ -8,4 +8,4 @@ before are taken as they are.
 import latolato.analysis
 import latolato.observables
 import latolato.physics.drives
-import latolato.sweep.executors  # noqa: F401
+import latolato.sweeps.executors  # noqa: F401

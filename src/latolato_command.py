@@ -24,7 +24,7 @@ def main() -> int:
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     import logging
 
-    from latolato.cli import main as run
+    from latolato.cli.main import main as run
 
     # Zarr leaves its other reads pending when one is refused; asyncio would report each at the end.
     logging.getLogger("asyncio").setLevel(logging.CRITICAL)

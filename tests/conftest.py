@@ -16,7 +16,7 @@ import hypothesis
 import numpy as np
 import pytest
 
-from latolato.cache import cache_directory
+from latolato.core.cache import cache_directory
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import Ball, systems
 

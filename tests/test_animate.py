@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.figures import style
 from latolato.figures.animate import MOST_FRAMES, SIZES, Scene, animate
 

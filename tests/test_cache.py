@@ -17,8 +17,8 @@ from threading import Barrier
 import pytest
 
 from app_server import start_server, stop_server
-from latolato import cache
 from latolato.app.blocks import unpack
+from latolato.core import cache
 from latolato.numerics import compiled
 from latolato.numerics.sources import sources_hash
 
@@ -259,7 +259,7 @@ def test_what_many_write_at_once_is_read_whole_or_not_at_all(folder):
 @pytest.fixture
 def damaged(tmp_path, monkeypatch):
     """A cache with the machine code of a run, every file of it empty."""
-    from latolato.scenario import load_scenario
+    from latolato.scenario.scenario import load_scenario
 
     load_scenario("zeno").record()
     folder = tmp_path / "damaged"

@@ -15,12 +15,13 @@ import pytest
 from typer.testing import CliRunner
 
 import latolato as ll
-from latolato import cli, progress
-from latolato.cli import app, main
-from latolato.options import law_options
+from latolato.cli import main as cli
+from latolato.cli.main import app, main
+from latolato.io import progress
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
-from latolato.scenario import scenarios
+from latolato.scenario.options import law_options
+from latolato.scenario.scenario import scenarios
 
 COMMAND = [sys.executable, "-m", "latolato"]
 TOY = [
@@ -529,7 +530,7 @@ def test_starting_imports_nothing_heavy():
 
 def test_a_run_without_pictures_loads_no_more_than_it_needs():
     code = (
-        "import json, sys; from latolato.cli import main\n"
+        "import json, sys; from latolato.cli.main import main\n"
         "main(['simulate', 'zeno', '--duration', '2 s', '--output', 'run.nc'])\n"
         "heavy = 'matplotlib', 'xarray', 'pandas', 'dask', 'numba', 'scipy'\n"
         "print('loaded', json.dumps([name for name in heavy if name in sys.modules]))"

@@ -15,15 +15,16 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import latolato as ll
-from latolato.analyse_command import Question, Targets, as_lines, summarise
-from latolato.analyse_command import run as run_question
-from latolato.analyse_options import LAWS, options_of, parameter_texts, summary_of
 from latolato.analysis import analyses
 from latolato.analysis.floquet import floquet
 from latolato.analysis.registry import labelled
-from latolato.cli import app, main
-from latolato.progress import working
-from latolato.quantities import Quantity
+from latolato.analysis.summary import as_lines, summarise
+from latolato.cli.analyse import AnalysisCall, Targets
+from latolato.cli.analyse import run as run_question
+from latolato.cli.main import app, main
+from latolato.core.quantities import Quantity
+from latolato.io.progress import working
+from latolato.scenario.analysis_options import LAWS, options_of, parameter_texts, summary_of
 
 PENDULUM = ["--system", "pendulum", "--length", "1 m", "--mass", "800 g", "--damping", "0.05"]
 SHAKE = ["--drive-amplitude", "5 cm", "--drive-frequency", "6"]
@@ -117,7 +118,7 @@ def example(
 
 def ask(source=None, **given):
     """What `example` gets from a scenario and options."""
-    question = Question("example", example, options_of(example))
+    question = AnalysisCall("example", example, options_of(example))
     run_question(question, source, given, Targets(None, None), as_json=True)
     return example.given
 
@@ -145,7 +146,7 @@ def test_the_command_line_starts_without_any_analysis():
     code = (
         "import sys, latolato.cli; "
         "print([m for m in sys.modules if m.startswith(('latolato.analysis', 'matplotlib', "
-        "'latolato.analyse_options'))])"
+        "'latolato.cli.main.analyse_options'))])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
@@ -226,7 +227,7 @@ def test_noise_comes_from_the_scenario():
     Path("noisy.toml").write_text(
         '[system]\nkind = "pendulum"\nlength = 1.0\nmass = 1.0\n[noise]\nstrength = 0.25\n'
     )
-    question = Question("noisy", noisy, options_of(noisy))
+    question = AnalysisCall("noisy", noisy, options_of(noisy))
     assert question.arguments("noisy.toml", {})["noise_strength"] == 0.25
     given = {"noise_strength": "0.5"}
     assert question.arguments("noisy.toml", given)["noise_strength"] == 0.5
@@ -365,7 +366,7 @@ def in_new_process(code):
 
 def test_the_compiler_is_watched_once_kernels_need_it():
     code = (
-        "from latolato.progress import working\n"
+        "from latolato.io.progress import working\n"
         "with working('adding'):\n"
         "    import latolato.numerics.compiled, numba\n"
         "    numba.njit(lambda x: x + 1)(1)\n"
@@ -379,7 +380,7 @@ def test_the_compiler_is_watched_once_kernels_need_it():
 def test_questions_without_kernels_do_without_the_compiler():
     code = (
         "import sys\n"
-        "from latolato.cli import main\n"
+        "from latolato.cli.main import main\n"
         f"main(['analyse', 'tongue_edges', *{PENDULUM!r}, '--drive-amplitude', '0.05'])\n"
         "print('numba' in sys.modules)\n"
     )

@@ -13,11 +13,11 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import latolato as ll
-from latolato.cli import app, main
-from latolato.progress import SweepProgress
-from latolato.scenario import Scenario
-from latolato.sweep.plan import make_plan
-from latolato.variation import parse_axes, tables_of_plan
+from latolato.cli.main import app, main
+from latolato.io.progress import SweepProgress
+from latolato.scenario.scenario import Scenario
+from latolato.scenario.variation import parse_axes, tables_of_plan
+from latolato.sweeps.plan import make_plan
 
 COMMAND = [sys.executable, "-m", "latolato"]
 PENDULUM = ["--system", "pendulum", "--length", "1", "--mass", "0.8", "--initial-angle", "0.1"]
@@ -391,7 +391,7 @@ def test_ctrl_c_keeps_the_store_and_says_how_to_go_on():
 def test_progress_tells_rate_and_remaining_time_on_a_screen(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     now = 0.0
-    monkeypatch.setattr("latolato.progress.time.monotonic", lambda: now)
+    monkeypatch.setattr("latolato.io.progress.time.monotonic", lambda: now)
     with SweepProgress() as progress:
         progress(0, 1000)
         now = 20.0  # the first chunk, compiling included, tells no rate

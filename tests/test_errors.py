@@ -24,10 +24,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import latolato as ll
-from latolato import analysis, cli
-from latolato.errors import InputError, refusal_of, report_of
-from latolato.options import law_options
-from latolato.scenario import Scenario
+from latolato import analysis
+from latolato.cli import main as cli
+from latolato.core.errors import InputError, refusal_of, report_of
+from latolato.scenario.options import law_options
+from latolato.scenario.scenario import Scenario
 
 TOY = (
     "--system latolato --length 1 --mass 0.8 --radius 0.1 --initial-angle 0.5 --duration 1 "
@@ -533,7 +534,7 @@ def test_ctrl_c_in_the_middle_of_a_cleanup_ends_quietly():
     # Python drops whatever a finaliser raises.
     code = """
 import signal, sys, time
-import latolato.cli as cli
+import latolato.cli.main as cli
 
 class Cleaned:
     def __del__(self):
@@ -558,7 +559,7 @@ sys.exit(cli.main(["scenarios", "show", "fig02"]))
 def test_ctrl_c_while_the_package_starts_as_a_module_ends_quietly():
     # Python itself needs some hundredths of a second before it comes to the package.
     code = "import os, signal, sys, runpy\nsys.argv[0] = '-m'\n"
-    for stop in ("latolato.observables", "latolato.physics.pendulum", "latolato.simulate"):
+    for stop in ("latolato.observables", "latolato.physics.pendulum", "latolato.simulation.run"):
         halted = f"""
 class Interrupted:
     def find_spec(self, name, path, target=None):

@@ -11,11 +11,12 @@ import pytest
 import xarray as xr
 
 import latolato as ll
-from latolato.errors import InputError
-from latolato.files import SUFFIXES, atomic_path, load, save
-from latolato.simulate import record
-from latolato.sweep.plan import make_plan
-from latolato.sweep.results import Memory
+from latolato.core.atomic import atomic_path
+from latolato.core.errors import InputError
+from latolato.io.files import SUFFIXES, load, save
+from latolato.simulation.run import record
+from latolato.sweeps.plan import make_plan
+from latolato.sweeps.results import Memory
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
@@ -143,7 +144,7 @@ def test_contacts_of_a_replaced_run_do_not_stay(tmp_path, suffix):
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that kills at once")
 def test_leftovers_of_killed_writes_are_removed_by_the_next(tmp_path):
     code = (
-        "import os, sys; from latolato.files import atomic_path\n"
+        "import os, sys; from latolato.core.atomic import atomic_path\n"
         "with atomic_path(sys.argv[1]) as unfinished:\n"
         "    unfinished.write_text('half'); os.kill(os.getpid(), 9)"
     )
@@ -289,7 +290,7 @@ def test_a_full_disk_gives_one_line_and_no_file(tmp_path, suffix):
     need(suffix)
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))\n"
-        "from latolato.cli import main; sys.exit(main())"
+        "from latolato.cli.main import main; sys.exit(main())"
     )
     # HDF5 would end with a segmentation fault here if it wrote the file itself
     command = ["simulate", "zeno", "--samples", "2000", "--output", f"run{suffix}"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8)

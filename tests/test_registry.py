@@ -5,13 +5,13 @@ import re
 
 import pytest
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, UNIT_INTERVAL, Range
+from latolato.core.registry import checked_number, suggest
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
-from latolato.quantities import POSITIVE, UNIT_INTERVAL, Range
-from latolato.registry import checked_number, suggest
-from latolato.scenario import scenarios
-from latolato.tables import RUN_OPTIONS
+from latolato.scenario.scenario import scenarios
+from latolato.scenario.tables import RUN_OPTIONS
 
 HARMONIC = [f.name for f in dataclasses.fields(drives["harmonic"])]
 TOY = [f.name for f in dataclasses.fields(systems["latolato"]) if f.init]

@@ -12,7 +12,7 @@ import pytest
 from latolato import report
 from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
-from latolato.files import load
+from latolato.io.files import load
 from latolato.report import page
 
 VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}

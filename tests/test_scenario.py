@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.figures import paper
-from latolato.scenario import Scenario, load_scenario, overridden, scenarios
-from latolato.tables import RUN_OPTIONS
+from latolato.scenario.scenario import Scenario, load_scenario, overridden, scenarios
+from latolato.scenario.tables import RUN_OPTIONS
 
 SHIPPED = sorted(scenarios())
 RUNS = [name for name, scenario in sorted(scenarios().items()) if not scenario.varied]

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.quantities import QUANTITIES
 
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.9)

@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from latolato import units as module
-from latolato.quantities import QUANTITIES
-from latolato.units import to_si, to_si_list
+from latolato.core.quantities import QUANTITIES
+from latolato.scenario import units as module
+from latolato.scenario.units import to_si, to_si_list
 
 TURN = 2.0 * math.pi
 
@@ -113,7 +113,7 @@ def test_numbers_that_are_not_finite_pass_to_the_checks_of_the_laws(text):
 
 def test_plain_numbers_and_si_units_do_not_load_pint():
     code = (
-        "import sys; from latolato.units import to_si\n"
+        "import sys; from latolato.scenario.units import to_si\n"
         "to_si('x', '0.5', 'm'), to_si('x', '0.05 kg m/s', 'kg*m/s')\n"
         "sys.exit('pint' in sys.modules)"
     )

@@ -15,7 +15,7 @@ from latolato_command import end_at_once
 if sys.argv[:1] == ["-m"] and "latolato" in sys.orig_argv:
     signal.signal(signal.SIGINT, end_at_once)
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.observables import (
     BottomContacts,
     Crossings,
@@ -56,13 +56,14 @@ from latolato.physics.pendulum import (
     Pendulum,
     equivalent_pendulum,
 )
-from latolato.simulate import simulate
-from latolato.sweep import sweep
+from latolato.simulation.run import simulate
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     from latolato import analysis
     from latolato.analysis.boundary import boundary
-    from latolato.citation import cite
+    from latolato.app.widget import play
+    from latolato.core.citation import cite
     from latolato.experiment.compare import compare
     from latolato.experiment.fits.decay import fit_decay
     from latolato.experiment.fits.drive import fit_drive
@@ -72,29 +73,28 @@ if TYPE_CHECKING:
     from latolato.experiment.trials import gather_trials
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
-    from latolato.files import load, save
-    from latolato.scenario import Scenario, load_scenario, scenarios
-    from latolato.widget import play
+    from latolato.io.files import load, save
+    from latolato.scenario.scenario import Scenario, load_scenario, scenarios
 
 # Names that are imported on first use, with the module they live in.
 _LATE: dict[str, str] = {
-    "Scenario": "latolato.scenario",
+    "Scenario": "latolato.scenario.scenario",
     "analysis": "latolato.analysis",
     "animate": "latolato.figures.animate",
     "boundary": "latolato.analysis.boundary",
-    "cite": "latolato.citation",
+    "cite": "latolato.core.citation",
     "compare": "latolato.experiment.compare",
     "fit_decay": "latolato.experiment.fits.decay",
     "fit_drive": "latolato.experiment.fits.drive",
     "fit_model": "latolato.experiment.fits.model",
     "fit_restitution": "latolato.experiment.fits.restitution",
     "gather_trials": "latolato.experiment.trials",
-    "load": "latolato.files",
-    "load_scenario": "latolato.scenario",
-    "play": "latolato.widget",
+    "load": "latolato.io.files",
+    "load_scenario": "latolato.scenario.scenario",
+    "play": "latolato.app.widget",
     "plot": "latolato.figures.plot",
-    "save": "latolato.files",
-    "scenarios": "latolato.scenario",
+    "save": "latolato.io.files",
+    "scenarios": "latolato.scenario.scenario",
     "track": "latolato.experiment.track",
 }
 
@@ -162,7 +162,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import a late name."""
     if name == "__version__":
-        from latolato.versions import version_of
+        from latolato.core.versions import version_of
 
         return version_of()
     if name not in _LATE:

@@ -6,7 +6,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.registry import analyses
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
 DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)

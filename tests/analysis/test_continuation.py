@@ -9,7 +9,7 @@ import latolato as ll
 from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)

@@ -10,7 +10,7 @@ from latolato.analysis.closed_forms import mathieu_growth_rate
 from latolato.analysis.flow import Flow
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.symmetry import as_pair, pair_symmetry
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 SHAKE = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
 

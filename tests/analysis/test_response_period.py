@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import response_period, response_period_map, wilson
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.numerics.watch import blank_slots
 from latolato.observables import Segment
 from latolato.observables.period import ResponsePeriod, Samples, find_mirror, find_period

@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.linear import linearised
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.figures.analyses import tongue_edges as picture
 
 PAPER = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)

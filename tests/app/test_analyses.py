@@ -12,7 +12,6 @@ from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
 from app_server import frames_of
-from latolato.analyse_options import options_of
 from latolato.analysis import analyses
 from latolato.app import analyses as app
 from latolato.app.analysis_forms import about_asked, forms
@@ -21,10 +20,11 @@ from latolato.app.given import Asked, TooLargeError
 from latolato.app.questions import GROUPS, OPTION_WORDS, all_questions
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
-from latolato.cli import app as command_line
-from latolato.errors import InputError
-from latolato.files import load
-from latolato.quantities import QUANTITIES
+from latolato.cli.main import app as command_line
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
+from latolato.io.files import load
+from latolato.scenario.analysis_options import options_of
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/analyse"
@@ -280,20 +280,20 @@ def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_
 def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
     options = {"length": "50 cm", "tolerance": "1e-7", "initial_angle": "-0.1 rad"}
     given = {"analysis": name, "scenario": "fig02", "options": options, "given": small(name)}
-    question = app.Question.from_json(given)
+    question = app.AnalysisRequest.from_json(given)
     seen = {}
 
     def catch(*_, **arguments):
         seen.update(arguments)
         raise ValueError("caught")
 
-    from latolato import analyse_command
+    from latolato.cli import analyse as analyse_command
 
     run = analyse_command.run
     monkeypatch.setattr(
         analyse_command,
         "run",
-        lambda q, *a, **k: run(analyse_command.Question(q.name, catch, q.own), *a, **k),
+        lambda q, *a, **k: run(analyse_command.AnalysisCall(q.name, catch, q.own), *a, **k),
     )
     monkeypatch.setattr(
         analyse_command.inspect,
@@ -370,7 +370,7 @@ def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
 
 def test_work_is_estimated_from_all_that_multiplies_it():
     def steps(**given):
-        question = app.Question.from_json(
+        question = app.AnalysisRequest.from_json(
             {"analysis": "basins", "scenario": "fig04a", "given": given}
         )
         return app.steps_of(question.function, question.arguments())
@@ -378,7 +378,9 @@ def test_work_is_estimated_from_all_that_multiplies_it():
     few = steps(angle_points="10", velocity_points="10")
     assert steps(angle_points="20", velocity_points="30") == pytest.approx(6.0 * few)
     given = {"transient_periods": "1e9"}
-    question = app.Question.from_json({"analysis": "basins", "scenario": "fig04a", "given": given})
+    question = app.AnalysisRequest.from_json(
+        {"analysis": "basins", "scenario": "fig04a", "given": given}
+    )
     with pytest.raises(TooLargeError, match="the limit is"):
         app.check_work(question.function, question.arguments())
 
@@ -429,7 +431,7 @@ def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_pa
     picture.wait_for(timeout=240_000)
     assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
     given = {**CLOSED, "options": {}}
-    question = app.Question.from_json(given)
+    question = app.AnalysisRequest.from_json(given)
     wanted = question.function(**question.arguments())
     verdict = f"unstable from ω/ω₀ = {wanted.low:.5g} to {wanted.high:.5g}."
     assert page.locator(".finding").inner_text().endswith(verdict)

@@ -14,8 +14,8 @@ from latolato.app.blocks import unpack
 from latolato.app.downloads import FPS, MOST_FRAMES, asked_of, to_toml, without_none
 from latolato.app.given import Asked
 from latolato.app.server import Settings, make_app
-from latolato.files import load
-from latolato.scenario import Scenario, load_scenario, scenarios
+from latolato.io.files import load
+from latolato.scenario.scenario import Scenario, load_scenario, scenarios
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/animation"

@@ -26,7 +26,7 @@ from latolato.app.film_store import Allowance, shown_name
 from latolato.app.film_work import WORK
 from latolato.app.films import GREETING
 from latolato.app.server import Settings, make_app
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
 from latolato.experiment.table import read_table

@@ -13,7 +13,7 @@ from latolato.app.runs import run_block, simulate_asked, strobes_of
 from latolato.numerics import records
 from latolato.numerics.engine.record import as_objects
 from latolato.physics.drives import Chirp, FrequencySchedule, Harmonic, Static
-from latolato.scenario import scenarios
+from latolato.scenario.scenario import scenarios
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 

@@ -14,7 +14,7 @@ from latolato.app.files import STATIC
 from latolato.app.guard import Guard
 from latolato.app.serve import serve
 from latolato.app.server import MOST_BODY, Settings, make_app
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 HOME = "http://127.0.0.1:8000"
 

@@ -23,10 +23,10 @@ from latolato.app.server import Settings, make_app
 from latolato.app.session import FRAME, MOST_UNSEEN, Session
 from latolato.app.steering import cosine_of, limits_of
 from latolato.app.toy import SHORTEST_CHANGE, Toy
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives.stretch import acceleration_bound
-from latolato.scenario import scenarios
+from latolato.scenario.scenario import scenarios
 
 LEDGER = ("drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work")
 HOME = "http://127.0.0.1:8000"

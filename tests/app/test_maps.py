@@ -22,7 +22,7 @@ from latolato.app.map_job import in_order, levels
 from latolato.app.map_stored import named
 from latolato.app.maps import cells_of
 from latolato.app.server import Settings, make_app
-from latolato.sweep.store import store_status
+from latolato.sweeps.store import store_status
 
 HOME = "http://127.0.0.1:8000"
 SMALL = {
@@ -379,7 +379,7 @@ def test_the_lines_on_show_compute_the_same_map(client):
 
     from typer.testing import CliRunner
 
-    from latolato.cli import app as command
+    from latolato.cli.main import app as command
 
     plan = {**SMALL, "scenario": "fig09", "transient": 10.0, "width": 3, "height": 2}
     _, blocks = asked(client, plan)

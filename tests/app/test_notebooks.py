@@ -7,7 +7,7 @@ import math
 import pytest
 
 import latolato as ll
-from latolato.widget import bundle
+from latolato.app.widget import bundle
 from notebooks import (
     RUN,
     balls,

@@ -13,8 +13,8 @@ from latolato.app.given import Asked, check_size
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
 from latolato.figures import catalogue
-from latolato.files import save
-from latolato.scenario import scenarios
+from latolato.io.files import save
+from latolato.scenario.scenario import scenarios
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/paper"

@@ -9,7 +9,7 @@ import pytest
 
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
-from latolato.scenario import load_scenario, shipped
+from latolato.scenario.scenario import load_scenario, shipped
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 240_000
@@ -495,7 +495,7 @@ def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
 
 @pytest.mark.parametrize("kept", ["{", "3", '{"drive_frequency": "parsec"}', "null"])
 def test_spoiled_choices_of_units_are_left_aside(page, kept):
-    page.add_init_script(f"localStorage.setItem('latolato.units', {json.dumps(kept)})")
+    page.add_init_script(f"localStorage.setItem('latolato.scenario.units', {json.dumps(kept)})")
     open_play(page, "&scenario=fig02&duration=2%20s")
     unit = page.get_by_label("unit of angular driving frequency")
     assert unit.input_value() == "rad/s"

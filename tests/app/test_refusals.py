@@ -7,7 +7,7 @@ from starlette.testclient import TestClient
 
 from latolato.app import forms, worker
 from latolato.app.server import Settings, make_app
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ import pytest
 import latolato as ll
 from latolato.app import STATIC
 from latolato.app.blocks import unpack
-from latolato.widget import MODULES, bundle, style_sheet
+from latolato.app.widget import MODULES, bundle, style_sheet
 
 # What anywidget is to a widget: a model that holds its values.
 PAGE = """async ({ source, block, sheet }) => {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
+from latolato.cli.main import main
 from latolato.experiment.video import Limits, open_video
 from little_videos import encoded, sound_alone, trimmed
 

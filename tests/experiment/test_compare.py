@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
-from latolato.errors import InputError
+from latolato.cli.main import main
+from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
 from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
+from latolato.cli.main import main
 from latolato.experiment.fits.result import load_fit
 from latolato.experiment.table import read_table, write_table
 from track_tables import decay_table, drive_table, motion_table

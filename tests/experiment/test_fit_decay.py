@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits import decay
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Guess, solve

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.model import fit_model
 from track_tables import PLACE, motion_table
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
-from latolato.errors import InputError
+from latolato.cli.main import main
+from latolato.core.errors import InputError
 from latolato.experiment import gate, track
 from latolato.experiment.conditions import conditions
 from latolato.experiment.encode import TICKS, write_video

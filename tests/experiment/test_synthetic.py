@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
-from latolato.errors import InputError
+from latolato.cli.main import main
+from latolato.core.errors import InputError
 from latolato.experiment.conditions import conditions
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import prepare, synthesise_video

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.table import FLAGS, column_names, read_table, track_table, write_table
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
+from latolato.cli.main import main
 from latolato.experiment.overlay import places_of
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar

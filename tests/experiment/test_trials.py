@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.cli import main
+from latolato.cli.main import main
 from latolato.experiment.table import track_table, write_table
 from latolato.experiment.trial_table import (
     COLUMNS,

@@ -9,7 +9,7 @@ import pytest
 
 from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
-from latolato.files import load, save
+from latolato.io.files import load, save
 
 FIGURES = catalogue.figures()
 EVIDENCE = catalogue.evidence()

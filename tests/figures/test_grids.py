@@ -8,7 +8,7 @@ import xarray as xr
 
 import latolato as ll
 from latolato.figures import fig03cd, fig09, fig11, grids, paper
-from latolato.files import load, save
+from latolato.io.files import load, save
 from latolato.report import page
 
 

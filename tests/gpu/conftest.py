@@ -5,7 +5,7 @@ import pytest
 
 import latolato as ll
 from latolato.observables import observables
-from latolato.sweep.plan import make_plan
+from latolato.sweeps.plan import make_plan
 
 BALL = ll.Ball(length=0.9, mass=0.5, radius=0.09, damping=0.01)
 LEFT = ll.Ball(length=0.85, mass=0.3, radius=0.09, damping=0.01)

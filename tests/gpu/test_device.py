@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 if not importlib.util.find_spec("numba_cuda"):
     pytest.skip("needs numba-cuda, which has no packages for macOS", allow_module_level=True)
@@ -40,11 +40,11 @@ def test_cuda_without_a_device_is_an_error(monkeypatch):
 
 
 def test_missing_numba_cuda_names_the_extra(monkeypatch):
-    monkeypatch.delitem(sys.modules, "latolato.sweep.executors.cuda", raising=False)
+    monkeypatch.delitem(sys.modules, "latolato.sweeps.executors.cuda", raising=False)
     monkeypatch.setitem(sys.modules, "numba_cuda", None)
 
     with pytest.raises(InputError, match=r'pip install "\.\[cuda\]"'):
-        importlib.import_module("latolato.sweep.executors.cuda")
+        importlib.import_module("latolato.sweeps.executors.cuda")
 
 
 @pytest.mark.gpu

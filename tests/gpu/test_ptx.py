@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from latolato.errors import extra_command
+from latolato.core.errors import extra_command
 from latolato.numerics.many import make_progress
 from latolato.numerics.watch import blank_slots
-from latolato.sweep.points import make_batch, stepper_of
+from latolato.sweeps.points import make_batch, stepper_of
 
 if not importlib.util.find_spec("numba_cuda"):
     pytest.skip("needs numba-cuda, which has no packages for macOS", allow_module_level=True)
@@ -43,7 +43,7 @@ def test_kernel_compiles_to_ptx_in_double_precision(plan):
     import numba
     from numba import cuda
 
-    from latolato.sweep.executors.cuda import kernel_arguments, kernel_of
+    from latolato.sweeps.executors.cuda import kernel_arguments, kernel_of
 
     stepper = stepper_of(plan)
     batch = make_batch(plan, np.arange(plan.size), stepper)

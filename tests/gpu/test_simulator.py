@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from latolato.sweep import run_plan
+from latolato.sweeps import run_plan
 
 if not importlib.util.find_spec("numba_cuda"):
     pytest.skip("needs numba-cuda, which has no packages for macOS", allow_module_level=True)
@@ -17,7 +17,7 @@ if not importlib.util.find_spec("numba_cuda"):
 # The simulator is chosen when numba is imported, so it needs a process of its own.
 CHILD = """
 import pickle, sys
-from latolato.sweep import run_plan
+from latolato.sweeps import run_plan
 plan = pickle.load(sys.stdin.buffer)
 grid = run_plan(plan, executor="cuda")
 pickle.dump({name: a.values for name, a in grid.data_vars.items()}, sys.stdout.buffer)

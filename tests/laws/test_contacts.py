@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.numerics.bounce import hop, meet_wall
 from latolato.physics.contacts import contact_separation, pair_impact, wall_impact
 

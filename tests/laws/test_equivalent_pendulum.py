@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 sizes = st.floats(0.01, 5.0)
 

@@ -6,9 +6,9 @@ import math
 import pytest
 
 import latolato as ll
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
 from latolato.physics.noise import BOLTZMANN
-from latolato.quantities import QUANTITIES
 
 TOY = ll.LatoLato(length=0.5, mass=0.2, radius=0.05, damping=0.01)
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.core.quantities import NON_NEGATIVE, quantity_field
+from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, drives
-from latolato.quantities import NON_NEGATIVE, quantity_field
-from latolato.scalar import cosine, formula, sine
 
 
 class Beat(NamedTuple):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from latolato.scalar import cosine, floor, sine
+from latolato.core.scalar import cosine, floor, sine
 
 
 def test_floor_is_that_of_the_library():

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato import cache
+from latolato.core import cache
 from latolato.numerics import pieces, shipped
 from latolato.observables import Observable
 

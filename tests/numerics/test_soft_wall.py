@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 import latolato as ll
 from latolato.analysis.flow import Flow
+from latolato.core.scalar import formula
 from latolato.numerics.engine.balls import GAP
 from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
@@ -18,7 +19,6 @@ from latolato.numerics.engine.swing import tension_at
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.numerics.trajectory import MOTIONS
 from latolato.physics.contacts import ContactLaw, contact_laws
-from latolato.scalar import formula
 
 IN_WALL = 3
 

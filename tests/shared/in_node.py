@@ -20,6 +20,7 @@ from unittest import mock
 import numpy as np
 
 import latolato as ll
+from latolato.core.registry import describe
 from latolato.numerics import integrate, records, shipped
 from latolato.numerics.engine import record
 from latolato.numerics.many import Progress
@@ -32,15 +33,14 @@ from latolato.numerics.whole import WRITTEN
 from latolato.observables.base import observables
 from latolato.physics.contacts import Exact
 from latolato.physics.pendulum import restoring_linear
-from latolato.registry import describe
-from latolato.sweep import points
-from latolato.sweep.chunk import RunPoints
-from latolato.sweep.plan import Plan
-from latolato.sweep.points import Batch
+from latolato.sweeps import points
+from latolato.sweeps.chunk import RunPoints
+from latolato.sweeps.plan import Plan
+from latolato.sweeps.points import Batch
 
 NODE = Path(sys.executable).parent / "node"
 MODULES = shipped.ARCHIVE.with_name("wasm")
-_SIMULATE = sys.modules["latolato.simulate"]
+_SIMULATE = sys.modules["latolato.simulation.run"]
 _TYPES = {
     record.run_dtype(): "run",
     record.STATE: "state",

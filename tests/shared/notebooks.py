@@ -254,7 +254,7 @@ def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tu
     The picture holds all of the motion, a tenth larger, about the line of the pivot.
     """
     import latolato as ll
-    from latolato.scenario import Scenario
+    from latolato.scenario.scenario import Scenario
 
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
     toy = scenario.system

@@ -11,16 +11,16 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, Quantity, Range
+from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity, Range
-from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED
-from latolato.sweep import sweep
+from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     import xarray as xr

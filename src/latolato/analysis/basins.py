@@ -18,13 +18,13 @@ from latolato.analysis.stroboscopic import (
     settled_motion,
     wilson,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import Quantity, Range
+from latolato.core.registry import checked_count, checked_number
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, System
-from latolato.quantities import Quantity, Range
-from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED, checked_contact, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, walls_of
 
 if TYPE_CHECKING:
     import xarray as xr

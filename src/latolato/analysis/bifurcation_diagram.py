@@ -18,15 +18,15 @@ from latolato.analysis.stroboscopic import (
     checked_transient,
     settled_motion,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity
-from latolato.registry import checked_count, checked_number, suggest
-from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
-from latolato.sweep.axes import parameters_of
-from latolato.sweep.plan import DIRECTIONS
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+from latolato.sweeps.axes import parameters_of
+from latolato.sweeps.plan import DIRECTIONS
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
-from latolato.quantities import ANY
-from latolato.registry import checked_number, suggest
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number, suggest
 
 if TYPE_CHECKING:
     import xarray as xr

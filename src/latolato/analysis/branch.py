@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, drive_period, varied
 from latolato.analysis.orbits import CLOSED, Orbit, confined, find_orbit, gap_of, scale_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.observables.period import wrapped
 from latolato.physics.contacts import REST
 from latolato.physics.pendulum import BallPair

@@ -20,10 +20,10 @@ from latolato.analysis.mathieu import (
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE
+from latolato.core.registry import checked_number
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
-from latolato.quantities import ANY, NON_NEGATIVE
-from latolato.registry import checked_number
 
 __all__ = [
     "MathieuParameters",

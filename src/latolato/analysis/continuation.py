@@ -14,13 +14,13 @@ from latolato.analysis.floquet import smallest_period, told_of_period
 from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
+from latolato.core.quantities import QUANTITIES as KNOWN
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.quantities import QUANTITIES as KNOWN
-from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

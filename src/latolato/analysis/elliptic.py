@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number
 from latolato.physics.pendulum import GRAVITY, Pendulum
-from latolato.quantities import ANY
-from latolato.registry import checked_number
 
 Array = NDArray[np.float64]
 

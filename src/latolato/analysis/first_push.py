@@ -17,13 +17,13 @@ from latolato.analysis.stroboscopic import (
     positive_values,
     run_samples,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato, System
-from latolato.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
-from latolato.registry import checked_count, checked_number, suggest
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

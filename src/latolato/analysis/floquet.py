@@ -21,11 +21,11 @@ from latolato.analysis.orbits import (
     multipliers_of,
 )
 from latolato.analysis.registry import analyses, labelled
+from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
+from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.registry import checked_number
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

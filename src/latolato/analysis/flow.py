@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, Range
+from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE
@@ -18,10 +20,8 @@ from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Range
-from latolato.registry import checked_number, suggest
-from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
-from latolato.sweep.axes import DERIVED, Parameter, parameters_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
+from latolato.sweeps.axes import DERIVED, Parameter, parameters_of
 
 Floats = NDArray[np.float64]
 

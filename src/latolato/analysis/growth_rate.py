@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from latolato.analysis.linear import METHODS, SLOWEST, checked_choice, linearised
 from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
-from latolato.quantities import Quantity
 
 if TYPE_CHECKING:
     import xarray as xr

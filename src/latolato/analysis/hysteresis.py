@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
 from latolato.analysis.stroboscopic import octaves, settled_motion
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
+from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, Pendulum, System
-from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
-from latolato.registry import checked_number
-from latolato.start import DEFAULT_REST_SPEED, checked_drive
-from latolato.sweep import sweep
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     import xarray as xr

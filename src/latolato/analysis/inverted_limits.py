@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from latolato.analysis.hill import find_root
 from latolato.analysis.linear import Linear, checked_ratio, linearised, told_waveform
 from latolato.analysis.registry import analyses, labelled
+from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity
-from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,11 +25,11 @@ from latolato.analysis.waveform import (
     hill_value,
     undamped_growth,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE
+from latolato.core.registry import checked_number, describe
 from latolato.physics.drives import Drive, Harmonic, drives
 from latolato.physics.pendulum import BallPair, LatoLato, Mathieu, System, systems
-from latolato.quantities import POSITIVE
-from latolato.registry import checked_number, describe
 
 POSITIONS = ("hanging", "inverted")
 METHODS = ("determinant", "monodromy")

@@ -10,13 +10,13 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system
+from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.registry import checked_number
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity
-from latolato.registry import checked_number
-from latolato.start import (
+from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
     checked_drive,
@@ -101,7 +101,7 @@ def lyapunov_spectrum(
     >>> found.status.item(), abs(found.sum_rule_residual.item()) < 1e-12
     ('chaotic', True)
     """
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     checked_system(system)
     if transient is None:

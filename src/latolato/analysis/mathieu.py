@@ -21,10 +21,10 @@ from latolato.analysis.hill import (
     hill_determinant,
     own_instability,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.registry import checked_number
 from latolato.physics.pendulum import GRAVITY, Mathieu
-from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import checked_number
 
 
 class MathieuParameters(NamedTuple):

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import Range
+from latolato.core.registry import checked_number
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
-from latolato.quantities import Range
-from latolato.registry import checked_number
-from latolato.start import checked_start
+from latolato.simulation.start import checked_start
 
 LONGEST = 16  # drive periods of an orbit
 # An orbit closes to this [rad, and angular velocity over the natural frequency].

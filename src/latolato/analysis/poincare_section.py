@@ -10,14 +10,14 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import checked_periodic, checked_transient
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, Quantity
+from latolato.core.registry import checked_count, checked_number
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import ANY, Quantity
-from latolato.registry import checked_count, checked_number
-from latolato.simulate import simulate
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.run import simulate
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

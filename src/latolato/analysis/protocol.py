@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.core.registry import check_fields, checked_number
 from latolato.physics.drives import FrequencySchedule
-from latolato.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.registry import check_fields, checked_number
 
 if TYPE_CHECKING:
     from latolato.physics.pendulum import System

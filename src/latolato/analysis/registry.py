@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.registry import Registry, describe
+from latolato.core.versions import version_of
 from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System, systems
-from latolato.quantities import QUANTITIES, Quantity
-from latolato.registry import Registry, describe
-from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,7 +47,7 @@ def labelled(
     variables, coordinates : mapping
         Scalars, or ``(dims, values)``.
     quantities : mapping of str to Quantity
-        Of names that neither `latolato.quantities.QUANTITIES` nor `COMMON` knows; each needs one.
+        Of names that neither `quantities.QUANTITIES` nor `COMMON` knows; each needs one.
     system, drive : optional
         Their kinds and parameters become attributes.
     settings : mapping

@@ -17,7 +17,7 @@ from latolato.analysis.stroboscopic import (
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

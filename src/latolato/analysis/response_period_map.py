@@ -18,10 +18,10 @@ from latolato.analysis.stroboscopic import (
     settled_motion,
     wilson,
 )
+from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity
-from latolato.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr

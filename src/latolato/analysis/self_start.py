@@ -17,12 +17,12 @@ from latolato.analysis.linear import (
     told_waveform,
 )
 from latolato.analysis.registry import analyses, labelled
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import Quantity
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
-from latolato.quantities import Quantity
-from latolato.simulate import simulate
+from latolato.simulation.run import simulate
 
 if TYPE_CHECKING:
     import xarray as xr

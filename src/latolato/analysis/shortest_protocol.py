@@ -14,14 +14,21 @@ from numpy.typing import NDArray
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import (
+    NON_NEGATIVE,
+    POSITIVE,
+    QUANTITIES,
+    UNIT_INTERVAL,
+    Quantity,
+    Range,
+)
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Chirp, Drive, FrequencySchedule, Harmonic, drives
 from latolato.physics.pendulum import Mathieu, System
-from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, UNIT_INTERVAL, Quantity, Range
-from latolato.registry import checked_count, checked_number
-from latolato.simulate import simulate
-from latolato.start import DEFAULT_REST_SPEED, checked_drive
-from latolato.sweep import sweep
+from latolato.simulation.run import simulate
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     import xarray as xr

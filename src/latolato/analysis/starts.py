@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
+from latolato.core.registry import checked_number
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -21,17 +23,15 @@ from latolato.observables.period import (
 )
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.pendulum import LatoLato, Mathieu, System
-from latolato.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
-from latolato.registry import checked_number
-from latolato.start import checked_drive
-from latolato.sweep import sweep
+from latolato.simulation.start import checked_drive
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
 
-# Variables of `motion_of` that latolato.quantities does not know.
+# Variables of `motion_of` that latolato.core.quantities does not know.
 QUANTITIES_HERE: dict[str, Quantity] = {
     **ResponseSamples.variables,
     "rotation_number": Quantity(

@@ -9,14 +9,14 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import positive_values
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
 from latolato.physics.contacts import Exact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
-from latolato.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +105,7 @@ def pair_symmetry(
     >>> found.status.item()
     'broken'
     """
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     if not isinstance(system, LatoLato):
         raise InputError(

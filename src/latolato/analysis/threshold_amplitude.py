@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from latolato.analysis.linear import checked_ratio, linearised, threshold, told_waveform
 from latolato.analysis.mathieu import mathieu_threshold_amplitude
 from latolato.analysis.registry import analyses, labelled
+from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import POSITIVE, Quantity
-from latolato.registry import checked_count, checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system, start_options
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
+from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import Stroboscope
 from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
-from latolato.quantities import NON_NEGATIVE, QUANTITIES, Quantity
-from latolato.registry import checked_count, checked_number
-from latolato.start import DEFAULT_REST_SPEED, checked_drive
-from latolato.sweep import sweep
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from latolato.analysis.linear import METHODS, checked_choice, linearised, told_waveform, tongue
 from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.analysis.registry import analyses, labelled
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, Quantity
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.quantities import NON_NEGATIVE, Quantity
-from latolato.registry import checked_count, checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 Complexes = NDArray[np.complex128]
 Floats = NDArray[np.float64]

@@ -22,13 +22,13 @@ from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
 from latolato.app.server import answered, json_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from latolato.analyse_options import AnalysisOption
+    from latolato.scenario.analysis_options import AnalysisOption
 
 # Options that multiply the work.
 _COUNTS = ("points", "angle_points", "velocity_points", "trajectories", "scan_points", "phases")
@@ -76,7 +76,7 @@ async def _cost(request: Request) -> Response:
 
     def answer() -> Response:
         try:
-            question = Question.from_json(given)
+            question = AnalysisRequest.from_json(given)
             arguments = question.arguments()
             check_work(question.function, arguments)
         except InputError as error:  # an answer as well: what is typed is unfinished
@@ -91,7 +91,7 @@ async def _analyse(websocket: WebSocket) -> None:
 
 
 @dataclass(frozen=True)
-class Question:
+class AnalysisRequest:
     """An analysis, what it is of, and the options that were typed for it."""
 
     name: str
@@ -99,7 +99,7 @@ class Question:
     given: Mapping[str, str]
 
     @classmethod
-    def from_json(cls, value: Any) -> Question:
+    def from_json(cls, value: Any) -> AnalysisRequest:
         """Return what a page asks: ``{"analysis", "scenario", "options", "given": {name: text}}``.
 
         Raises
@@ -108,7 +108,7 @@ class Question:
             For another form, and for unknown analyses and options.
         """
         from latolato.analysis import analyses
-        from latolato.registry import suggest
+        from latolato.core.registry import suggest
 
         asked = Asked.from_json(value)
         name, given = value.get("analysis"), value.get("given") or {}
@@ -138,15 +138,15 @@ class Question:
         InputError
             For wrong values and units, and for what the analysis needs and nobody gave.
         """
-        from latolato import analyse_command
-        from latolato.analyse_options import options_of
+        from latolato.scenario.analysis_call import AnalysisCall
+        from latolato.scenario.analysis_options import options_of
 
         own = options_of(self.function)
         typed = {name: _typed(own[name], text) for name, text in self.given.items()}
         scenario = self.asked.to_scenario()
-        question = analyse_command.Question(self.name, self.function, own)
+        call = AnalysisCall(self.name, self.function, own)
         try:
-            return question.arguments(None, typed, scenario.to_dict())
+            return call.arguments(None, typed, scenario.to_dict())
         except InputError as error:
             if not scenario.varied:
                 raise
@@ -177,9 +177,9 @@ class Question:
 
     def command(self) -> str:
         """Return the command that asks the same, quoted for a shell."""
-        from latolato.analyse_command import unfit_options
-        from latolato.analyse_options import options_of
-        from latolato.options import law_options
+        from latolato.scenario.analysis_call import unfit_options
+        from latolato.scenario.analysis_options import options_of
+        from latolato.scenario.options import law_options
 
         own = options_of(self.function)
         unfit = set(unfit_options(self.function, own))
@@ -253,7 +253,7 @@ def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> No
 
 def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
     """Return roughly how many steps of motion an analysis takes, 0 if it does not say."""
-    from latolato.analyse_options import options_of
+    from latolato.scenario.analysis_options import options_of
 
     own = options_of(function)
     known = {n: p.default for n, p in inspect.signature(function).parameters.items()}
@@ -303,7 +303,7 @@ def prepare(given: Any) -> Job:
     InputError
         For bad input, and for a question that would take very long.
     """
-    question = Question.from_json(given)
+    question = AnalysisRequest.from_json(given)
     arguments = question.arguments()
     check_work(question.function, arguments)
 
@@ -328,9 +328,9 @@ def compute(
     from latolato.app.questions import all_questions
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
-    from latolato.files import save
+    from latolato.io.files import save
 
-    question = Question.from_json(given)
+    question = AnalysisRequest.from_json(given)
     found = question.function(**question.arguments())
     save(found, folder / "found.nc")
     (folder / "found.csv").write_text(to_csv(found), encoding="utf-8")
@@ -354,7 +354,7 @@ def compute(
 
 def numbers_of(found: xr.Dataset) -> list[tuple[str, str]]:
     """Return what an analysis found as rows of a table: what it is, and its value with unit."""
-    from latolato.analyse_command import as_lines
+    from latolato.analysis.summary import as_lines
 
     rows = []
     for name, text in as_lines(found.squeeze()).items():
@@ -396,7 +396,7 @@ def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
 def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
     """Return the option along a straight axis of a picture, by the label of a coordinate."""
     from latolato.figures.style import label
-    from latolato.options import law_options
+    from latolato.scenario.options import law_options
 
     if getattr(axes, f"get_{side}scale")() != "linear":
         return None
@@ -424,7 +424,7 @@ def to_csv(found: xr.Dataset) -> str:
 
     import numpy as np
 
-    from latolato.files import without_complex
+    from latolato.io.files import without_complex
 
     plain = without_complex(found)
     text = io.StringIO()

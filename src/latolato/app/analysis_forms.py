@@ -10,11 +10,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked, options_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
-    from latolato.analyse_options import AnalysisOption
-    from latolato.scenario import Scenario
+    from latolato.scenario.analysis_options import AnalysisOption
+    from latolato.scenario.scenario import Scenario
 
 # Shares of the length between which amplitudes are scanned.
 _AMPLITUDES = (0.02, 0.4)
@@ -52,10 +52,10 @@ _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
 @lru_cache(maxsize=1)
 def forms() -> dict[str, Any]:
     """Return what the form of each analysis is made from, by name, group after group."""
-    from latolato.analyse_options import plain_text, summary_of
     from latolato.analysis import analyses
     from latolato.app.questions import all_questions
-    from latolato.summary import plain
+    from latolato.scenario.analysis_options import plain_text, summary_of
+    from latolato.simulation.summary import plain
 
     found = {}
     for name, question in all_questions().items():
@@ -82,7 +82,7 @@ def own_options(
     function: Callable[..., Any],
 ) -> tuple[dict[str, AnalysisOption], dict[str, AnalysisOption]]:
     """Return the options that the form of an analysis asks for, and those that are of the run."""
-    from latolato.analyse_options import options_of
+    from latolato.scenario.analysis_options import options_of
 
     both = options_of(function)
     own = {n: o for n, o in both.items() if not o.is_of_run or n in ASKED_RUN}
@@ -117,7 +117,7 @@ def label_of(name: str) -> str:
     ('Shakes that are left out at the beginning', 'Linear damping coefficient', 'Inverted')
     """
     from latolato.app.questions import OPTION_WORDS
-    from latolato.quantities import QUANTITIES
+    from latolato.core.quantities import QUANTITIES
 
     known = QUANTITIES.get(name)
     text: str = OPTION_WORDS.get(name) or (known.long_name if known else name.replace("_", " "))
@@ -156,7 +156,7 @@ def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
 def about_asked(asked: Asked) -> dict[str, Any]:
     """Return the options of what a page asks for, and what can be asked of it."""
     from latolato.app.questions import all_questions
-    from latolato.summary import plain
+    from latolato.simulation.summary import plain
 
     scenario = asked.to_scenario()
     of = (scenario.system, scenario.drive)
@@ -262,7 +262,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     from latolato.analysis.flow import value_of
     from latolato.figures.style import pretty_unit
     from latolato.physics.drives import Static
-    from latolato.sweep import axes
+    from latolato.sweeps import axes
 
     if isinstance(scenario.drive, Static):
         return {}

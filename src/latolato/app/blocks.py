@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.summary import plain
+from latolato.simulation.summary import plain
 
 TYPES = ("f4", "f8", "i4", "u1")
 EVEN = "even"

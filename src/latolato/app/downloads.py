@@ -19,12 +19,12 @@ from latolato.app.blocks import pack
 from latolato.app.given import Asked, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.app.server import answered
-from latolato.errors import InputError, import_extra
+from latolato.core.errors import InputError, import_extra
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.scenario import Scenario
+    from latolato.scenario.scenario import Scenario
 
 TYPES = {
     "csv": "text/csv",
@@ -122,7 +122,7 @@ def simulate_for_file(scenario: Scenario) -> xr.Dataset:
     """Return the run as `Scenario.simulate` gives it, with at most 200000 samples."""
     import numpy as np
 
-    from latolato.simulate import SAMPLES_PER_PERIOD
+    from latolato.simulation.run import SAMPLES_PER_PERIOD
 
     end = float(scenario.run.get("duration") or 0.0)
     fastest = max(scenario.system.natural_frequency, scenario.drive.fastest_frequency)
@@ -150,7 +150,7 @@ def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
         with drawing_lock:
             save_figure(plot(run), path, dpi=PICTURE_DPI)
     else:
-        from latolato.files import save
+        from latolato.io.files import save
 
         save(run, path)
     return path.with_name(f"run.{kind}").read_bytes()

@@ -14,7 +14,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.film_options import Told
 from latolato.app.given import options_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.model import fit_model
@@ -24,7 +24,7 @@ from latolato.experiment.table import balls_of
 from latolato.experiment.trials import trial_of
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum, System, systems
-from latolato.scenario import Scenario
+from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,7 +149,7 @@ def _guess(table: xr.Dataset, told: Told, length: float, gravity: float) -> Pend
 
 def _system_of(fit: Fit) -> Any:
     """Return the system that a fit of a model found."""
-    from latolato.registry import rebuild
+    from latolato.core.registry import rebuild
 
     described = json.loads(fit.dataset.attrs["system_description"])
     return rebuild(systems[described.pop("kind")], described)

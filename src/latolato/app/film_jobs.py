@@ -7,7 +7,7 @@ from collections.abc import Callable, Coroutine, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     from latolato.app.film_store import Allowance, Film

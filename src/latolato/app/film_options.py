@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from latolato.app.forms import registry
-from latolato.errors import InputError
-from latolato.registry import suggest
-from latolato.units import to_si
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
+from latolato.scenario.units import to_si
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")

@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from latolato.app.given import TooLargeError
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 
 _LONGEST_NAME = 80

@@ -16,7 +16,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.film_fits import fit_of, fits_of, trial_row
 from latolato.app.film_options import EXPORTS, Told
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
@@ -24,7 +24,7 @@ from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.track import prepare, run
 from latolato.experiment.video import Frame, Limits, Video, open_video
-from latolato.summary import plain
+from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,7 +25,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from latolato.app.film_jobs import film_workers_of, work
 from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 _LONGEST_FRAME = 100_000
 # The first frame of a page; its first job may come much later.
@@ -214,7 +214,7 @@ class _Clerk:
 
     async def tell(self, message: Mapping[str, Any]) -> None:
         """Send one frame; a page that has gone hears nothing."""
-        from latolato.summary import plain
+        from latolato.simulation.summary import plain
 
         async with self._lock:
             try:

@@ -14,18 +14,18 @@ from inspect import Parameter, signature
 from typing import Any
 
 from latolato.app.given import options_of
+from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.registry import types_of
+from latolato.core.versions import version_of
 from latolato.observables import observables
-from latolato.options import law_options
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
-from latolato.quantities import QUANTITIES, Quantity
-from latolato.registry import types_of
-from latolato.scenario import Scenario, scenarios
-from latolato.simulate import simulate
-from latolato.summary import plain
-from latolato.units import to_si
-from latolato.versions import version_of
+from latolato.scenario.options import law_options
+from latolato.scenario.scenario import Scenario, scenarios
+from latolato.scenario.units import to_si
+from latolato.simulation.run import simulate
+from latolato.simulation.summary import plain
 
 # Units offered for an SI unit, the first being the one that a form begins with.
 UNITS: dict[str, tuple[str, ...]] = {

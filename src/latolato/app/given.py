@@ -1,7 +1,7 @@
 """What a page asks for, as flat options with units, and the scenario that it stands for.
 
 A page, its URL, the command line and the Python lines on show all use the names and the texts of
-`latolato.options`: ``{"length": "24.5 cm", "drive_frequency": "2.4 Hz"}``.
+latolato.scenario.options`: ``{"length": "24.5 cm", "drive_frequency": "2.4 Hz"}``.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.numerics.integrate import choose_step
-from latolato.options import LawOption, changes, law_options
-from latolato.registry import suggest
-from latolato.run_command import changed_tables
-from latolato.scenario import Scenario, shipped
-from latolato.start import checked_contact, checked_start, walls_of
+from latolato.scenario.options import LawOption, changes, law_options
+from latolato.scenario.scenario import Scenario, changed_tables, shipped
+from latolato.simulation.start import checked_contact, checked_start, walls_of
 
 # Numbers of one list: more are not typed into a form, nor stand in a URL.
 MOST_LISTED = 10_000

@@ -22,7 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.processes import JobError, Workers
 from latolato.app.server import field_of, in_thread
-from latolato.errors import said_of
+from latolato.core.errors import said_of
 
 # Jobs at the same time; others wait.
 MOST_JOBS = 2

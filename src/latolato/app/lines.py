@@ -9,8 +9,8 @@ from typing import Any
 
 from latolato.app.given import options_of
 from latolato.physics.drives import Static
-from latolato.scenario import Scenario
-from latolato.simulate import simulate
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.run import simulate
 
 
 def python_line(scenario: Scenario) -> str:

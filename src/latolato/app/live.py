@@ -27,8 +27,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.server import in_thread, told_of
 from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
-from latolato.errors import InputError
-from latolato.summary import plain
+from latolato.core.errors import InputError
+from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     from latolato.app.recording import Kept
@@ -235,7 +235,7 @@ def _written(kept: Kept, suffix: str) -> bytes:
     """Return the content of a file of a recording."""
     if suffix == "block":
         return kept.block()
-    from latolato.files import save
+    from latolato.io.files import save
 
     with tempfile.TemporaryDirectory(prefix="latolato-") as folder:
         return save(kept.run, Path(folder) / f"live.{suffix}").read_bytes()

@@ -18,15 +18,15 @@ from latolato.app.map_choices import (
     suggested_range,
     watched_of,
 )
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables import Observable
-from latolato.quantities import ANY
-from latolato.registry import checked_count, checked_number, suggest
-from latolato.scenario import Scenario
-from latolato.sweep.axes import parameters_of
-from latolato.sweep.kernels import has_lanes
-from latolato.sweep.plan import Plan
-from latolato.sweep.points import make_batch, stepper_of
+from latolato.scenario.scenario import Scenario
+from latolato.sweeps.axes import parameters_of
+from latolato.sweeps.kernels import has_lanes
+from latolato.sweeps.plan import Plan
+from latolato.sweeps.points import make_batch, stepper_of
 
 MOST_CELLS = 500 * 500
 MOST_ALONG = 1000

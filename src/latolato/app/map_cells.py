@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.sweep.chunk import STATUS, Values
-from latolato.sweep.executors import ROUNDING
-from latolato.sweep.plan import Plan
-from latolato.sweep.results import Memory
+from latolato.sweeps.chunk import STATUS, Values
+from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.plan import Plan
+from latolato.sweeps.results import Memory
 
 # Maps that were looked at last stay in memory up to so many bytes.
 MOST_BYTES = 300_000_000

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from latolato.app.forms import SUGGESTED, units_of
 from latolato.app.given import options_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, Range
+from latolato.core.registry import checked_number, suggest
 from latolato.figures.sides import is_geometric
 from latolato.observables import Observable, observables
 from latolato.physics.drives import Drive, Harmonic, Static
-from latolato.quantities import ANY, Range
-from latolato.registry import checked_number, suggest
-from latolato.scenario import Scenario
-from latolato.sweep.axes import DERIVED, Parameter
-from latolato.sweep.plan import DEFAULT_OBSERVABLES, checked_observable
+from latolato.scenario.scenario import Scenario
+from latolato.sweeps.axes import DERIVED, Parameter
+from latolato.sweeps.plan import DEFAULT_OBSERVABLES, checked_observable
 
 # A logarithmic axis begins at this share of its end where nothing else is known.
 _LOG_SPAN = 0.01

@@ -11,10 +11,10 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.given import TooLargeError
 from latolato.app.map_shown import Shown
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number
 from latolato.figures.contours import Line, lines_of, round_levels
-from latolato.quantities import ANY
-from latolato.registry import checked_number
 
 MOST_LEVELS = 20
 MOST_VERTICES = 2_000_000

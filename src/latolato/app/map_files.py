@@ -16,9 +16,9 @@ from latolato.app.downloads import PICTURE_DPI, TYPES, drawing_lock
 from latolato.app.given import TooLargeError
 from latolato.app.map_contours import contours
 from latolato.app.map_shown import Shown
-from latolato.errors import InputError
-from latolato.quantities import ANY
-from latolato.registry import checked_number, suggest
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,7 +58,7 @@ def file_response(kind: str, given: Any, shown_of: Callable[[Any], Shown]) -> Re
         elif kind == "zarr":
             content = _zipped(shown, Path(folder))
         else:
-            from latolato.files import save
+            from latolato.io.files import save
 
             path = Path(folder) / f"map.{kind}"
             save(_told(shown), path)
@@ -83,8 +83,9 @@ def _told(shown: Shown) -> Any:
 
 def _zipped(shown: Shown, folder: Path) -> bytes:
     """Return a store of the sweep as a zip file."""
-    from latolato.sweep.plan import Plan
-    from latolato.sweep.store import Store, plan_from_store
+    from latolato.io.plans import plan_from_store
+    from latolato.sweeps.plan import Plan
+    from latolato.sweeps.store import Store
 
     if shown.path is not None and shown.path.is_dir():
         return _zip(shown.path, shown.path.name)

@@ -18,10 +18,10 @@ from latolato.app.map_lines import sweep_command, sweep_lines
 from latolato.figures.map import CLASSES
 from latolato.figures.sides import Side
 from latolato.numerics.records import STATUS_NAMES
-from latolato.sweep.chunk import STATUS, Values
-from latolato.sweep.executors.threads import available_processors, run_cancellable
-from latolato.sweep.plan import Plan
-from latolato.sweep.results import attributes_of_variables
+from latolato.sweeps.chunk import STATUS, Values
+from latolato.sweeps.executors.threads import available_processors, run_cancellable
+from latolato.sweeps.plan import Plan
+from latolato.sweeps.results import attributes_of_variables
 
 Cells = NDArray[np.int64]
 

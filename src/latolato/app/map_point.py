@@ -11,15 +11,15 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.map_asked import MapAsked, make_map
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number
 from latolato.physics.contacts import Clamp, contact_laws
-from latolato.quantities import ANY
-from latolato.registry import checked_number
-from latolato.scenario import Scenario
-from latolato.simulate import simulate
-from latolato.sweep.executors import ROUNDING
-from latolato.sweep.points import arguments_of
-from latolato.sweep.results import attributes_of
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.run import simulate
+from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.points import arguments_of
+from latolato.sweeps.results import attributes_of
 
 if TYPE_CHECKING:
     from latolato.figures.overlays import Context

@@ -14,9 +14,9 @@ import numpy as np
 
 from latolato.app.forms import units_of
 from latolato.app.map_cells import Maps, known_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.figures.map import Drawing
-from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr

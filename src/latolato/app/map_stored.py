@@ -15,9 +15,9 @@ from latolato.app.given import TooLargeError
 from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
 from latolato.app.map_shown import spaced
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.numerics.records import STATUS_NAMES
-from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +35,7 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
     FileNotFoundError, InputError
         If one of them is no sweep.
     """
-    from latolato.sweep.store import plan_from_store
+    from latolato.io.plans import plan_from_store
 
     found: dict[str, Path] = {}
     for path in paths:
@@ -51,7 +51,7 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
 
 def opened(path: Path) -> xr.Dataset:
     """Return the dataset of a stored map; unfinished ones open too."""
-    from latolato.files import load
+    from latolato.io.files import load
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -151,8 +151,8 @@ def _description(grid: xr.Dataset, drawing: Drawing) -> str:
 
 def arguments_at(path: Path, x: tuple[str, float], y: tuple[str, float], select: Any) -> Any:
     """Return the arguments of `simulate` that run the point nearest to these values."""
-    from latolato.sweep.points import arguments_of
-    from latolato.sweep.store import plan_from_store
+    from latolato.io.plans import plan_from_store
+    from latolato.sweeps.points import arguments_of
 
     plan = plan_from_store(path)
     index = dict.fromkeys(plan.dims, 0) | _checked(select)

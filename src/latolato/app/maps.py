@@ -18,8 +18,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.server import answered, json_of, told_of
-from latolato.errors import InputError
-from latolato.progress import compiling
+from latolato.core.errors import InputError
+from latolato.io.progress import compiling
 
 if TYPE_CHECKING:
     from latolato.app.map_asked import Map
@@ -116,7 +116,7 @@ def _line(error: Exception) -> str:
 def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], None]) -> None:
     """Compute a map in a thread and send its frames one after the other."""
     from latolato.app.map_job import frames
-    from latolato.sweep.chunk import Cancelled
+    from latolato.sweeps.chunk import Cancelled
 
     def send(frame: bytes | str) -> None:
         from_thread.run(_send, socket, frame)
@@ -157,7 +157,7 @@ def cells_of(app: Any) -> Maps:
 def _map(given: Any) -> tuple[Map, dict[str, Any]]:
     """Return the map that a page asks for, and what it may choose from, ready for JSON."""
     from latolato.app.map_asked import MapAsked, make_map
-    from latolato.summary import plain
+    from latolato.simulation.summary import plain
 
     shown = make_map(MapAsked.from_json(given))
     return shown, plain(shown.choices)

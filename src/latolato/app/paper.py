@@ -21,18 +21,18 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from latolato import cache
 from latolato.app.blocks import pack
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.server import answered
-from latolato.errors import InputError
+from latolato.core import cache
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from latolato.figures.catalogue import Evidence
     from latolato.figures.claim import Claim
-    from latolato.scenario import Scenario
+    from latolato.scenario.scenario import Scenario
 
 _MADE_WITH = ("numpy", "scipy", "numba", "matplotlib", "xarray", "av", "opencv-python-headless")
 _NUMBER = re.compile(r"(?P<number>\d+)(?P<panel>[a-z]*)")
@@ -101,7 +101,7 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
 def _scenarios_by_figure() -> dict[str, list[str]]:
     """Return the names of shipped scenarios by the figure that they belong to."""
     from latolato.figures import catalogue
-    from latolato.scenario import scenarios
+    from latolato.scenario.scenario import scenarios
 
     known = catalogue.figures()
     found: dict[str, list[str]] = {}
@@ -135,8 +135,8 @@ def prepare(given: Any, report: Path | None = None) -> Job:
         For an unknown name.
         If the figure goes through a video and the extra `video` is missing.
     """
+    from latolato.core.registry import suggest
     from latolato.figures import catalogue, chain
-    from latolato.registry import suggest
 
     name = given.get("figure") if isinstance(given, Mapping) else None
     if not isinstance(name, str):
@@ -182,7 +182,7 @@ def stored(name: str, report: Path) -> bytes | None:
         If the report's file is none of ours.
     """
     from latolato.figures import catalogue
-    from latolato.files import load
+    from latolato.io.files import load
 
     path = report / f"{name}.nc"
     if not path.is_file():
@@ -243,7 +243,7 @@ def shown(text: str) -> str:
 def cases_of(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return the runs behind a figure: what tells each from the others, and all its options."""
     from latolato.app.given import options_of
-    from latolato.scenario import Scenario
+    from latolato.scenario.scenario import Scenario
 
     if "scenario" not in dataset or "case" not in dataset.coords:
         return []
@@ -270,7 +270,7 @@ def _short_options(scenario: Scenario) -> dict[str, Any]:
 
     from latolato.app.given import options_of
     from latolato.app.lines import defaults_of
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     usual = {name: p.default for name, p in signature(simulate).parameters.items()}
     usual |= defaults_of(scenario)
@@ -290,7 +290,7 @@ def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
 def _case_label(label: Any, run: Mapping[str, Any], differing: list[str]) -> str:
     """Return what a run is called, with the first values that tell it from the others."""
     from latolato.figures.style import pretty_unit
-    from latolato.options import law_options
+    from latolato.scenario.options import law_options
 
     told = []
     for name in differing:

@@ -17,7 +17,7 @@ from typing import Any
 
 import anyio
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 # Longest line of an answer [characters].
 _LONGEST = 4_000_000

@@ -16,8 +16,8 @@ from latolato.numerics.prepare import choose_stepper
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, Harmonic, Stages, Stretch
 from latolato.physics.pendulum import System
-from latolato.record import attributes_of, record_of
-from latolato.scenario import Scenario
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.record import attributes_of, record_of
 
 if TYPE_CHECKING:
     import xarray as xr

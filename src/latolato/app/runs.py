@@ -21,20 +21,20 @@ from latolato.app.given import (
     options_of,
 )
 from latolato.app.lines import command_line, python_line
-from latolato.errors import InputError
-from latolato.options import law_options
+from latolato.core.errors import InputError
+from latolato.core.registry import checked_count, suggest
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
 from latolato.physics.drives.stretch import POLYNOMIAL, STILL
-from latolato.registry import checked_count, suggest
-from latolato.scenario import Scenario
-from latolato.simulate import SAMPLES_PER_PERIOD
-from latolato.summary import summarise
+from latolato.scenario.options import law_options
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.run import SAMPLES_PER_PERIOD
+from latolato.simulation.summary import summarise
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.record import Record
+    from latolato.simulation.record import Record
 
 # Samples of a run that is shown: by default as many as files have, up to this number.
 USUAL_SAMPLES = 30_000

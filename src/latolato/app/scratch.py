@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from latolato.sweep import lock
+from latolato.sweeps import lock
 
 _PREFIX = "latolato-app-"
 # Held by the server as long as it runs; the operating system gives it free when the server ends,

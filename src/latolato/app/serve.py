@@ -20,7 +20,7 @@ from latolato.app.film_store import Allowance
 from latolato.app.guard import TOKEN
 from latolato.app.scratch import scratch_folder
 from latolato.app.server import ANY_ADDRESS, Settings, has_port, make_app
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 DEFAULT_PORT = 8765
 _NAME = re.compile(r"([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\])(:[0-9]{1,5})?")

@@ -24,8 +24,8 @@ from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
 from latolato.app.given import Asked, TooLargeError
 from latolato.app.guard import Guard
-from latolato.errors import InputError, refusal_of, said_of
-from latolato.progress import compiling
+from latolato.core.errors import InputError, refusal_of, said_of
+from latolato.io.progress import compiling
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
@@ -227,7 +227,7 @@ def in_words(text: str) -> str:
     'Harmonic needs “driving amplitude” [m]'
     """
     from latolato.app.forms import label_of
-    from latolato.options import law_options
+    from latolato.scenario.options import law_options
 
     def label(found: re.Match[str]) -> str:
         name = found[2] or found[4]
@@ -238,7 +238,7 @@ def in_words(text: str) -> str:
 
 def field_of(error: Exception) -> str | None:
     """Return the option that an error is about: its parameter, or what its text names first."""
-    from latolato.options import law_options
+    from latolato.scenario.options import law_options
 
     if not isinstance(error, InputError):
         return None

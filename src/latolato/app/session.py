@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.physics.drives import CrankSlider, MeasuredPivot
 
 if TYPE_CHECKING:

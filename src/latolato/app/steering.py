@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, Range
+from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System
-from latolato.quantities import QUANTITIES, Range
-from latolato.registry import checked_number
 
 # What may be set: up to so many lengths and natural frequencies.
 MOST_AMPLITUDE, MOST_FREQUENCY, MOST_DAMPING_RATIO = 0.5, 40.0, 2.0

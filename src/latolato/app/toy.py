@@ -12,7 +12,9 @@ import numpy as np
 from latolato.app.recording import Recording
 from latolato.app.session import TICKS_PER_SECOND
 from latolato.app.steering import checked_state, cosine_of, limits_of
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, Range
+from latolato.core.registry import checked_number, suggest
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
@@ -46,10 +48,8 @@ from latolato.physics.drives.stretch import (
     written,
 )
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear
-from latolato.quantities import QUANTITIES, Range
-from latolato.registry import checked_number, suggest
-from latolato.scenario import Scenario
-from latolato.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 
 # Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
 TOLERANCE = 1e-10

@@ -25,9 +25,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
-from latolato.errors import said_of
-from latolato.progress import compiling
-from latolato.summary import plain
+from latolato.core.errors import said_of
+from latolato.io.progress import compiling
+from latolato.simulation.summary import plain
 
 # Where the functions ``(given, folder, progress) -> dict`` are. They call
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.errors import import_extra
+from latolato.core.errors import import_extra
 from latolato.experiment.tracking.sample import median_planes
 from latolato.experiment.video import Frame
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
@@ -93,8 +93,8 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
     InputError
         If the fit is of no system.
     """
+    from latolato.core.registry import rebuild
     from latolato.physics.pendulum import Pendulum, systems
-    from latolato.registry import rebuild
 
     attrs = fit.dataset.attrs
     if fit.kind == "model":

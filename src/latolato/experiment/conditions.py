@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from latolato.core.registry import Registry
 from latolato.experiment.scene import Camera, Scene
-from latolato.registry import Registry
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import import_extra
+from latolato.core.errors import import_extra
 
 # Ticks per second of the container: 24, 25, 30, 50, 60, 120, 240 and 29.97 Hz are whole numbers.
 TICKS = 90_000

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
+from latolato.core.registry import checked_number, suggest
 from latolato.experiment.table import column_names, track_table
-from latolato.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
-from latolato.registry import checked_number, suggest
-from latolato.units import to_si
+from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -102,7 +102,8 @@ def write_overlay(
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
     """
-    from latolato.files import atomic_path, check_suffix
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix
 
     path = Path(path)
     check_suffix(path, (".mp4",), "the name of an overlay")
@@ -248,7 +249,8 @@ def draw_proposal(
     video: Video, setup: Setup, path: str | Path, radius: float | None = None
 ) -> Path:
     """Write the first frame with the proposal marked as PNG and return the path."""
-    from latolato.files import atomic_path, check_suffix
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix
 
     path = Path(path)
     check_suffix(path, (".png",), "the name of a picture")

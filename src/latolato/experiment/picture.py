@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.render import BOLT, Floats, Image, Look, kernel
 from latolato.experiment.scene import Camera, Scene, linear_colour
 from latolato.experiment.wall import make_wall

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.blobs import Backdrop, Disc
 from latolato.experiment.calibrate import Optics, undistorted
 from latolato.experiment.orbit import Orbit, better, circle, driven_circle

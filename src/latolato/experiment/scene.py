@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from latolato.errors import InputError
-from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
-from latolato.registry import check_fields, checked_count
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
+from latolato.core.registry import check_fields, checked_count
 
 BACKGROUNDS = ("plain", "gradient", "texture", "wood")
 ROTATIONS = (0, 90, 180, 270)

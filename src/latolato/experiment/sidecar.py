@@ -10,12 +10,12 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
+from latolato.core.versions import version_of
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
-from latolato.registry import suggest
-from latolato.versions import version_of
 
 SUFFIX = ".track.toml"
 Place = tuple[float, float]
@@ -91,7 +91,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.files import atomic_path
+    from latolato.core.atomic import atomic_path
 
     geometry = {
         "pivot": setup.pivot,

@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.atomic import atomic_path, check_folder
+from latolato.core.errors import InputError
+from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.picture import Studio, View, moments_needed
 from latolato.experiment.render import Floats
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.table import about, track_table
-from latolato.files import atomic_path, check_folder, check_suffix
-from latolato.registry import describe
+from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -245,7 +246,7 @@ def _frames(take: Take, progress: Callable[[float], None] | None) -> Iterator[tu
 def check_target(path: str | Path, truth: str | Path | None = None) -> None:
     """Raise before any work if a file cannot be written."""
     from latolato.experiment import table
-    from latolato.files import check_target as check_result
+    from latolato.io.files import check_target as check_result
 
     check_suffix(path, SUFFIXES, "the name of a synthetic video")
     check_folder(Path(path))
@@ -304,7 +305,7 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
     InputError
         If the run stops before the last frame.
     """
-    from latolato.scenario import Scenario
+    from latolato.scenario.scenario import Scenario
 
     tables = json.loads(run.attrs["scenario"])
     end = float(run["time"][-1])

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
-from latolato.quantities import QUANTITIES
-from latolato.registry import suggest
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
+from latolato.core.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -179,7 +179,8 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.files import atomic_path, check_suffix, check_target, save
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix, check_target, save
 
     checked_table(table)
     path = Path(path)
@@ -204,7 +205,7 @@ def read_table(path: str | Path) -> xr.Dataset:
     OSError
         If the file cannot be read.
     """
-    from latolato.files import check_suffix
+    from latolato.io.files import check_suffix
 
     path = Path(path)
     suffix = check_suffix(path, SUFFIXES, "the name of a track table")
@@ -383,7 +384,7 @@ def _read_csv(path: Path) -> Parts:
 
 def _write_parquet(table: xr.Dataset, path: Path) -> None:
     """Write the columns, their units with each field."""
-    from latolato.files import import_pyarrow
+    from latolato.io.files import import_pyarrow
 
     pyarrow = import_pyarrow()
     names = names_in(table)
@@ -400,7 +401,7 @@ def _write_parquet(table: xr.Dataset, path: Path) -> None:
 
 def _read_parquet(path: Path) -> Parts:
     """Return the columns, their units and the attributes of a Parquet file."""
-    from latolato.files import import_pyarrow
+    from latolato.io.files import import_pyarrow
 
     pyarrow = import_pyarrow()
     try:
@@ -421,7 +422,7 @@ def _read_parquet(path: Path) -> Parts:
 
 def _read_netcdf(path: Path) -> Parts:
     """Return the columns, their units and the attributes of a NetCDF file."""
-    from latolato.files import load
+    from latolato.io.files import load
 
     table = load(path)
     units = {str(name): str(v.attrs.get("units", "")) for name, v in table.variables.items()}

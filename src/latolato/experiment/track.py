@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.atomic import checked_path
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, QUANTITIES
+from latolato.core.registry import checked_number
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
 from latolato.experiment.gate import Track, examine
 from latolato.experiment.propose import found_in_video, propose
@@ -22,9 +25,6 @@ from latolato.experiment.tracking.learn import Scene, learn_scene
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 from latolato.experiment.wander import follow_path, period_of
-from latolato.files import checked_path
-from latolato.quantities import POSITIVE, QUANTITIES
-from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
+from latolato.core.registry import suggest
 from latolato.observables.angles import MotionClass
 from latolato.physics.pendulum import GRAVITY
-from latolato.quantities import QUANTITIES
-from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -211,7 +211,8 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.files import atomic_path, check_suffix, check_target, save
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix, check_target, save
 
     checked_trials(trials)
     path = Path(path)
@@ -246,7 +247,7 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
     OSError
         If the file cannot be read.
     """
-    from latolato.files import check_suffix, load
+    from latolato.io.files import check_suffix, load
 
     path = Path(path)
     suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
@@ -286,7 +287,7 @@ def is_trial_table(path: str | Path) -> bool:
     """Return whether a file looks like a trial table: its header, or columns of one."""
     path = Path(path)
     if path.suffix.lower() == ".nc":
-        from latolato.files import load
+        from latolato.io.files import load
 
         try:
             return bool(load(path).attrs.get("table") == _KIND)
@@ -329,7 +330,7 @@ def _cell(value: Any) -> Any:
 
 def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the columns that a trial table has, and gravity where the header tells it."""
-    from latolato.units import to_si
+    from latolato.scenario.units import to_si
 
     lines = text.splitlines()
     attributes: dict[str, Any] = {}

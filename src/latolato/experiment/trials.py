@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError, said_of
+from latolato.core.atomic import checked_path
+from latolato.core.errors import InputError, said_of
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.registry import checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.table import balls_of, checked_table
 from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
-from latolato.files import checked_path
 from latolato.physics.pendulum import GRAVITY
-from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

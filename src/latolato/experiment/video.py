@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.errors import InputError, import_extra
+from latolato.core.errors import InputError, import_extra
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.

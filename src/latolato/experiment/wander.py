@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.blobs import Backdrop, Disc
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError, import_extra
+from latolato.core.atomic import atomic_path, check_folder, checked_path
+from latolato.core.errors import InputError, import_extra
+from latolato.core.quantities import Range
+from latolato.core.registry import checked_number
 from latolato.figures import style
 from latolato.figures.run import ball_angles
-from latolato.files import atomic_path, check_folder, check_suffix, checked_path
-from latolato.quantities import Range
-from latolato.registry import checked_number
+from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.quantities import QUANTITIES
+from latolato.core.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import extra_command
+from latolato.core.errors import extra_command
 from latolato.figures import style
 from latolato.figures.cases import Floats, quantity, variable
 from latolato.figures.claim import Limit, Statement
@@ -69,7 +69,7 @@ class Clip:
 
     def run(self, times: Floats | None = None) -> xr.Dataset:
         """Return the motion."""
-        from latolato.simulate import simulate
+        from latolato.simulation.run import simulate
 
         options: dict[str, Any] = dict(self.start)
         options |= {"duration": self.duration} if times is None else {"times": times}

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
 from latolato.figures import grids, style
 from latolato.figures.fits import ABOVE
-from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from latolato.physics.contacts import Exact
 from latolato.physics.energy import kinetic_energy, potential_energy
 from latolato.physics.pendulum import System
-from latolato.scenario import Scenario
-from latolato.start import walls_of
+from latolato.scenario.scenario import Scenario
+from latolato.simulation.start import walls_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -80,7 +80,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the angles of eq10 and eq14 over 400 s."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     times = instants(DURATION, paper.DRIVE.drive_frequency)
     systems = {FULL: paper.PENDULUM, LINEAR: paper.LINEAR}

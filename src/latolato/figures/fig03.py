@@ -108,7 +108,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the angles at three frequencies, and eq14's growth close to the edge."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     system, amplitude = paper.PENDULUM, paper.DRIVE.drive_amplitude
     body = paper.body(system)
@@ -147,7 +147,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _linear_rate(ratio: float, residuals: Residuals) -> float:
     """Return the growth rate of eq14 at a frequency ratio, from a run [1/s]."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     frequency = ratio * paper.LINEAR.natural_frequency
     times = instants(DURATION, frequency, per_period=1)

@@ -94,7 +94,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the angles from rest, with a push, and by the clamp at two steps."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     times = instants(DURATION, paper.STRONG_DRIVE.drive_frequency, per_period=100)
     runs = {}

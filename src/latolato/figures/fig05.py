@@ -128,7 +128,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the maps without walls, from rest, with a push and by the clamp."""
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     def run(count: int, duration: float, offset: float, step: float = 0.0) -> xr.Dataset:
         return sweep(

@@ -139,7 +139,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return energies and powers with a push, from rest, and of a shorter toy that moves alike."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     toy, drive = paper.TOY, paper.STRONG_DRIVE
     times = instants(DURATION, drive.drive_frequency, per_period=2 * SAMPLES_PER_PERIOD)

@@ -83,7 +83,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the angle at 15 mm, and the growth rate against the amplitude."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     frequency = paper.SINGLE_FREQUENCY
     times = instants(DURATION, frequency)
@@ -123,7 +123,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _linear_rate(amplitude: float, residuals: Residuals) -> float:
     """Return the growth rate of eq14 at a driving amplitude, from a run [1/s]."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     single, frequency = paper.SINGLE, paper.SINGLE_FREQUENCY
     linear = Mathieu(**paper.body(single))

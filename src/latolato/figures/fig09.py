@@ -66,7 +66,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the map of the single pendulum."""
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     up, across = QUICK_POINTS if quick else POINTS
     grid = sweep(

@@ -67,7 +67,7 @@ STATEMENTS = (
 def data(quick: bool = False, full: bool = False) -> xr.Dataset:
     """Return the trials over the map."""
     from latolato.experiment.comparison.places import compare_map
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     random = np.random.default_rng(9)
     clips: list[chain.Clip] = []

@@ -111,7 +111,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the late largest angles over frequency for amplitudes, starts and both ways."""
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     ratios = np.linspace(*RATIOS, QUICK_POINTS if quick else POINTS)
     middle = Harmonic(drive_amplitude=MIDDLE, drive_frequency=paper.COUPLED.natural_frequency)

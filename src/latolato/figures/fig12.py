@@ -162,7 +162,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _stepped(ratio: float, ramp: float, phase: float, times: Floats) -> xr.Dataset:
     """Return a run from rest in contact with both stages."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     w0 = paper.COUPLED.natural_frequency
     drive = FrequencySchedule(
@@ -177,7 +177,7 @@ def _stepped(ratio: float, ramp: float, phase: float, times: Floats) -> xr.Datas
 
 def _alone(offset: float, phase: float, times: Floats) -> xr.Dataset:
     """Return a run with the second frequency only, released at rest above contact."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     drive = Harmonic(
         drive_amplitude=paper.COUPLED_AMPLITUDE,

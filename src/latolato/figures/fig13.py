@@ -148,7 +148,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the four panels' angles."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     times = instants(DURATION, paper.DRIVE.drive_frequency)
     runs = {

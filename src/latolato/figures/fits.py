@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
-from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr

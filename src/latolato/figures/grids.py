@@ -74,7 +74,7 @@ def paper_axes(length: float, count: int) -> dict[str, Floats]:
 
 def without_walls(system: Pendulum, count: int) -> xr.Dataset:
     """Return the map of Fig. 3cd of a pendulum, from rest at the toy's low contact angle."""
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     return sweep(
         system,

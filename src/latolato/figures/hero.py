@@ -28,7 +28,7 @@ FLASHES_PER_PERIOD = 40
 
 def data() -> xr.Dataset:
     """Return a run of Fig. 4's toy after a push, under the strong drive."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     times = instants(DURATION, paper.STRONG_DRIVE.drive_frequency, per_period=SAMPLES_PER_PERIOD)
     run = simulate(paper.TOY, paper.STRONG_DRIVE, initial_offset=paper.PUSH, times=times)
@@ -151,7 +151,7 @@ def write(path: Path | str) -> Path:
 
     from PIL import Image
 
-    from latolato.files import atomic_path
+    from latolato.core.atomic import atomic_path
 
     drawn = BytesIO()
     with style.use_style():

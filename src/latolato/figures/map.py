@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.figures import contours, style
 from latolato.figures import overlays as marks
 from latolato.figures.map_title import in_words, plain_text, title_of
 from latolato.figures.sides import Side, side_of, values_along
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
-from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from latolato.sweep.plan import Plan
+    from latolato.sweeps.plan import Plan
 
     Floats = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ _MOST_CURVES = 12
 
 def check_drawable(plan: Plan, variable: str | None) -> None:
     """Raise InputError unless the sweep of a plan can be drawn without selecting anything."""
-    from latolato.sweep.results import dims_of, lengths_of, template
+    from latolato.sweeps.results import dims_of, lengths_of, template
 
     name = _variable(list(template(plan)), variable)
     lengths = lengths_of(plan)

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from latolato.core.quantities import QUANTITIES
 from latolato.figures import overlays as marks
 from latolato.figures import style
-from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr

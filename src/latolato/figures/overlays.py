@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.figures import style
-from latolato.registry import suggest
-from latolato.units import to_si
+from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.figures.curves import with_contacts
-from latolato.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
-from latolato.files import atomic_path
+from latolato.core.atomic import atomic_path
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -80,7 +80,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return largest angles and contacts of runs of 300 s over the frequency ratio."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     w0 = TOY.natural_frequency
     ratios = np.linspace(1.6, 3.4, 37 if quick else 145)

@@ -58,7 +58,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the free decay of both pendulums from a small angle."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     times = np.arange(0.0, DURATION, 0.02)
     runs = {

@@ -113,7 +113,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the single pendulum's settling under a crank and a pure cosine, and both drives."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     frequency, amplitude = paper.SINGLE_FREQUENCY, paper.SINGLE_AMPLITUDE
     motor = {

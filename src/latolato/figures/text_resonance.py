@@ -153,7 +153,7 @@ STATEMENTS = (
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return edges, growth rates and thresholds of eq14, and runs of eq10 at a small amplitude."""
-    from latolato.simulate import simulate
+    from latolato.simulation.run import simulate
 
     length, mass = paper.UNDAMPED.length, paper.UNDAMPED.mass
     w0 = paper.UNDAMPED.natural_frequency

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from latolato.core.scalar import formula
 from latolato.physics.contacts import wall_impact
-from latolato.scalar import formula
 
 # Hops lower than this are taken as parabolas [rad]: thousands of roundings of the angle, while the
 # pull changes by less than a millionth in the time.

@@ -23,12 +23,12 @@ from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
 from numba.extending import register_jitable
 
-from latolato import cache
+from latolato.core import cache
+from latolato.core.scalar import for_each_formula
 from latolato.numerics.compiler import tell_it_is_there
 from latolato.numerics.linking import link_once
 from latolato.numerics.pieces import Piece, Recipe
 from latolato.numerics.sources import sources_hash
-from latolato.scalar import for_each_formula
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.
 _PART: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from latolato.core.scalar import formula
 from latolato.numerics.engine.compiling import Part
-from latolato.scalar import formula
 
 # More halvings than a double has bits below a step: a search that needs them has no root.
 MOST_TRIALS = 120

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from latolato.core.scalar import cosine, formula
 from latolato.numerics import lane_rows as r
 from latolato.numerics.addresses import array_at
 from latolato.numerics.engine.compiling import Part
-from latolato.scalar import cosine, formula
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
 # the velocity's error is then about 1e-3 of the tolerance.

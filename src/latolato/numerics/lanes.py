@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.core.scalar import cosine, sine
 from latolato.numerics import lane_rows as r
 from latolato.numerics.addresses import address_of, bundle_at, caller_of, kind_of
 from latolato.numerics.engine.compiling import Part, inlined
@@ -32,7 +33,6 @@ from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
-from latolato.scalar import cosine, sine
 
 Law = Callable[..., float]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from latolato.scalar import formula
+from latolato.core.scalar import formula
 
 Matrix = tuple[float, float, float, float]
 UNCHANGED: Matrix = (1.0, 0.0, 0.0, 1.0)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.core.scalar import formula
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import (
     STATE,
@@ -27,7 +28,6 @@ from latolato.physics.contacts import FINE, ContactLaw, meeting
 from latolato.physics.drives.stretch import fastest_frequency, largest_acceleration
 from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import System, restoring_linear
-from latolato.scalar import formula
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
 # benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import llvmlite
 import llvmlite.binding as llvm
 
-from latolato import cache
+from latolato.core import cache
 from latolato.numerics.pieces import Piece
 from latolato.numerics.sources import digest_of_sources, sources_hash
 

@@ -7,9 +7,9 @@ import hashlib
 import sys
 from pathlib import Path
 
-from latolato.versions import version_of
+from latolato.core.versions import version_of
 
-_LAYERS = ("scalar.py", "physics", "observables", "numerics")
+_LAYERS = ("core/scalar.py", "physics", "observables", "numerics")
 
 
 @functools.cache

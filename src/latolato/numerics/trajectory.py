@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.numerics.clamp import make_clamped
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.watch import Watch
-from latolato.registry import suggest
 
 # What a contact law names: called with laws, the number of balls, the functions that observables
 # are shown by and what makes parts. Others may add their own, built by `make_engine` of their own

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import QUANTITIES, Quantity, Range, quantity_field
+from latolato.core.scalar import formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
-from latolato.scalar import formula
 
 
 @formula

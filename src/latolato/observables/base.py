@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from latolato.quantities import Quantity
-from latolato.registry import Registry, check_fields
+from latolato.core.quantities import Quantity
+from latolato.core.registry import Registry, check_fields
 
 if TYPE_CHECKING:
     import numpy as np

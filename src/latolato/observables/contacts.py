@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import Quantity
+from latolato.core.scalar import formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.physics.contacts import BOTTOM, TOP
-from latolato.quantities import Quantity
-from latolato.scalar import formula
 
 
 @formula

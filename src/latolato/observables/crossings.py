@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from latolato.core.quantities import QUANTITIES, Quantity, Range, quantity_field
+from latolato.core.scalar import floor, formula
 from latolato.observables.base import Observable, Segment, observables
-from latolato.quantities import QUANTITIES, Quantity, Range, quantity_field
-from latolato.scalar import floor, formula
 
 # One over a period that no angle reaches: counts only the two levels themselves.
 _UNWRAPPED = 1e-200

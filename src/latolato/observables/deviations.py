@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import Quantity
+from latolato.core.scalar import formula
 from latolato.observables.base import STATE, Observable, Outcome, observables
-from latolato.quantities import Quantity
-from latolato.scalar import formula
 
 # A vector shorter than this part of what it was before its part along the others was taken away
 # holds rounding only: the motion has lost that direction.

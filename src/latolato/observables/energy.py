@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import QUANTITIES
+from latolato.core.scalar import formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.quantities import QUANTITIES
-from latolato.scalar import formula
 
 
 @formula

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.scalar import formula
 from latolato.observables.base import Observable, Outcome, observables
-from latolato.quantities import QUANTITIES, Quantity
-from latolato.scalar import formula
 
 
 @formula

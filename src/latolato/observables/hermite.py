@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from latolato.scalar import formula
+from latolato.core.scalar import formula
 
 
 @formula

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import QUANTITIES, Range, quantity_field
+from latolato.core.scalar import formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.hermite import quintic
-from latolato.quantities import QUANTITIES, Range, quantity_field
-from latolato.scalar import formula
 
 # Slots: the threshold, whether it was passed, and the step in which that happened.
 # The passage is looked for at this many shares of its step, then by bisection; an angle that tops

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import Quantity, Range, quantity_field
+from latolato.core.scalar import floor, formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
 from latolato.observables.final import Stroboscope
 from latolato.physics.contacts import BOTTOM, TOP
-from latolato.quantities import Quantity, Range, quantity_field
-from latolato.scalar import floor, formula
 
 # What the values of `periodicity` mean.
 PERIODICITY = ("rest", "periodic", "grazing", "aperiodic")

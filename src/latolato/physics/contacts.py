@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
-from latolato.quantities import POSITIVE, quantity_field
-from latolato.registry import Registry, check_fields
-from latolato.scalar import formula
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE, quantity_field
+from latolato.core.registry import Registry, check_fields
+from latolato.core.scalar import formula
 
 contact_laws: Registry[type] = Registry("contact law")
 

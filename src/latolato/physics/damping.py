@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from latolato.scalar import formula
+from latolato.core.scalar import formula
 
 # Below this argument six terms of (1 - exp(-x))/x miss less than 1e-17 of it.
 _SERIES = 4e-3

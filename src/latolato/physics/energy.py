@@ -8,7 +8,7 @@ between impacts ``dE/dt = drive_power - damping_power`` with ``drive_power = -m 
 
 from __future__ import annotations
 
-from latolato.scalar import cosine, formula, sine
+from latolato.core.scalar import cosine, formula, sine
 
 
 @formula

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range, quantity_field
+from latolato.core.registry import checked_number, named, number_fields
 from latolato.physics.pendulum import System
-from latolato.quantities import NON_NEGATIVE, POSITIVE, Range, quantity_field
-from latolato.registry import checked_number, named, number_fields
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
 LARGEST_SEED = 2**63 - 1  # the largest integer attribute of a NetCDF file

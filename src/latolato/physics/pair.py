@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from latolato.scalar import cosine, formula, sine
+from latolato.core.scalar import cosine, formula, sine
 
 
 @formula

@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
+from latolato.core.registry import Registry, check_fields, checked_number, named
+from latolato.core.scalar import cosine, formula, sine
 from latolato.physics import contacts
-from latolato.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
-from latolato.registry import Registry, check_fields, checked_number, named
-from latolato.scalar import cosine, formula, sine
 
 GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from latolato.scalar import cosine, formula
+from latolato.core.scalar import cosine, formula
 
 
 @formula

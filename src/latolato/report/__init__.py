@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.figures.claim import Claim, Verdict
 from latolato.report.powers import rewritten_powers
 
@@ -144,8 +144,9 @@ def _write(
     folder: Path, quick: bool, full: bool, tell: Callable[[float], None]
 ) -> tuple[tuple[Claim, ...], tuple[str, ...]]:
     """Compute, draw and write all of it into an empty folder; return claims, what is missing."""
+    from latolato.core.atomic import atomic_path
     from latolato.figures import catalogue, chain, style
-    from latolato.files import atomic_path, save
+    from latolato.io.files import save
     from latolato.report.page import Part, render
 
     modules = catalogue.evidence()

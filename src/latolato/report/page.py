@@ -15,12 +15,12 @@ from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING, Any
 
+from latolato.core.quantities import QUANTITIES
+from latolato.core.versions import version_of
 from latolato.figures.catalogue import title_of
 from latolato.figures.claim import Claim, Verdict
 from latolato.figures.style import pretty_unit
-from latolato.quantities import QUANTITIES
 from latolato.report.powers import rewritten_powers
-from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,7 +102,7 @@ def render(
     parts: Sequence[Part], folder: Path, *, quick: bool, left_out: Sequence[str] = ()
 ) -> str:
     """Return the page; pictures are read from `folder` and embedded."""
-    from latolato.citation import PAPER_AUTHORS, PAPER_TITLE, cite
+    from latolato.core.citation import PAPER_AUTHORS, PAPER_TITLE, cite
 
     claims = [claim for part in parts for claim in part.claims]
     template = Template(files("latolato.report").joinpath("report.html").read_text("utf-8"))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.versions import version_of
 from latolato.experiment.overlay import Artist, jpeg_of, picture_of
 from latolato.experiment.quality import (
     circle_distances,
@@ -26,7 +27,6 @@ from latolato.experiment.quality import (
 from latolato.experiment.table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
 from latolato.figures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, THIN, new_figure, use_style
-from latolato.versions import version_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,8 @@ def write_track_report(table: xr.Dataset, video: Video, path: str | Path) -> Pat
     path : str or Path
         A name ending in ``.html``.
     """
-    from latolato.files import atomic_path, check_suffix
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix
 
     path = Path(path)
     check_suffix(path, (".html",), "the name of a report")

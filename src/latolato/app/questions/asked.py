@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
-from latolato.registry import Registry
+from latolato.core.errors import InputError
+from latolato.core.registry import Registry
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE
+from latolato.core.registry import checked_count, checked_number
 from latolato.experiment.comparison.parameters import (
     Floats,
     checked_sigmas,
@@ -24,8 +26,6 @@ from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, Static
 from latolato.physics.pendulum import System, systems
-from latolato.quantities import POSITIVE
-from latolato.registry import checked_count, checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
+from latolato.core.registry import checked_number, suggest
 from latolato.experiment.trial_table import class_of
 from latolato.physics.pendulum import BallPair, LatoLato, System
-from latolato.quantities import NON_NEGATIVE, QUANTITIES
-from latolato.registry import checked_number, suggest
-from latolato.sweep.plan import Plan
+from latolato.sweeps.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,7 +130,7 @@ def run_at(plan: Plan, columns: Mapping[str, Any]) -> xr.Dataset:
     columns : mapping of str to array_like, shape (case,)
         Values of parameters of system and drive.
     """
-    from latolato.sweep import sweep
+    from latolato.sweeps import sweep
 
     start: dict[str, Any] = dict(plan.start)
     if isinstance(plan.system, LatoLato) and "initial_angle" in start:

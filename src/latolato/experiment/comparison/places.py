@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.stroboscopic import wilson
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import checked_count
 from latolato.experiment.comparison.parameters import (
     Floats,
     checked_sigmas,
@@ -22,12 +23,11 @@ from latolato.experiment.comparison.parameters import (
     variable,
 )
 from latolato.experiment.trial_table import CLASSES, checked_trials, class_of
-from latolato.registry import checked_count
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.sweep.plan import Plan
+    from latolato.sweeps.plan import Plan
 
 AMPLITUDES = ("drive_amplitude", "amplitude_ratio")
 FREQUENCIES = ("drive_frequency", "frequency_ratio")

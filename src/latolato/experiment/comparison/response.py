@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import checked_count
 from latolato.experiment.comparison.parameters import (
     LATE,
     Floats,
@@ -21,8 +22,7 @@ from latolato.experiment.comparison.parameters import (
 )
 from latolato.experiment.trial_table import checked_trials
 from latolato.physics.pendulum import Pendulum, System
-from latolato.registry import checked_count
-from latolato.sweep.plan import make_plan
+from latolato.sweeps.plan import make_plan
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.registry import checked_number, suggest
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
@@ -35,8 +37,6 @@ from latolato.experiment.fits.swings import Swings, free_start, period_factor, s
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Static
 from latolato.physics.pendulum import GRAVITY, Pendulum
-from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import checked_number, suggest
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import checked_count
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
     Data,
@@ -26,7 +27,6 @@ from latolato.experiment.fits.swings import crossings
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
 from latolato.physics.drives.base import Drive
-from latolato.registry import checked_count
 
 if TYPE_CHECKING:
     import xarray as xr

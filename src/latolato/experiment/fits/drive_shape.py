@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
 
 

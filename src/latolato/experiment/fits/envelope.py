@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
 from latolato.experiment.fits.sight import Sight, drop_of
 from latolato.experiment.fits.swings import Swings

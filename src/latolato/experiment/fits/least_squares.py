@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError, import_extra
+from latolato.core.errors import InputError, import_extra
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
@@ -27,7 +28,6 @@ from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.table import checked_table
 from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
 from latolato.physics.pendulum import System, systems
-from latolato.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
 from latolato.physics.drives import Drive, MeasuredPivot, Static
-from latolato.start import checked_drive
+from latolato.simulation.start import checked_drive
 
 if TYPE_CHECKING:
     import xarray as xr

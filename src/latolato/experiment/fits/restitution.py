@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.registry import checked_number
 from latolato.experiment.fits.flights import (
     FEWEST,
     ROUGH,
@@ -28,8 +30,6 @@ from latolato.experiment.fits.samples import filled, length_of, within
 from latolato.experiment.table import balls_of, checked_table
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import GRAVITY
-from latolato.quantities import NON_NEGATIVE, POSITIVE
-from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

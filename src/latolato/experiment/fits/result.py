@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.errors import InputError
-from latolato.quantities import QUANTITIES, Quantity
-from latolato.registry import suggest
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -97,8 +97,8 @@ class Fit:
         text = self.dataset.attrs.get("drive_description")
         if not text:
             return None
+        from latolato.core.registry import rebuild
         from latolato.physics.drives import drives
-        from latolato.registry import rebuild
 
         described = json.loads(text)
         drive: Drive = rebuild(drives[described.pop("kind")], described)
@@ -135,7 +135,7 @@ class Fit:
 
     def save(self, path: str | Path) -> Path:
         """Write the fit as a NetCDF file and return its path."""
-        from latolato.files import check_suffix, save
+        from latolato.io.files import check_suffix, save
 
         check_suffix(path, (".nc",), "the result of a fit")
         return save(self.dataset, path)
@@ -149,7 +149,7 @@ def load_fit(path: str | Path) -> Fit:
     InputError
         If the file holds something else.
     """
-    from latolato.files import load
+    from latolato.io.files import load
 
     dataset = load(path)
     if "fit" not in dataset.attrs:
@@ -181,11 +181,11 @@ def make_fit(
     kind : str
         What was fitted.
     estimates : mapping of str to Estimate
-        Named as in `latolato.quantities`.
+        Named as in `latolato.core.quantities`.
     verdict : str
         The result in plain words.
     curves : mapping of str to (str, array_like)
-        Dimension and values of further variables, named as in `latolato.quantities`.
+        Dimension and values of further variables, named as in `latolato.core.quantities`.
     attributes : mapping
         Numbers and texts; None is left out.
     drive : Drive, optional

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import POSITIVE
+from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats
 from latolato.experiment.table import balls_of, checked_table
 from latolato.physics.pendulum import LatoLato, System
-from latolato.quantities import POSITIVE
-from latolato.registry import checked_number
 
 if TYPE_CHECKING:
     import xarray as xr

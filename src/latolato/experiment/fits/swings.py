@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.samples import noise_of
 

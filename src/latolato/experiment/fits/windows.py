@@ -16,7 +16,7 @@ from latolato.experiment.fits.sight import SEEN, Sight
 from latolato.physics.contacts import Exact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.start import walls_of
+from latolato.simulation.start import walls_of
 
 # Samples to either side from which the state at the start of a window is guessed.
 _NEAR = 4

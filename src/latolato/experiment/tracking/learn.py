@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
 from latolato.experiment.tracking import shifts as kernels
 from latolato.experiment.video import Frame
 

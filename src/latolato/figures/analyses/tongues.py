@@ -86,7 +86,7 @@ def _edges(
 
 def told(about: Any, *names: str) -> str:
     """Return parameters other than zero in words, such as ``C = 0.05 kg m/s``."""
-    from latolato.quantities import QUANTITIES
+    from latolato.core.quantities import QUANTITIES
 
     parts = []
     for name in names:

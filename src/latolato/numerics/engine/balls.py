@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
-from latolato.scalar import formula
 
 # What a search looks for.
 GAP, RATE = 0, 1

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from latolato.core.scalar import formula
 from latolato.numerics.records import S_CAPTURED, S_DAMPED, S_IMPACT, S_MODE, S_NOISE, S_WORK
-from latolato.scalar import formula
 
 
 @formula

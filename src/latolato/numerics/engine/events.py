@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import formula
 from latolato.numerics.bounce import meet_wall
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
@@ -26,7 +27,6 @@ from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
 from latolato.physics.pair import write_pair_saltation
-from latolato.scalar import formula
 
 # How long balls stay together that part too little to be seen, as shares of the time to the goal
 # and of a full step; without the lower bound the waits before a stop would shrink to zero.

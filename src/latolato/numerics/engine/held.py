@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import cosine, formula
 from latolato.numerics.contact_time import make_lowest
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import Swing
 from latolato.physics.pendulum import swung
-from latolato.scalar import cosine, formula
 
 # How much finer than the step the search for the end of rest looks at the drive.
 _REST_FRACTION = 0.25

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import formula
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.physics.pendulum import (
     SLOPES,
@@ -15,7 +16,6 @@ from latolato.physics.pendulum import (
     slope_linear,
     slope_sine,
 )
-from latolato.scalar import formula
 
 Formula = Callable[..., float]
 

@@ -10,12 +10,12 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import cosine, formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.physics.damping import decay_time, drag, drift, drift_slopes
 from latolato.physics.pendulum import swung
-from latolato.scalar import cosine, formula
 
 # Rows of a step's table.
 KICK, REACH, OFFSET = 0, 1, 2

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, Range
+from latolato.core.registry import Registry, check_fields, checked_number
 from latolato.physics.drives.stretch import (
     Stretch,
     fastest_frequency,
@@ -17,8 +19,6 @@ from latolato.physics.drives.stretch import (
     pivot_velocity,
     written,
 )
-from latolato.quantities import QUANTITIES, Range
-from latolato.registry import Registry, check_fields, checked_number
 
 drives: Registry[type] = Registry("drive")
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
+from latolato.core.scalar import formula
 from latolato.physics.drives.base import Drive, drives
 from latolato.physics.drives.stretch import CRANK, write_stretch
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
-from latolato.scalar import formula
 
 
 @formula

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
+from latolato.core.scalar import formula
 from latolato.physics.drives.base import Drive, drives
 from latolato.physics.drives.stretch import COSINE, STILL, rotation, write_stretch
-from latolato.quantities import ANY, NON_NEGATIVE, quantity_field
-from latolato.scalar import formula
 
 
 @formula

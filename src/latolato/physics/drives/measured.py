@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
 from latolato.physics.drives.base import (
     Drive,
     check_increasing,
@@ -16,7 +17,6 @@ from latolato.physics.drives.base import (
     drives,
 )
 from latolato.physics.drives.stretch import POLYNOMIAL, Stretch
-from latolato.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
 
 # How often the curve is looked at between two samples, and by how many times their range it may
 # leave the range of the heights; less than this share of the heights is rounding.

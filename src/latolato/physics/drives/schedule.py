@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.core.scalar import formula, sine
 from latolato.physics.drives.base import (
     Drive,
     check_increasing,
@@ -16,8 +18,6 @@ from latolato.physics.drives.base import (
     drives,
 )
 from latolato.physics.drives.stretch import COSINE, SWEPT, write_next, write_stretch
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.scalar import formula, sine
 
 # A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
 _ROUNDING = 1e-12

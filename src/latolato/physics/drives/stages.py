@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.errors import InputError
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.core.scalar import formula
 from latolato.physics.drives.base import (
     Drive,
     check_increasing,
@@ -14,8 +16,6 @@ from latolato.physics.drives.base import (
     drives,
 )
 from latolato.physics.drives.stretch import COSINE, write_change, write_stretch
-from latolato.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.scalar import formula
 
 
 @formula

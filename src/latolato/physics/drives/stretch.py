@@ -9,7 +9,7 @@ import math
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from latolato.scalar import cosine, formula, sine
+from latolato.core.scalar import cosine, formula, sine
 
 # Forms of the motion: a pivot at rest; a cosine of constant amplitude and frequency; one whose
 # amplitude is a cubic of the time and whose frequency changes linearly; the piston of a crank; a

@@ -1,6 +1,6 @@
 /** Units in which a person likes to read, kept in the browser from one visit to the next. */
 
-const KEY = "latolato.units";
+const KEY = "latolato.scenario.units";
 /** @type {Record<string, string> | null} */
 let known = null;
 

@@ -1,4 +1,4 @@
-/** Maps of one ball, from parameters to observables, as `latolato.sweep.chunk` and `.points`. */
+/** Maps of one ball, from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
 
 import { shake } from "./begin.js";
 import { runPoints } from "./points.js";

@@ -1,0 +1,106 @@
+"""What an analysis found, as texts and as plain values."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Arrays up to these sizes are shown whole, as text and as JSON.
+_FEW, _MANY = 8, 1000
+
+
+def summarise(found: xr.Dataset) -> dict[str, Any]:
+    """Return what an analysis found as JSON knows it.
+
+    Complex variables are parted as in files; NaN is None and infinities are texts. Of more than
+    1000 values there are the least and the largest only.
+    """
+    from latolato.io.files import without_complex
+
+    plain = without_complex(found)
+    variables: dict[str, Any] = {}
+    for name, variable in {**plain.coords, **plain.data_vars}.items():
+        about: dict[str, Any] = {
+            "units": variable.attrs.get("units", "1"),
+            "dims": dict(zip(map(str, variable.dims), variable.shape, strict=True)),
+        }
+        if variable.size <= _MANY:
+            about["values"] = _plain(variable.values)
+        elif variable.dtype.kind in "iuf":
+            about["range"] = _plain(list(_range(variable.values)))
+        variables[str(name)] = about
+    attributes = {str(key): _plain(value) for key, value in found.attrs.items()}
+    return {"analysis": found.attrs["analysis"], "variables": variables, "attributes": attributes}
+
+
+def as_lines(found: xr.Dataset) -> dict[str, str]:
+    """Return what an analysis found as texts by name."""
+    drive = f", drive {found.attrs['drive']}" if "drive" in found.attrs else ""
+    lines = {"analysis": f"{found.attrs['analysis']} of {found.attrs.get('system', '')}{drive}"}
+    if "status" in found:
+        lines["status"] = ""
+    for name, variable in {**found.coords, **found.data_vars}.items():
+        # Numbers of rows and names of balls say nothing by themselves.
+        if name not in found.coords or variable.dtype.kind == "f":
+            lines[str(name)] = _text_of(variable)
+    if "message" in found.attrs:
+        lines["message"] = str(found.attrs["message"])
+    return lines
+
+
+def _text_of(variable: xr.DataArray) -> str:
+    """Return one variable in a line."""
+    import numpy as np
+
+    values, unit = variable.values, str(variable.attrs.get("units", "1"))
+    tail = "" if unit == "1" else f" {unit}"
+    if values.size == 0:
+        return "none"
+    if values.dtype.kind in "OUS" and values.size > _FEW:
+        names, counts = np.unique(values.astype(str), return_counts=True)
+        return ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    if values.dtype.kind == "f" and np.isnan(values).all() and values.ndim == 0:
+        return "none"
+    if values.ndim == 0 or (values.size <= _FEW and values.ndim == 1):
+        return ", ".join(_number(value) for value in values.ravel().tolist()) + tail
+    shape = " x ".join(f"{name} {n}" for name, n in zip(variable.dims, values.shape, strict=True))
+    if values.dtype.kind in "OUS":
+        return f"{', '.join(values.ravel().tolist())} (over {shape})"
+    what = "moduli " if values.dtype.kind == "c" else ""
+    low, high = _range(np.abs(values) if what else values)
+    lost = int(np.isnan(values).sum())
+    missing = f", {lost} without value" if lost else ""
+    if lost == values.size:
+        return f"none (over {shape})"
+    return f"{what}{_number(low)} to {_number(high)}{tail} (over {shape}{missing})"
+
+
+def _range(values: Any) -> tuple[float, float]:
+    """Return the least and the largest value that is no NaN; NaN if there is none."""
+    import numpy as np
+
+    known = values[~np.isnan(values)]
+    return (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
+
+
+def _number(value: Any) -> str:
+    """Return one value as text."""
+    if isinstance(value, complex):
+        return f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
+    if isinstance(value, float):
+        return "no value" if math.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value

@@ -1,0 +1,181 @@
+"""`latolato.play`: the player of the application in a notebook."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import json
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from latolato.app import STATIC
+from latolato.app.blocks import pack
+from latolato.app.given import MOST_SAMPLES
+from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
+from latolato.core.errors import InputError, import_extra
+from latolato.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Modules of the player, each after those that it imports.
+MODULES = (
+    "vendor/uPlot.esm.js",
+    "js/strings.js",
+    "js/dom.js",
+    "js/units.js",
+    "js/block.js",
+    "js/motion.js",
+    "js/clock.js",
+    "js/clack.js",
+    "js/keys.js",
+    "js/later.js",
+    "js/band.js",
+    "js/scene.js",
+    "js/shades.js",
+    "js/axis.js",
+    "js/plane.js",
+    "js/curves.js",
+    "js/player.js",
+    "js/notebook.js",
+)
+SHEETS = ("vendor/uPlot.css", "app.css", "notebook.css")
+PICTURE_DPI = 100
+_IMPORT = re.compile(
+    r'^import (?:\{(?P<names>[^}]*)\}|(?P<default>\w+)) from "(?P<path>[^"]+)";$', re.M
+)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const|let) (?P<name>\w+))", re.M)
+_DEFAULT = re.compile(r"^export \{ (?P<name>\w+) as default \};$", re.M)
+
+
+def play(run: xr.Dataset) -> Any:
+    """Return a widget that plays a run: animation, curves, phase portrait, contacts, energies.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        What `latolato.simulate` or `latolato.load` returned; of more than 200000 samples every
+        second, third, ... is shown.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        For Jupyter, marimo, VS Code and others; works without a network. Its attribute `run` is
+        the run; set it to show another one in the same place.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run.
+        Without the extra `notebook`.
+    """
+    return _widget_class()(run)
+
+
+def block_of(run: xr.Dataset) -> bytes:
+    """Return a run as the player reads it."""
+    import xarray as xr
+
+    if not isinstance(run, xr.Dataset):
+        raise InputError(f"play needs a run: what simulate or load returned, got {run!r:.80}")
+    if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
+        raise InputError("play needs a run: what simulate or load returned")
+    thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
+    scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
+    return pack(
+        {**about(scenario, thinned), "warnings": []}, arrays_of(scenario, thinned, USUAL_COLUMNS)
+    )
+
+
+def picture_of(run: xr.Dataset) -> str:
+    """Return the angles of a run as PNG in base64, for places that show no widgets."""
+    from latolato.figures.run import draw_angle_strip
+
+    stream = io.BytesIO()
+    draw_angle_strip(run).savefig(stream, format="png", dpi=PICTURE_DPI)
+    return base64.b64encode(stream.getvalue()).decode()
+
+
+@lru_cache(maxsize=1)
+def _widget_class() -> Any:
+    """Return the class of the widget; anywidget is imported here."""
+    for module in ("anywidget", "traitlets"):
+        import_extra(module, "notebook", "the player in a notebook")
+    import anywidget
+    import traitlets
+
+    class PlayerWidget(anywidget.AnyWidget):
+        """The player of one run."""
+
+        _esm = bundle()
+        block = traitlets.Bytes().tag(sync=True)
+        # Not `style`, which widgets of Jupyter have already.
+        sheet = traitlets.Unicode().tag(sync=True)
+
+        def __init__(self, run: xr.Dataset) -> None:
+            self._run = run
+            super().__init__(block=block_of(run), sheet=style_sheet())
+
+        @property
+        def run(self) -> xr.Dataset:
+            """The run on show."""
+            return self._run
+
+        @run.setter
+        def run(self, run: xr.Dataset) -> None:
+            self.block = block_of(run)
+            self._run = run
+
+        def _repr_mimebundle_(self, **options: Any) -> Any:
+            """Return the widget, and a picture for places that show none."""
+            found = super()._repr_mimebundle_(**options)
+            if found is not None:
+                found[0]["image/png"] = picture_of(self._run)
+                found[0]["text/plain"] = "A run of latolato in its player"
+            return found
+
+    return PlayerWidget
+
+
+@lru_cache(maxsize=1)
+def bundle() -> str:
+    """Return the modules of the player as one, which is what widgets are made of.
+
+    Each module becomes a function of those before it, so that names do not meet. Every widget
+    brings the whole text along, which runs once in a page.
+    """
+    parts = ["const modules = {};"]
+    for path in MODULES:
+        source = (STATIC / path).read_text(encoding="utf-8")
+        names = {name: name for name in _EXPORT.findall(source)}
+        if whole := _DEFAULT.search(source):
+            names = {"default": whole["name"]}
+        body = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(_lookup, source)))
+        exports = ", ".join(f'"{name}": {own}' for name, own in names.items())
+        name = path.rpartition("/")[2]
+        parts.append(f'modules["{name}"] = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();')
+    body = "\n".join(parts)
+    key = f"latolato {hashlib.sha256(body.encode()).hexdigest()[:16]}"
+    return (
+        f'const shared = (globalThis[Symbol.for("{key}")] ??= (() => {{\n{body}\n'
+        "return modules;\n})());\n"
+        'export default { render: shared["notebook.js"].render };\n'
+    )
+
+
+def _lookup(found: re.Match[str]) -> str:
+    """Return the line that stands for an import: names of a module that came before."""
+    module = f'modules["{found["path"].rpartition("/")[2]}"]'
+    if found["default"]:
+        return f"const {found['default']} = {module}.default;"
+    return f"const {{ {found['names'].replace(' as ', ': ').strip()} }} = {module};"
+
+
+@lru_cache(maxsize=1)
+def style_sheet() -> str:
+    """Return the style sheet for the inside of a widget, which has a root of its own."""
+    sheets = [(STATIC / name).read_text("utf-8") for name in SHEETS]
+    text = re.sub(r":root((?:\[[^\]]*\]|:not\([^)]*\))+)", r":host(\1)", "\n".join(sheets))
+    return text.replace(":root", ":host")

@@ -1,0 +1,75 @@
+"""What `latolato app` takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from latolato.core.errors import import_extra
+
+
+def app(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[
+        int | None,
+        typer.Option(
+            help="Port, 0 for any free one; by default 8765 if it is free.",
+            min=0,
+            max=65535,
+            show_default=False,
+        ),
+    ] = None,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    allow_others: Annotated[
+        bool,
+        typer.Option("--allow-others", help="Let in other machines that know the access token."),
+    ] = False,
+    names: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--name",
+            metavar="HOST",
+            help="Further name, or name:port, by which others call this server; may be given "
+            "several times.",
+            show_default=False,
+        ),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder of `latolato reproduce`: show its figures, not quick ones.",
+            show_default=False,
+        ),
+    ] = None,
+    opened: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--open",
+            metavar="MAP",
+            help="Store, .nc or .csv file of a sweep for the Map view; may be given several times.",
+            show_default=False,
+        ),
+    ] = None,
+    video_megabytes: Annotated[
+        float | None,
+        typer.Option(help="Largest video for Experiment; by default 500.", show_default=False),
+    ] = None,
+    video_minutes: Annotated[
+        float | None,
+        typer.Option(help="Longest video for Experiment; by default 10.", show_default=False),
+    ] = None,
+) -> None:
+    """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
+    import_extra("latolato.app.serve", "app", "the application").serve(
+        host,
+        port,
+        browser=browser,
+        allow_others=allow_others,
+        names=names or (),
+        report=report,
+        stored=opened or (),
+        video_megabytes=video_megabytes,
+        video_minutes=video_minutes,
+    )

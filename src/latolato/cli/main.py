@@ -1,0 +1,486 @@
+"""The command line: reads options, hands them on, and turns errors into one line."""
+
+from __future__ import annotations
+
+import _thread
+import gc
+import json
+import signal
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from latolato.cli import app as app_command
+from latolato.cli import compare as compare_command
+from latolato.cli import fit as fit_command
+from latolato.cli import simulate as run_command
+from latolato.cli import trials as trials_command
+from latolato.cli import videos as video_commands
+from latolato.cli.analyse import AnalysisGroup
+from latolato.cli.options import (
+    EachOptionOnce,
+    JsonOption,
+    PlotOption,
+    ScenarioArgument,
+    UsageError,
+    with_law_options,
+)
+from latolato.core.errors import InputError, refusal_of, report_of
+from latolato.io.progress import bar
+from latolato.scenario.options import changes
+from latolato.scenario.scenario import find, load_scenario, scenarios
+
+# Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
+_FAULT = 70
+
+app = typer.Typer(
+    name="latolato",
+    help="Driven and colliding pendula: simulate, draw, reproduce the paper.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
+app.add_typer(scenarios_app, name="scenarios")
+analyse_app = typer.Typer(
+    cls=AnalysisGroup,
+    help="Ask a system and its drive a question: periods, stability, thresholds, basins.",
+)
+app.add_typer(analyse_app, name="analyse")
+app.add_typer(fit_command.fit_app, name="fit")
+app.command("import", cls=EachOptionOnce)(fit_command.import_)
+app.command("trials", cls=EachOptionOnce)(trials_command.trials)
+app.command("compare", cls=EachOptionOnce)(compare_command.command())
+app.command("synthesise", cls=EachOptionOnce)(
+    with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
+)
+app.command("track", cls=EachOptionOnce)(video_commands.track)
+app.command("app", cls=EachOptionOnce)(app_command.app)
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        from latolato import __version__
+
+        print(f"latolato {__version__}")
+    elif context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+@app.command(cls=EachOptionOnce)
+@with_law_options
+def simulate(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option("--from", help="Run a result file again, at the same instants."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Result file: .nc, .csv or .parquet.", rich_help_panel="Output"),
+    ] = None,
+    plot: PlotOption = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output"),
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
+    ] = 1.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
+    as_json: JsonOption = False,
+    **given: Any,
+) -> None:
+    """Run one scenario, or a system given by options, and write what is asked for.
+
+    Options replace what the scenario says. Quantities may carry a unit: "24.5 cm", "20 deg",
+    "1.6 Hz"; without one they are in SI units. Existing files are replaced.
+    """
+    begun = time.perf_counter()
+    with _uncollected():
+        ready = run_command.scenario_of(scenario, rerun, given)
+        run_command.check_targets(output, plot, animate, speed, fps)
+        with bar("simulating") as progress:
+            run = ready.record(progress=progress)
+        files = run_command.write(run, output, None, None, speed, fps)
+    files += run_command.write(run, None, plot, animate, speed, fps)
+    from latolato.simulation.summary import summarise
+
+    found = summarise(run) | {
+        "wall_time": round(time.perf_counter() - begun, 3),
+        "files": [str(path) for path in files],
+    }
+    print(json.dumps(found) if as_json else run_command.as_text(found))
+
+
+@scenarios_app.callback(invoke_without_command=True)
+def _list_scenarios(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        for name, scenario in scenarios().items():
+            figure = f"Fig. {scenario.figure}" if scenario.figure else ""
+            kind = "sweep" if scenario.varied else "run"
+            print(f"{name:20} {kind:6} {figure:12} {scenario.title}")
+
+
+@scenarios_app.command()
+def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> None:
+    """Print a scenario's TOML file, to copy and change."""
+    load_scenario(name)
+    print(find(name).read_text(encoding="utf-8"), end="")
+
+
+@analyse_app.callback(invoke_without_command=True)
+def _list_analyses(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def _sweep(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option("--from", help="Run the sweep of a store or of a .nc file again."),
+    ] = None,
+    status: Annotated[
+        Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
+    ] = None,
+    verify: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="STORE",
+            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
+        ),
+    ] = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
+            '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
+            'radius = 2 cm, 3 cm". May be given several times.',
+            show_default=False,
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    observable: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
+            "given several times.",
+            show_default=False,
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    transient: Annotated[
+        str | None,
+        typer.Option(
+            help="time after which observables begin, in s",
+            metavar="VALUE",
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    transient_periods: Annotated[
+        float | None,
+        typer.Option(help="the same in drive periods; both add up", rich_help_panel="Sweep"),
+    ] = None,
+    continuation: Annotated[
+        str | None,
+        typer.Option(
+            help="axis along which each point starts where its neighbour ended",
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(help="way along it: up, down or both", rich_help_panel="Sweep"),
+    ] = None,
+    chunk_size: Annotated[
+        int | None,
+        typer.Option(help="points computed and stored at once", rich_help_panel="Sweep"),
+    ] = None,
+    executor: Annotated[
+        str,
+        typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs"),
+    ] = "threads",
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="threads, or processes of a local Dask cluster", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            help="scheduler of a Dask cluster, tcp://HOST:8786", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Result: map.nc, or map.zarr, a store.", rich_help_panel="Output"),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            help="Zarr store, written as points are done and resumed if it exists.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    plot: PlotOption = None,
+    variable: Annotated[
+        str | None,
+        typer.Option(
+            help="What the picture shows; by default the first observable.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+    **given: Any,
+) -> None:
+    """Run a map of many trajectories over any parameters, and write what is asked for.
+
+    Options replace what the scenario says: an axis one that varies the same thing, a value one
+    that it fixes. A store is resumed; other existing files are replaced. Ctrl-C stops.
+    """
+    from latolato.cli import sweep as sweep_command
+
+    look = {"--status": status, "--verify": verify}
+    asked = [name for name, store_path in look.items() if store_path is not None]
+    if asked:
+        run_options = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
+        others = asked[1:] + [name for name, value in run_options.items() if value]
+        if others:
+            raise InputError(
+                f"{asked[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
+            )
+    if status is not None:
+        sweep_command.print_status(status, as_json)
+        return
+    if verify is not None:
+        if sweep_command.print_verification(verify, as_json):
+            raise typer.Exit(1)
+        return
+    if scenario is not None and rerun is not None:
+        raise InputError("give either a scenario or --from, not both")
+    table = {
+        "transient": transient,
+        "transient_periods": transient_periods,
+        "continuation": continuation,
+        "direction": direction,
+        "chunk_size": chunk_size,
+    }
+    plan = sweep_command.plan_of(
+        scenario,
+        rerun,
+        changes(given),
+        {name: value for name, value in table.items() if value is not None},
+        axis or [],
+        observable or [],
+    )
+    options = {"workers": workers, "client": address}
+    sweep_command.run(
+        plan,
+        executor,
+        {name: value for name, value in options.items() if value is not None},
+        sweep_command.Targets(output, store, plot, variable),
+        as_json=as_json,
+    )
+
+
+app.command("sweep", cls=EachOptionOnce)(
+    with_law_options(_sweep, without=("times", "samples", "frame"))
+)
+
+
+@app.command(cls=EachOptionOnce)
+def plot(
+    file: Annotated[Path, typer.Argument(help="A result file or a sweep's store.")],
+    output: Annotated[
+        Path | None, typer.Option(help="Picture; by default beside the file, as PNG.")
+    ] = None,
+    animate: Annotated[Path | None, typer.Option(help="Animation of a run: .mp4 or .gif.")] = None,
+    speed: Annotated[float, typer.Option(help="How much faster it plays.")] = 1.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
+    variable: Annotated[
+        str | None, typer.Option(help="What to draw of a map.", rich_help_panel="Maps")
+    ] = None,
+    log: Annotated[
+        bool, typer.Option("--log", help="Logarithmic scale.", rich_help_panel="Maps")
+    ] = False,
+    curves: Annotated[
+        bool,
+        typer.Option(
+            "--curves", help="Curves, one for each of few values.", rich_help_panel="Maps"
+        ),
+    ] = False,
+    select: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='Value of a further dimension: "restitution=0.9".',
+            show_default=False,
+            rich_help_panel="Maps",
+        ),
+    ] = None,
+    overlay: Annotated[
+        list[str] | None,
+        typer.Option(help="tongue or lift_off.", show_default=False, rich_help_panel="Maps"),
+    ] = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV of trials: drive_amplitude, drive_frequency or frequency_ratio, class.",
+            rich_help_panel="Maps",
+        ),
+    ] = None,
+) -> None:
+    """Draw a run, a map or an analysis; animate a run if asked to."""
+    from latolato.io.files import load
+
+    dataset = load(file)
+    picture = output or file.with_suffix(".png")
+    run_command.check_targets(None, picture, animate, speed, fps)
+    from latolato.figures import plot as pictures
+
+    of_map: dict[str, Any] = {
+        "variable": variable,
+        "log": log,
+        "curves": curves,
+        "select": run_command.selection_of(select or [], dataset),
+        "overlays": overlay or [],
+        "points": points,
+    }
+    kinds = {
+        "a map": pictures.is_map,
+        "an analysis": pictures.is_analysis,
+        "a fit": pictures.is_fit,
+        "a comparison": pictures.is_comparison,
+    }
+    kind = next((name for name, holds in kinds.items() if holds(dataset)), None)
+    if kind is not None:
+        if animate is not None:
+            raise InputError(f"'{file}' holds {kind}: only a run can be animated")
+        from latolato.figures.style import save_figure
+
+        print(save_figure(pictures.plot(dataset, **of_map), picture))
+        return
+    unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
+    if unfit:
+        raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
+    for path in run_command.write(dataset, None, picture, animate, speed, fps):
+        print(path)
+
+
+@app.command(cls=EachOptionOnce)
+def reproduce(
+    quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
+    ] = False,
+    output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
+) -> None:
+    """Reproduce the paper's figures and judge its claims in a report."""
+    from latolato import report
+
+    with bar("reproducing") as progress:
+        result = report.reproduce(output, quick=quick, full=full, progress=progress)
+    report.print_claims(result)
+
+
+@app.command()
+def cite() -> None:
+    """Print how to cite latolato and the paper it builds on."""
+    from latolato.core.citation import cite as citation
+
+    print(citation())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    0 when the work is done, 2 for refused input, 70 for a fault of the program and 130 for Ctrl-C.
+    """
+    before = signal.signal(signal.SIGTERM, _terminate)
+    hook = sys.unraisablehook
+    sys.unraisablehook = _show_failed_cleanup
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            warnings.simplefilter("always", RuntimeWarning)
+            code = app(args=arguments, prog_name="latolato", standalone_mode=False)
+            return code if isinstance(code, int) else 0
+    except (KeyboardInterrupt, typer.Abort):
+        return 130
+    except UsageError as error:
+        return _refuse(error.format_message())
+    except Exception as error:
+        ending = _ending(error)
+        if ending is not None:
+            return ending
+        message = refusal_of(error)
+        return _refuse(message) if message is not None else _refuse(report_of(error), _FAULT)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        sys.unraisablehook = hook
+
+
+def _ending(error: BaseException) -> int | None:
+    """Return the exit code of a signal that an error stands for, None if there was none.
+
+    A signal may come where Python itself turns any exception into another, as while a class is
+    made.
+    """
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, KeyboardInterrupt):
+            return 130
+        if isinstance(cause, SystemExit) and isinstance(cause.code, int):
+            return cause.code
+        cause = cause.__cause__ or cause.__context__
+    return None
+
+
+def _terminate(number: int, _frame: Any) -> None:
+    """Leave by an exception, so that unfinished files are removed."""
+    sys.exit(128 + number)
+
+
+def _refuse(message: str, code: int = 2) -> int:
+    """Print an error as one line and return its exit code, by default that of refused input."""
+    print(f"latolato: {' '.join(message.split())}", file=sys.stderr)
+    return code
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Print a warning as one line."""
+    print(f"latolato: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+
+def _show_failed_cleanup(failure: Any) -> None:
+    """Print as one line that something could not be closed, such as a damaged file.
+
+    Where Ctrl-C came during a cleanup, Python has dropped it: it is sent once more, from a thread,
+    since whatever is raised here is dropped too.
+    """
+    if isinstance(failure.exc_value, KeyboardInterrupt):
+        threading.Timer(0.01, _thread.interrupt_main).start()
+        return
+    _show_warning(f"{failure.exc_value} (after the work was done)")
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Look for no garbage: while modules load, that costs a sixth of a short command's time."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()

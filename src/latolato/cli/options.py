@@ -1,0 +1,101 @@
+"""Options as commands take them: each once, some shared, one for each parameter of a law."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from latolato.core.errors import InputError
+from latolato.scenario.options import law_options
+
+# What typer raises for wrong options; its name has moved between versions.
+UsageError: Any = typer.BadParameter.__mro__[1]
+
+ScenarioArgument = Annotated[
+    str | None,
+    typer.Argument(help="A scenario's name or TOML file.", show_default=False),
+]
+PlotOption = Annotated[
+    Path | None,
+    typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
+]
+JsonOption = Annotated[
+    bool,
+    typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
+]
+
+
+class EachOptionOnce(TyperCommand):
+    """A command that refuses an option given twice, where typer would take the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return the arguments that are left when the options are read."""
+        *_, given = self.make_parser(ctx).parse_args(list(args))
+        for parameter in given:
+            count = given.count(parameter)
+            if count > 1 and not getattr(parameter, "multiple", False):
+                flag = max(parameter.opts, key=len)
+                raise UsageError(f"option {flag} must be given once, it was given {count} times")
+        return super().parse_args(ctx, args)
+
+
+def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
+    """Return the names and values of an option that is given as NAME=VALUE, several times.
+
+    Raises
+    ------
+    InputError
+        For a text without ``=`` or value, and a name that is given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        name = name.replace("-", "_")
+        if not equals or not value:
+            raise InputError(f"{flag} must be {example}, got {text!r}")
+        if name in found:
+            raise InputError(f"{flag} {name} is given twice")
+        found[name] = value
+    return found
+
+
+def with_law_options(
+    command: Callable[..., None], without: Sequence[str] = ()
+) -> Callable[..., None]:
+    """Return a command whose keyword arguments are spelled out as options."""
+    panels = {"system": "System", "drive": "Drive", "run": "Run", "noise": "Noise"}
+    signature = inspect.signature(command, eval_str=True)
+    parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    for option in law_options().values():
+        if option.name in without:
+            continue
+        flag = "--" + option.name.replace("_", "-")
+        unit = f", in {option.unit}" if option.unit not in ("", "1") else ""
+        about = typer.Option(
+            flag,
+            help=f"{option.description}{unit}",
+            rich_help_panel=panels[option.path[0]],
+            show_default=False,
+            metavar=None if option.kind is bool else "VALUES" if option.several else "VALUE",
+        )
+        parameters.append(
+            inspect.Parameter(
+                option.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=None,
+                annotation=Annotated[option.kind | None, about],
+            )
+        )
+
+    @functools.wraps(command)
+    def spelled_out(*args: Any, **kwargs: Any) -> None:
+        command(*args, **kwargs)
+
+    spelled_out.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return spelled_out

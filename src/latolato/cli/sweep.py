@@ -1,0 +1,317 @@
+"""What `latolato sweep` does once its options are read."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import shutil
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.cli.simulate import PICTURES
+from latolato.core.errors import InputError
+from latolato.scenario.scenario import Scenario, changed_tables, find, read_tables
+from latolato.scenario.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.sweeps.plan import Plan
+
+STORE_SUFFIX = ".zarr"
+Changes = dict[str, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What is to be written: a result file or store, a store, a picture and of what."""
+
+    output: Path | None
+    store: Path | None
+    plot: Path | None
+    variable: str | None
+
+    @property
+    def folder(self) -> Path | None:
+        """The store, also where it is the result that was asked for."""
+        return self.output if self.output and self.output.suffix == STORE_SUFFIX else self.store
+
+    @property
+    def file(self) -> Path | None:
+        """The NetCDF file."""
+        return None if self.output is self.folder else self.output
+
+    def check(self, plan: Plan) -> None:
+        """Raise before any work if one of them cannot be written."""
+        from latolato.core.atomic import check_folder
+        from latolato.io.files import check_suffix, check_target
+
+        if self.folder is self.output is not None and self.store not in (None, self.output):
+            raise InputError(
+                f"give one store, got --store {self.store} and --output {self.output}; "
+                "--output may be a .nc file beside the store"
+            )
+        if self.folder is not None and not self.folder.parent.is_dir():
+            raise FileNotFoundError(
+                f"the folder '{self.folder.parent}' does not exist; create it first"
+            )
+        if self.file is not None:
+            check_suffix(self.file, (".nc", STORE_SUFFIX), "the name of a map")
+            check_target(self.file)
+        if self.plot is not None:
+            from latolato.figures.map import check_drawable
+
+            check_folder(self.plot)
+            check_suffix(self.plot, PICTURES, "the name of a picture")
+            check_drawable(plan, self.variable)
+        elif self.variable is not None:
+            raise InputError("--variable names what --plot shows: give --plot too")
+
+
+def plan_of(
+    source: str | None,
+    rerun: Path | None,
+    changed: Changes,
+    table: Mapping[str, Any],
+    axes: Sequence[str],
+    observables: Sequence[str],
+) -> Plan:
+    """Return the plan of a scenario, or of a sweep that is there, with the options put in.
+
+    Parameters
+    ----------
+    source, rerun
+        A scenario's name or file; a store or the NetCDF file of a sweep.
+    changed, table : mapping
+        Changed entries of the scenario's tables, and of ``[sweep]``.
+    axes, observables : sequence of str
+        As they are given.
+    """
+    tables: Mapping[str, Any] | None = None
+    path = find(source) if source is not None else None
+    if rerun is not None:
+        if rerun.suffix == ".toml":
+            raise InputError("--from takes a store or a .nc file; give a scenario without --from")
+        from latolato.io.plans import plan_from_store
+
+        plan = plan_from_store(rerun)
+        if not (changed or table or axes or observables):
+            return plan
+        tables = tables_of_plan(plan)
+    elif path is not None:
+        tables = read_tables(path)
+    elif "kind" in changed.get("system", {}):
+        tables = {}
+    new = parse_axes(axes)
+    sweep = dict(table)
+    if observables:
+        sweep["observables"] = [parse_observable(text) for text in observables]
+    if "transient" in table or "transient_periods" in table:
+        # One given alone takes the place of both, which add up.
+        sweep = {"transient": 0.0, "transient_periods": 0.0} | sweep
+    plain, folder = changed_tables(path, changed | ({"sweep": sweep} if sweep else {}), tables)
+    old = plain.get("sweep", {})
+    if isinstance(old, Mapping) and (new or old.get("axes")):
+        known_axes = old.get("axes", {})
+        if isinstance(known_axes, Mapping):
+            plain["sweep"] = {**old, "axes": merged_axes(known_axes, new, changed)}
+        _move(plain, changed)
+    return Scenario.from_dict(plain, folder=folder).plan()
+
+
+def _move(tables: dict[str, Any], changed: Changes) -> None:
+    """Let options take the place of what ``[sweep]`` says of the run."""
+    for name in ("duration", "tolerance"):
+        if name in changed.get("run", {}):
+            tables["sweep"].pop(name, None)
+
+
+def run(
+    plan: Plan, executor: str, options: Mapping[str, Any], targets: Targets, *, as_json: bool
+) -> None:
+    """Run a plan, write what is asked for and print a summary."""
+    from latolato.io.progress import SweepProgress
+    from latolato.simulation.summary import summarise_sweep
+    from latolato.sweeps import run_plan
+    from latolato.sweeps.executors import ROUNDING
+
+    begun = time.perf_counter()
+    _check_executor(executor, options)
+    targets.check(plan)
+    store = targets.folder
+    was_there = store is not None and store.exists()
+    with SweepProgress() as progress:
+        try:
+            grid = run_plan(plan, executor=executor, store=store, progress=progress, **options)
+        except KeyboardInterrupt:
+            _tell_way_on(progress, store, ROUNDING[executor])
+            raise
+        except Exception:
+            if store is not None and not was_there:
+                _remove_if_empty(store)
+            raise
+    files = _write(grid, targets)
+    found = summarise_sweep(grid, plan) | {
+        "wall_time": round(time.perf_counter() - begun, 3),
+        "files": [str(path) for path in files],
+    }
+    print(json.dumps(found) if as_json else _as_text(found))
+
+
+def print_status(store: Path, as_json: bool) -> None:
+    """Print how far the sweep in a store is."""
+    from latolato.sweeps.store import store_status
+
+    state = store_status(store)
+    if as_json:
+        print(json.dumps(state))
+        return
+    lines = _state_lines(state)
+    if not state["complete"] and not state["writer_active"]:
+        lines["go on with"] = _way_on(store, state["rounding"])
+    _print_lines(lines)
+
+
+def print_verification(store: Path, as_json: bool) -> bool:
+    """Read everything in a store, print what is damaged, and return whether anything is."""
+    from latolato.sweeps.store import verify_store
+
+    found = verify_store(store)
+    damaged = found["damaged"]
+    if as_json:
+        print(json.dumps(found))
+        return bool(damaged)
+    lines = _state_lines(found)
+    lines["files"] = f"{found['files']} read, {len(damaged) or 'none'} damaged or missing"
+    for number, each in enumerate(damaged):
+        again = "" if each["number"] is None else f", part of chunk {each['number']} of the sweep"
+        what = f"chunk {each['chunk']} of {each['variable']}" if each["chunk"] else each["file"]
+        lines["damaged" if number == 0 else " " * number] = f"{what}{again}"
+    if damaged:
+        lines["repair with"] = _way_on(store, found["rounding"])
+    _print_lines(lines)
+    return bool(damaged)
+
+
+def _state_lines(state: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a store holds and how far its sweep is, for reading."""
+    counts = state["status_counts"]
+    writer = "a process is writing it" if state["writer_active"] else "no process is writing it"
+    state_text = "complete" if state["complete"] else f"unfinished, {writer}"
+    return {
+        "store": state["store"],
+        "sweep": f"{state['system']}, drive {state['drive']}, {state['duration']:g} s",
+        "axes": _axes_text(state["axes"]),
+        "state": state_text,
+        "chunks": f"{state['chunks_done']} of {state['chunks']} done",
+        "points": f"{state['points_done']} of {state['points']} done",
+        "status": _counts_text(counts, state["first_invalid"]),
+    }
+
+
+def _check_executor(executor: str, options: Mapping[str, Any]) -> None:
+    """Raise unless the executor is there and takes these options."""
+    from latolato.sweeps.executors import executor_named
+
+    known = inspect.signature(executor_named(executor)).parameters
+    for name, flag, others in (
+        ("workers", "--workers", "threads or dask"),
+        ("client", "--address", "dask"),
+    ):
+        if name in options and name not in known:
+            raise InputError(f"{flag} belongs to executor {others}, not to {executor}")
+
+
+def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:
+    """Write the files that are asked for and return all that hold the sweep."""
+    written = [targets.folder] if targets.folder is not None else []
+    if targets.file is not None:
+        from latolato.io.files import save
+
+        written.append(save(grid, targets.file))
+    if targets.plot is not None:
+        from latolato.figures.plot import plot
+        from latolato.figures.style import save_figure
+
+        written.append(save_figure(plot(grid, targets.variable), targets.plot))
+    return written
+
+
+def _tell_way_on(progress: Any, store: Path | None, rounding: str) -> None:
+    """Say on standard error what a stopped sweep leaves and how to go on."""
+    progress.__exit__(None, None, None)
+    way = (
+        f"go on with: {_way_on(store, rounding)}"
+        if store is not None
+        else "nothing is kept; --store keeps"
+    )
+    print(
+        f"latolato: stopped after {progress.done} of {progress.total} points; {way}",
+        file=sys.stderr,
+    )
+
+
+def _way_on(store: Path, rounding: str) -> str:
+    """Return the command that resumes a store."""
+    import shlex
+
+    from latolato.sweeps.executors import ROUNDING
+
+    name = shlex.quote(str(store))
+    command = f"latolato sweep --from {name} --store {name}"
+    executor = next(name for name, family in ROUNDING.items() if family == rounding)
+    return command if executor == "threads" else f"{command} --executor {executor}"
+
+
+def _remove_if_empty(store: Path) -> None:
+    """Remove a store that this call began and that holds no result."""
+    from latolato.sweeps.store import store_status
+
+    try:
+        state = store_status(store)
+    except (OSError, InputError):
+        return
+    if state["chunks_done"] == 0 and not state["writer_active"]:
+        shutil.rmtree(store)
+
+
+def _as_text(found: Mapping[str, Any]) -> str:
+    """Print a summary as lines for reading."""
+    rate = found["points"] / max(found["wall_time"], 1e-9)
+    lines = {
+        "sweep": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
+        "axes": _axes_text(found["axes"]),
+        "points": str(found["points"]),
+        "status": _counts_text(found["status"], found["first_invalid"]),
+    }
+    for name, (low, high) in found["ranges"].items():
+        lines[name] = "no finite value" if low is None else f"{low:.6g} to {high:.6g}"
+    lines["wall time"] = f"{found['wall_time']:.2f} s ({rate:.3g} points/s, all told)"
+    lines["written"] = ", ".join(found["files"]) or "nothing; name a file with --output"
+    return _lines(lines)
+
+
+def _axes_text(axes: Mapping[str, int]) -> str:
+    """Return axes as ``drive_amplitude 40 x frequency_ratio 40``."""
+    return " x ".join(f"{name} {count}" for name, count in axes.items())
+
+
+def _counts_text(counts: Mapping[str, int], reason: str) -> str:
+    """Return how many points have each status, and why the first one is invalid."""
+    text = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in counts.items()) or "none yet"
+    return f"{text} ({reason})" if reason else text
+
+
+def _lines(lines: Mapping[str, str]) -> str:
+    """Return names and texts in two columns."""
+    width = max(16, *(len(name) for name in lines))
+    return "\n".join(f"{name:{width}} {text}" for name, text in lines.items())
+
+
+def _print_lines(lines: Mapping[str, str]) -> None:
+    """Print names and texts in two columns."""
+    print(_lines(lines))

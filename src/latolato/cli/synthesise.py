@@ -1,0 +1,160 @@
+"""What `latolato synthesise` does once its options are read."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.cli import simulate as run_command
+from latolato.cli.options import named_values
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
+from latolato.io.progress import bar
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.scenario.scenario import Scenario
+
+
+def run(
+    ready: Scenario,
+    output: Path | None,
+    truth: Path | None,
+    *,
+    condition: str,
+    scene: Sequence[str],
+    camera: Sequence[str],
+    seed: int,
+) -> dict[str, Any]:
+    """Film a scenario and return the summary.
+
+    Raises
+    ------
+    InputError
+        Without a name of the video, and for unknown conditions, names and values.
+    """
+    from latolato.experiment.conditions import conditions
+    from latolato.experiment.scene import Camera, Scene
+    from latolato.experiment.synthetic import check_target, synthesise_video
+
+    begun = time.perf_counter()
+    if output is None:
+        raise InputError("name the video: --output clip.mp4")
+    seen, filmed = conditions[condition].make(
+        values_of("--scene", scene, Scene), values_of("--camera", camera, Camera)
+    )
+    check_target(output, truth)
+    with bar("simulating") as progress:
+        motion = ready.simulate(progress=progress)
+    with bar("filming") as progress:
+        table = synthesise_video(
+            motion, output, seen, filmed, seed=seed, truth=truth, progress=progress
+        )
+    files = [str(path) for path in (output, truth) if path is not None]
+    return {
+        "condition": condition,
+        **summary(table),
+        "wall_time": round(time.perf_counter() - begun, 3),
+        "files": files,
+    }
+
+
+def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+    """Return the scenario to film as the command line names it."""
+    try:
+        return run_command.scenario_of(source, rerun, given)
+    except InputError as error:
+        if str(error).startswith("radius belongs to system"):
+            radius = given["radius"]
+            raise InputError(
+                "radius is none of this system's numbers: the ball is drawn with "
+                f'--scene "ball_radius = {radius}"'
+            ) from None
+        raise
+
+
+def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
+    """Return the fields of `Scene` or `Camera` that options name, in SI units.
+
+    Raises
+    ------
+    InputError
+        For a text without ``=``, an unknown name and a value of another kind.
+    """
+    from latolato.scenario.units import to_si
+
+    known = {field.name: field for field in fields(kind)}
+    found: dict[str, Any] = {}
+    for name, value in named_values(flag, texts, "NAME=VALUE").items():
+        if name not in known:
+            raise InputError(f"{flag} has no '{name}': {suggest(name, list(known))}")
+        quantity = known[name].metadata.get("quantity")
+        if quantity is not None:
+            unit = "1" if quantity.unit == "pixel" else quantity.unit
+            found[name] = to_si(name, value, unit)
+        elif known[name].type == "int":
+            try:
+                found[name] = int(value)
+            except ValueError:
+                raise InputError(f"{name} must be a whole number, got {value!r}") from None
+        else:
+            found[name] = value
+    return found
+
+
+def summary(table: xr.Dataset) -> dict[str, Any]:
+    """Return what the summary says of a video: its size in time and the clicks in it."""
+    attrs = table.attrs
+    balls = 2 if "angle_2" in table else 1
+    clicks = [[attrs[f"ball_{i}_pixel_{axis}"] for axis in "uv"] for i in range(1, balls + 1)]
+    return {
+        "frames": int(table.sizes["frame"]),
+        "duration": float(table["time"][-1]),
+        "balls": balls,
+        "pivot": [round(attrs[f"pivot_pixel_{axis}"], 2) for axis in "uv"],
+        "ball": [[round(number, 2) for number in click] for click in clicks],
+        "length": attrs["length"],
+        "radius": attrs["radius"],
+        "metres_per_pixel": attrs["metres_per_pixel"],
+        **optics(attrs["camera"]),
+    }
+
+
+def optics(camera: str) -> dict[str, float]:
+    """Return what the tracker must be told of a camera (JSON), in its words."""
+    said = json.loads(camera)
+    half_diagonal = 0.5 * math.hypot(said["width"], said["height"])
+    wider = half_diagonal / (said["focal_length"] or half_diagonal)
+    found = {
+        "row_time": said["row_time"],
+        "lens_k1": said["k1"] * wider**2,
+        "lens_k2": said["k2"] * wider**4,
+    }
+    return {name: value for name, value in found.items() if value}
+
+
+def as_text(found: Mapping[str, Any]) -> str:
+    """Return a summary as lines for reading, with the command that tracks the video."""
+    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in found["ball"])
+    u, v = found["pivot"]
+    declared = "".join(
+        f" --{name.replace('_', '-')} {found[name]:.9g}"
+        for name in ("row_time", "lens_k1", "lens_k2")
+        if name in found
+    )
+    lines = {
+        "video": f"{found['condition']}, {found['frames']} frames, {found['duration']:.6g} s",
+        "scale": f"{1e3 * found['metres_per_pixel']:.6g} mm a pixel",
+        "track it": f"latolato track {found['files'][0]} --balls {found['balls']} "
+        f'--pivot {u:g},{v:g} {clicks} --length "{found["length"]:.9g} m" '
+        f'--radius "{found["radius"]:.6g} m"{declared}',
+        "wall time": f"{found['wall_time']:.2f} s",
+        "written": ", ".join(found["files"]),
+    }
+    return "\n".join(f"{name:16} {text}" for name, text in lines.items())

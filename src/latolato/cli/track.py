@@ -1,0 +1,472 @@
+"""What `latolato track` does once its options are read: one video, or many at once."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import sys
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, fields, replace
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from latolato.core.errors import InputError, said_of
+from latolato.core.registry import suggest
+from latolato.io.progress import bar
+
+# Share of the work that is tracking where an overlay or a report follow.
+_TRACKED = 0.7
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One video, how to track it and what to write."""
+
+    video: Path
+    pivot: tuple[float, float] | None
+    balls: int | tuple[tuple[float, float], ...] | None
+    given: Mapping[str, Any]
+    sidecar: Path | None
+    output: Path | None
+    overlay: Path | None
+    report: Path | None
+    propose: bool = False
+
+
+def jobs_of(
+    videos: Sequence[Path],
+    *,
+    count: int | None,
+    pivot: str | None,
+    balls: Sequence[str],
+    values: Mapping[str, str | None],
+    limits: Sequence[str],
+    sidecar: Path | None,
+    targets: Mapping[str, Path | None],
+    propose: bool = False,
+) -> list[Job]:
+    """Return one job for each video, checked as far as that goes without reading it.
+
+    Raises
+    ------
+    InputError
+        For options that do not fit each other, and texts that are no such values.
+    OSError
+        If a target cannot be written.
+    """
+    places = tuple(place_of("--ball", text) for text in balls)
+    if count is not None and count not in (1, 2):
+        raise InputError(f"--balls must be 1 or 2, got {count}")
+    if count is not None and places and len(places) != count:
+        raise InputError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
+    if len(places) > 2:
+        raise InputError(f"--ball may be given twice at most, got it {len(places)} times")
+    if sidecar is not None and len(videos) > 1:
+        raise InputError("--sidecar is about one video; leave it out to read each one's own")
+    if sidecar is not None and not sidecar.is_file():
+        raise FileNotFoundError(f"there is no file '{sidecar}'")
+    if sidecar is not None and (pivot is not None or places):
+        raise InputError("give either --sidecar or places, not both")
+    common: dict[str, Any] = {
+        "pivot": None if pivot is None else place_of("--pivot", pivot),
+        "balls": places or count,
+        "given": _given(values, limits),
+        "sidecar": sidecar,
+        "propose": propose,
+    }
+    endings = {
+        "output": ".proposal.png" if propose else ".csv",
+        "overlay": ".overlay.mp4",
+        "report": ".html",
+    }
+    jobs = []
+    for video in videos:
+        files = {
+            name: _target(target, video, endings[name], len(videos) > 1)
+            for name, target in targets.items()
+        }
+        own: dict[str, Any] = {**files, **common}
+        jobs.append(Job(video=video, **own))
+    _check_targets(jobs)
+    return jobs
+
+
+def place_of(flag: str, text: str) -> tuple[float, float]:
+    """Return a column and a row.
+
+    Examples
+    --------
+    >>> place_of("--pivot", "640.5, 194")
+    (640.5, 194.0)
+    """
+    parts = text.split(",")
+    try:
+        u, v = (float(part) for part in parts)
+    except ValueError:
+        raise InputError(
+            f"{flag} must be a column and a row in pixels such as 640,200, got {text!r}"
+        ) from None
+    return u, v
+
+
+def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
+    """Return length, radius, gravity, optics, slow motion and limits in SI units."""
+    from latolato.experiment.calibrate import Optics
+    from latolato.experiment.video import Limits
+    from latolato.scenario.units import to_si
+
+    units = {
+        "length": "m",
+        "radius": "m",
+        "gravity": "m/s^2",
+        "slow_motion": "1",
+        "row_time": "s",
+        "lens_k1": "1",
+        "lens_k2": "1",
+    }
+    found = {
+        name: to_si(f"--{name.replace('_', '-')}", values[name], units[name])
+        for name in units
+        if values.get(name) is not None
+    }
+    optics = {name: found.pop(name) for name in ("row_time", "lens_k1", "lens_k2") if name in found}
+    if optics:
+        found["optics"] = Optics(**optics)
+    of_limits = {"duration": "s", "pixels": "1", "frames": "1", "memory": "1"}
+    bounds: dict[str, Any] = {}
+    for text in limits:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if name not in of_limits:
+            raise InputError(f"--limit has no '{name}': {suggest(name, list(of_limits))}")
+        if not equals:
+            raise InputError(f"--limit must be NAME=VALUE, got {text!r}")
+        number = to_si(f"--limit {name}", value, of_limits[name])
+        if not number > 0.0:
+            raise InputError(f"--limit {name} must be positive, got {value}")
+        kinds = {field.name: field.type for field in fields(Limits)}
+        bounds[name] = int(number) if kinds[name] == "int" else number
+    if bounds:
+        found["limits"] = replace(Limits(), **bounds)
+    return found
+
+
+def _target(target: Path | None, video: Path, ending: str, several: bool) -> Path | None:
+    """Return a video's own file: in a folder, or by a name with ``{name}`` in it."""
+    if target is None:
+        return None
+    if "{name}" in target.name:
+        return target.with_name(target.name.replace("{name}", video.stem))
+    if target.is_dir() or (several and not target.suffix):
+        return target / f"{video.stem}{ending}"
+    if several:
+        raise InputError(
+            f"several videos need a folder or a name such as '{{name}}{target.suffix}', "
+            f"got '{target}'"
+        )
+    return target
+
+
+def _check_targets(jobs: Sequence[Job]) -> None:
+    """Raise before any work if a file cannot be written, or is wanted twice."""
+    from latolato.core.atomic import check_folder
+    from latolato.experiment.table import SUFFIXES
+    from latolato.io.files import check_suffix, check_target
+
+    seen: dict[Path, Path] = {}
+    for job in jobs:
+        for file in (job.output, job.overlay, job.report):
+            if file is None:
+                continue
+            if len(jobs) > 1:
+                file.parent.mkdir(parents=True, exist_ok=True)
+            check_folder(file)
+            if file.resolve() in seen:
+                raise InputError(
+                    f"'{job.video}' and '{seen[file.resolve()]}' would both be written to '{file}'"
+                )
+            seen[file.resolve()] = job.video
+            if file.resolve() == job.video.resolve():
+                raise InputError(f"'{file}' is the video itself; name another file")
+        if job.propose and job.output is not None:
+            check_suffix(job.output, (".png",), "the name of a proposal's picture")
+        elif job.output is not None:
+            check_suffix(job.output, SUFFIXES, "the name of a track table")
+            check_target(job.output)
+        if job.overlay is not None:
+            check_suffix(job.overlay, (".mp4",), "the name of an overlay")
+        if job.report is not None:
+            check_suffix(job.report, (".html",), "the name of a report")
+
+
+def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
+    """Track the videos, print a summary of each, and return the exit code.
+
+    With several videos a bad one does not stop the others: it is named at the end, and the code
+    is 1.
+    """
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers must be 1 or more, got {workers}")
+    if len(jobs) == 1:
+        with bar("tracking") as progress:
+            found = work(jobs[0], progress)
+        _print(found, as_json)
+        return 0
+    failed: list[tuple[Path, str]] = []
+    count = min(len(jobs), workers or os.cpu_count() or 1)
+    results: list[dict[str, Any]] = []
+    shares = dict.fromkeys(range(len(jobs)), 0.0)
+    with bar(f"tracking {len(jobs)} videos") as progress, ThreadPoolExecutor(count) as pool:
+
+        def told(k: int) -> Callable[[float], None]:
+            def tell(share: float) -> None:
+                shares[k] = share
+                if progress:
+                    progress(sum(shares.values()) / len(shares))
+
+            return tell
+
+        futures = {pool.submit(_apart, job, told(k)): job for k, job in enumerate(jobs)}
+        try:
+            for future in as_completed(futures):
+                job = futures[future]
+                try:
+                    found = future.result()
+                except (InputError, OSError) as error:
+                    failed.append((job.video, said_of(error)))
+                    continue
+                results.append(found)
+                if not as_json:
+                    _print(found, as_json)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            _end_children()
+            raise
+    if as_json:
+        ordered = {str(job.video): k for k, job in enumerate(jobs)}
+        results.sort(key=lambda found: ordered[found["video"]])
+        refused = [{"video": str(video), "error": text} for video, text in failed]
+        print(json.dumps({"tracked": results, "failed": refused}))
+    for video, text in failed:
+        told_once = text if str(video) in text else f"{video}: {text}"
+        print(f"latolato: {told_once}", file=sys.stderr)
+    if failed:
+        print(f"latolato: {len(failed)} of {len(jobs)} videos failed", file=sys.stderr)
+    return 1 if failed else 0
+
+
+_children: list[Any] = []
+
+
+def _end_children() -> None:
+    """End the processes of videos that are being tracked."""
+    for child in _children:
+        if child.is_alive():
+            child.terminate()
+
+
+def _apart(job: Job, tell: Callable[[float], None]) -> dict[str, Any]:
+    """Track one video in a process of its own, which may fail without the others."""
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe(duplex=False)
+    child = context.Process(target=_child, args=(job, there), daemon=True)
+    _children.append(child)
+    child.start()
+    there.close()
+    try:
+        while True:
+            kind, value = here.recv()
+            if kind == "progress":
+                tell(value)
+            elif kind == "failed":
+                raise InputError(value)
+            else:
+                tell(1.0)
+                done: dict[str, Any] = value
+                return done
+    except EOFError:
+        child.join()
+        raise ChildProcessError(
+            f"{job.video}: its process ended with code {child.exitcode}; was there memory enough?"
+        ) from None
+    finally:
+        here.close()
+        child.join()
+        _children.remove(child)
+
+
+def _child(job: Job, pipe: Connection) -> None:
+    """Track one video and send what was found."""
+    last = 0.0
+
+    def tell(share: float) -> None:
+        nonlocal last
+        if share - last > 0.01:
+            last = share
+            pipe.send(("progress", share))
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            pipe.send(("done", work(job, tell)))
+    except Exception as error:
+        pipe.send(("failed", said_of(error)))
+    except KeyboardInterrupt:
+        pass
+    finally:
+        pipe.close()
+
+
+def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
+    """Track one video, write what is asked for and return the summary."""
+    from latolato.experiment import track
+    from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
+    from latolato.experiment.table import write_table
+
+    tell = progress or (lambda share: None)
+    more = job.overlay is not None or job.report is not None
+    part = _TRACKED if more else 1.0
+    sidecar = job.sidecar
+    is_pointed_at = job.pivot is not None or isinstance(job.balls, tuple)
+    if sidecar is None and job.output is not None and not (job.propose or is_pointed_at):
+        sidecar = own_sidecar(job.output, job.video)
+    task = track.prepare(
+        job.video, job.pivot, job.balls, dict(job.given), sidecar, lambda share: tell(part * share)
+    )
+    if job.propose:
+        return _proposed(job, task)
+    table = track.run(task, lambda share: tell(part * share))
+    files: list[Path] = []
+    if job.output is not None:
+        files.append(write_table(table, job.output))
+        files.append(write_sidecar(task.setup, job.video, sidecar_path(job.output)))
+    if job.overlay is not None:
+        from latolato.experiment.overlay import write_overlay
+
+        files.append(
+            write_overlay(
+                table,
+                task.video,
+                job.overlay,
+                progress=lambda share: tell(part + (1.0 - part) * share),
+            )
+        )
+    if job.report is not None:
+        from latolato.report.track_page import write_track_report
+
+        files.append(write_track_report(table, task.video, job.report))
+    return {
+        "video": str(job.video),
+        "setup_file": None if task.setup_file is None else str(task.setup_file),
+        **summary(table),
+        "files": [str(file) for file in files],
+    }
+
+
+def _proposed(job: Job, task: Any) -> dict[str, Any]:
+    """Write a picture of what was found and return the summary."""
+    from latolato.experiment.overlay import draw_proposal
+
+    picture = job.output or job.video.with_name(f"{job.video.stem}.proposal.png")
+    setup = task.setup
+    return {
+        "video": str(job.video),
+        "setup_file": None if task.setup_file is None else str(task.setup_file),
+        "pivot": setup.pivot,
+        "ball": list(setup.balls),
+        "is_proposed": setup.is_proposed,
+        "files": [str(draw_proposal(task.video, setup, picture, task.radius))],
+    }
+
+
+def summary(table: Any) -> dict[str, Any]:
+    """Return what the summary says of a table."""
+    from latolato.experiment.quality import drive_of, flag_shares, typical_sigma
+    from latolato.experiment.table import balls_of
+
+    attrs = table.attrs
+    found: dict[str, Any] = {
+        "frames": int(table.sizes["frame"]),
+        "duration": float(table["time"][-1] - table["time"][0]),
+        "balls": balls_of(table),
+        "geometry": attrs["geometry"],
+        "flags": flag_shares(table),
+        "angle_sigma": typical_sigma(table),
+    }
+    amplitude, frequency = drive_of(table)
+    found |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
+    for name in (
+        "exposure",
+        "circle_residual",
+        "metres_per_pixel",
+        "angle_offset_sigma",
+        "period",
+        "period_sigma",
+    ):
+        if name in attrs:
+            found[name] = attrs[name]
+    found["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []
+    return found
+
+
+def _print(found: Mapping[str, Any], as_json: bool) -> None:
+    """Print one summary."""
+    print(json.dumps(found) if as_json else as_text(found))
+
+
+def as_text(found: Mapping[str, Any]) -> str:
+    """Return a summary as lines for reading."""
+    if "is_proposed" in found:
+        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in found["ball"])
+        if found["pivot"] is not None:
+            u, v = found["pivot"]
+            clicks = f"--pivot {u:g},{v:g} {clicks}"
+        return _lined(
+            {"video": found["video"], **_setup_file(found), "found": clicks,
+             "drawn": found["files"][0]}
+        )  # fmt: skip
+    shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in found["flags"].items())
+    lines = {
+        "video": f"{found['video']}, {found['frames']} frames, {found['duration']:.6g} s",
+        **_setup_file(found),
+        "balls": f"{found['balls']}, {shares}",
+    }
+    if found["angle_sigma"] is not None:
+        lines["angle sigma"] = f"{1e3 * found['angle_sigma']:.3g} mrad"
+    if found["geometry"] == "unknown":
+        lines["geometry"] = "unknown: positions in pixels, no angles"
+    elif found["geometry"] == "angles":
+        lines["geometry"] = "angles only: positions in pixels"
+    if "period" in found:
+        lines["period"] = f"{found['period']:.6g} s, sigma {found['period_sigma']:.2g} s"
+    if found["drive_amplitude"] is not None:
+        from math import tau
+
+        unit = ("pixel", 1.0) if found["geometry"] == "angles" else ("mm", 1e3)
+        rate = found["drive_frequency"]
+        lines["pivot"] = (
+            f"{found['drive_amplitude'] * unit[1]:.5g} {unit[0]} at {rate:.6g} rad/s "
+            f"({rate / tau:.5g} Hz)"
+        )
+    elif found["geometry"] != "unknown":
+        lines["pivot"] = "rests"
+    if "exposure" in found:
+        lines["exposure"] = f"{100.0 * found['exposure']:.0f} % of the time between frames"
+    for k, text in enumerate(found["warnings"]):
+        lines["warning" if k == 0 else f"warning {k + 1}"] = text
+    if found["files"]:
+        lines["written"] = ", ".join(found["files"])
+    return _lined(lines)
+
+
+def _setup_file(found: Mapping[str, Any]) -> dict[str, str]:
+    """Return the line that names the file of the set-up, if it was read from one."""
+    return {"set-up read from": found["setup_file"]} if found["setup_file"] else {}
+
+
+def _lined(lines: Mapping[str, str]) -> str:
+    """Return names and texts below each other."""
+    return "\n".join(f"{name:16} {text}" for name, text in lines.items())

@@ -1,0 +1,163 @@
+"""What `latolato trials` does once its options are read."""
+
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from latolato.cli.options import JsonOption
+from latolato.core.errors import InputError
+from latolato.io.progress import bar
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_VIDEO = "Videos without a table"
+
+
+def trials(
+    source: Annotated[
+        list[Path], typer.Argument(help="Folders, track tables and videos.", show_default=False)
+    ],
+    length: Annotated[
+        str | None, typer.Option(help="Pivot to ball centre, in m.", show_default=False)
+    ] = None,
+    gravity: Annotated[
+        str | None, typer.Option(help="Gravity, in m/s^2; 9.8 by default.", show_default=False)
+    ] = None,
+    transient: Annotated[
+        str | None,
+        typer.Option(
+            help="Time after which the angle counts as stabilised, in s; by default the last "
+            "third of the record counts.",
+            show_default=False,
+        ),
+    ] = None,
+    start: Annotated[
+        str | None, typer.Option(help="First instant used, in s.", show_default=False)
+    ] = None,
+    end: Annotated[
+        str | None, typer.Option(help="Last instant used, in s.", show_default=False)
+    ] = None,
+    sets: Annotated[
+        str, typer.Option(help="What makes a set: auto, folder or amplitude.")
+    ] = "auto",
+    balls: Annotated[
+        int | None, typer.Option(help="1 or 2.", show_default=False, rich_help_panel=_VIDEO)
+    ] = None,
+    pivot: Annotated[
+        str | None,
+        typer.Option(
+            help='Pivot in the first frame: "u, v" in pixels, for all videos.',
+            show_default=False,
+            rich_help_panel=_VIDEO,
+        ),
+    ] = None,
+    ball: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Ball in the first frame, once or twice.",
+            show_default=False,
+            rich_help_panel=_VIDEO,
+        ),
+    ] = None,
+    radius: Annotated[
+        str | None,
+        typer.Option(help="Radius of a ball, in m.", show_default=False, rich_help_panel=_VIDEO),
+    ] = None,
+    workers: Annotated[int, typer.Option(help="Processes.")] = 1,
+    output: Annotated[
+        Path | None, typer.Option(help="Trial table: .csv or .nc.", show_default=False)
+    ] = None,
+    as_json: JsonOption = False,
+) -> int:
+    """Make the table of trials: drive, largest and lasting angle, class.
+
+    A bad file is told of and left out; the exit code is then 1.
+    """
+    from latolato.core.atomic import check_folder
+    from latolato.experiment.trial_table import SUFFIXES, write_trials
+    from latolato.experiment.trials import gather_trials
+    from latolato.io.files import check_suffix
+    from latolato.scenario.units import to_si
+
+    if output is not None:
+        check_suffix(output, SUFFIXES, "the name of a trial table")
+        check_folder(output)
+    numbers = {"length": (length, "m"), "radius": (radius, "m"), "gravity": (gravity, "m/s^2"),
+               "transient": (transient, "s"), "start": (start, "s"), "end": (end, "s")}  # fmt: skip
+    given: dict[str, Any] = {
+        name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
+    }
+    if balls is not None and ball and len(ball) != balls:
+        raise InputError(f"--balls {balls} needs as many --ball places, got {len(ball)}")
+    places = [_place("ball", text) for text in ball or ()]
+    given["balls"] = places or balls
+    given["pivot"] = _place("pivot", pivot) if pivot is not None else None
+    with bar("trials") as progress, warnings.catch_warnings():
+        # The summary tells of them.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        table = gather_trials(source, sets=sets, workers=workers, progress=progress, **given)
+    written = [write_trials(table, output)] if output is not None else []
+    failed = [text for text in table.attrs["failed"].split(" | ") if text]
+    if as_json:
+        print(json.dumps(summary(table) | {"failed": failed, "files": [str(p) for p in written]}))
+    else:
+        print(as_text(table, written))
+    for text in failed:
+        print(f"latolato: {text}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _place(name: str, text: str) -> tuple[float, float]:
+    """Return a column and a row."""
+    try:
+        u, v = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--{name} must be U,V in pixels, as 320,80.5, got {text!r}") from None
+    return u, v
+
+
+def summary(table: xr.Dataset) -> dict[str, Any]:
+    """Return what the summary says of a trial table."""
+    from latolato.experiment.trial_table import CLASSES
+
+    names = [str(name) for name in table.data_vars]
+    rows = [
+        dict(zip(names, values, strict=True))
+        for values in zip(*(table[name].values.tolist() for name in names), strict=True)
+    ]
+    return {
+        "trials": rows,
+        "sets": list(dict.fromkeys(table["set"].values.tolist())),
+        "classes": {name: int((table["class"] == name).sum()) for name in CLASSES},
+        "borderline": int(table["borderline"].sum()),
+    }
+
+
+def as_text(table: xr.Dataset, written: Sequence[Path]) -> str:
+    """Return a trial table as lines for reading."""
+    from math import degrees
+
+    found = summary(table)
+    lines = [f"{'set':10} {'A0 [mm]':>9} {'w/w0':>7} {'largest':>9} {'lasting':>9}  class"]
+    for row in found["trials"]:
+        mark = " (borderline)" if row["borderline"] else ""
+        note = f", {row['note']}" if row["note"] else ""
+        lines.append(
+            f"{row['set']:10} {1e3 * row['drive_amplitude']:9.3f} {row['frequency_ratio']:7.4f} "
+            f"{degrees(row['largest_angle']):8.1f}° {degrees(row['stabilised_angle']):8.1f}°  "
+            f"{row['class']}{mark}  {row['source']}{note}"
+        )
+    classes = ", ".join(f"{count} {name}" for name, count in found["classes"].items())
+    trials, sets = len(found["trials"]), len(found["sets"])
+    words = f"{trials} trial{'s' * (trials != 1)} in {sets} set{'s' * (sets != 1)}"
+    lines.append(f"{words}: {classes}")
+    lines.append(f"written    {', '.join(map(str, written)) or 'nothing; name a file: --output'}")
+    return "\n".join(lines)

@@ -1,0 +1,215 @@
+"""The commands that make and read videos: their options, handed on."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from latolato.cli.options import JsonOption, ScenarioArgument
+
+
+def synthesise(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None, typer.Option("--from", help="Film the run of a result file.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Video: .mp4.", rich_help_panel="Output", show_default=False),
+    ] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            help="True track table: .csv, .parquet or .nc.",
+            rich_help_panel="Output",
+            show_default=False,
+        ),
+    ] = None,
+    condition: Annotated[
+        str,
+        typer.Option(
+            help="How it is filmed: clean, texture, wood, variable, rotated, tilted, blur, "
+            "lowlight, compressed, steel, occluded, rolling or lens.",
+            rich_help_panel="Filming",
+        ),
+    ] = "clean",
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is seen: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given several '
+            "times.",
+            show_default=False,
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='How the camera is: "fps = 120", "roll = 3 deg". May be given several times.',
+            show_default=False,
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Of texture, noise and time stamps.", rich_help_panel="Filming")
+    ] = 0,
+    as_json: JsonOption = False,
+    **given: Any,
+) -> None:
+    """Film a run with exactly known truth: a video to test tracking with, and its true table.
+
+    Options replace what the scenario says. Existing files are replaced.
+    """
+    from latolato.cli import synthesise as synthesise_command
+
+    found = synthesise_command.run(
+        synthesise_command.scenario_of(scenario, rerun, given),
+        output,
+        truth,
+        condition=condition,
+        scene=scene or [],
+        camera=camera or [],
+        seed=seed,
+    )
+    print(json.dumps(found) if as_json else synthesise_command.as_text(found))
+
+
+def track(
+    videos: Annotated[list[Path], typer.Argument(help="Videos.", show_default=False)],
+    balls: Annotated[
+        int | None, typer.Option(help="How many balls swing: 1 or 2.", show_default=False)
+    ] = None,
+    pivot: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            metavar="U,V",
+            show_default=False,
+        ),
+    ] = None,
+    ball: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="The same of a ball's centre; given twice for two balls. What is not pointed at "
+            "is found in the video.",
+            metavar="U,V",
+            show_default=False,
+        ),
+    ] = None,
+    length: Annotated[
+        str | None,
+        typer.Option(help="From pivot to ball centre: the scale.", metavar="VALUE"),
+    ] = None,
+    radius: Annotated[
+        str | None,
+        typer.Option(help="Radius of a ball, checked against the length.", metavar="VALUE"),
+    ] = None,
+    gravity: Annotated[
+        str | None, typer.Option(help="9.8 m/s^2 by default.", metavar="VALUE")
+    ] = None,
+    slow_motion: Annotated[
+        str | None,
+        typer.Option(
+            help="How many times slower than life it plays.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    row_time: Annotated[
+        str | None,
+        typer.Option(
+            help="Time between rows of a rolling shutter.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    lens_k1: Annotated[
+        str | None,
+        typer.Option(
+            "--lens-k1",
+            help="Radial distortion, in units of half the diagonal.",
+            metavar="VALUE",
+            rich_help_panel="Camera",
+        ),
+    ] = None,
+    lens_k2: Annotated[
+        str | None,
+        typer.Option(
+            "--lens-k2", help="Its next order.", metavar="VALUE", rich_help_panel="Camera"
+        ),
+    ] = None,
+    sidecar: Annotated[
+        Path | None,
+        typer.Option(
+            help="Set-up of an earlier table; by default OUTPUT.track.toml, if it is of this video."
+        ),
+    ] = None,
+    propose: Annotated[
+        bool,
+        typer.Option("--propose", help="Only find pivot and balls, and draw them on a picture."),
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".',
+            show_default=False,
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            "--jobs",
+            help="Videos tracked at once; by default one for each core.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            help="Table: .csv, .parquet or .nc. For several videos a folder, or a name with "
+            "{name} in it.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    overlay: Annotated[
+        Path | None,
+        typer.Option(help="Video with what was found drawn on it: .mp4.", rich_help_panel="Output"),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure pivot and balls in every frame of videos: angles with their errors, and flags.
+
+    Quantities may carry a unit: "24.5 cm". The set-up is written beside the table, from which the
+    same table is made again. Existing files are replaced.
+    """
+    from latolato.cli import track as track_command
+
+    found = track_command.jobs_of(
+        videos,
+        count=balls,
+        pivot=pivot,
+        balls=ball or [],
+        values={
+            "length": length,
+            "radius": radius,
+            "gravity": gravity,
+            "slow_motion": slow_motion,
+            "row_time": row_time,
+            "lens_k1": lens_k1,
+            "lens_k2": lens_k2,
+        },
+        limits=limit or [],
+        sidecar=sidecar,
+        targets={"output": output, "overlay": overlay, "report": report},
+        propose=propose,
+    )
+    code = track_command.run(found, workers, as_json=as_json)
+    if code:
+        raise typer.Exit(code)

@@ -1,0 +1,156 @@
+"""The one error of refused input, and what a program says when anything is raised."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import platform
+import sys
+import tempfile
+import traceback
+from typing import Any
+
+_NOT_GIVEN: Any = object()
+
+
+class InputError(ValueError):
+    """Input that breaks a rule; everything else that is raised is a fault of the program.
+
+    Its text is one line, made of its parts: ``radius must lie in [0, length), got 0.5; give less
+    than 0.4``. Programs read the parts, never the text.
+
+    Parameters
+    ----------
+    rule : str
+        What must hold, as the rest of a sentence that begins with the parameter's name; a whole
+        sentence if no single parameter is at fault.
+    parameter : str, optional
+        Name of the parameter at fault.
+    value : object, optional
+        What was given for it.
+    way_out : str, optional
+        What to give or do instead.
+
+    Examples
+    --------
+    >>> error = InputError("must lie in [0, 1]", parameter="restitution", value=2, way_out="give 1")
+    >>> print(error)
+    restitution must lie in [0, 1], got 2; give 1
+    >>> error.parameter
+    'restitution'
+    """
+
+    def __init__(
+        self,
+        rule: str,
+        *,
+        parameter: str | None = None,
+        value: Any = _NOT_GIVEN,
+        way_out: str | None = None,
+    ) -> None:
+        super().__init__(rule)
+        self.rule = rule
+        self.parameter = parameter
+        self.value = None if value is _NOT_GIVEN else value
+        self.has_value = value is not _NOT_GIVEN
+        self.way_out = way_out
+
+    def __str__(self) -> str:
+        text = self.rule if self.parameter is None else f"{self.parameter} {self.rule}"
+        if self.has_value:
+            shown = f"{self.value:.9g}" if isinstance(self.value, float) else repr(self.value)
+            text += f", got {shown}"
+        return text if self.way_out is None else f"{text}; {self.way_out}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Exceptions are rebuilt from `args` alone; one that comes from a worker keeps its parts.
+        return _rebuilt, (self.rule, self.parameter, self.value, self.has_value, self.way_out)
+
+
+def _rebuilt(
+    rule: str, parameter: str | None, value: Any, has_value: bool, way_out: str | None
+) -> InputError:
+    given = value if has_value else _NOT_GIVEN
+    return InputError(rule, parameter=parameter, value=given, way_out=way_out)
+
+
+def extra_command(extra: str) -> str:
+    """Return what to do for an extra; the package is on no index."""
+    return f'in a clone of the repository, run: pip install ".[{extra}]"'
+
+
+def import_extra(module: str, extra: str, purpose: str, *, way_out: str = "") -> Any:
+    """Return a module that an extra of this package installs.
+
+    Parameters
+    ----------
+    module : str
+        Its name.
+    extra : str
+        The extra.
+    purpose : str
+        What needs it, as the subject of a sentence.
+    way_out : str, optional
+        What to do without it, beside installing the extra.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        missing = error.name or module
+        if missing.partition(".")[0] == "latolato":
+            raise
+        either = f", or {way_out}" if way_out else ""
+        raise InputError(
+            f"{purpose} needs the package '{missing}'", way_out=f"{extra_command(extra)}{either}"
+        ) from None
+
+
+def refusal_of(error: BaseException) -> str | None:
+    """Return the one line that refuses an input, None if the error is a fault of the program.
+
+    Refused are an `InputError`, what the system does not allow, such as a file that does not
+    exist, and a request that needs more memory than there is.
+    """
+    if isinstance(error, MemoryError):
+        return "not enough memory; ask for fewer samples, points or frames"
+    if isinstance(error, OSError) and error.strerror and error.filename:
+        text = f"{error.strerror}: {error.filename}"
+    elif isinstance(error, (InputError, OSError)):
+        text = str(error)
+    else:
+        return None
+    return " ".join(text.split()) or type(error).__name__
+
+
+def report_of(error: BaseException) -> str:
+    """Write the traceback of a fault to a file; return the line that asks for a report.
+
+    The file is in the cache folder: the application removes its temporary files when it ends. If
+    the file cannot be written, the line says so.
+    """
+    from latolato.core.cache import cache_directory
+    from latolato.core.versions import version_of
+
+    name = type(error).__name__
+    begin = f"internal error ({name}), a fault of the program and not of your input"
+    try:
+        folder = cache_directory() / "faults"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        number, path = tempfile.mkstemp(prefix="fault-", suffix=".txt", dir=folder)
+        with os.fdopen(number, "w", encoding="utf-8", errors="backslashreplace") as file:
+            file.write(f"latolato {version_of()}, Python {platform.python_version()}, ")
+            file.write(f"{platform.platform()}\n{sys.argv!r}\n")
+            file.writelines(traceback.format_exception(error))
+    except Exception as failure:  # of a disk that is full: the report itself never fails
+        return f"{begin}; please report it (its traceback could not be written: {failure})"
+    return f"{begin}; please report it with the traceback in '{path}'"
+
+
+def said_of(error: BaseException) -> str:
+    """Return one line for a page: why the input is refused, or where the report of a fault is."""
+    return refusal_of(error) or report_of(error)

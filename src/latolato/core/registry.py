@@ -1,0 +1,296 @@
+"""Named collections of laws, and the checks that every law shares.
+
+A law enters its registry by a decorator in the file that defines it; options of the command line,
+scenario files, forms and tables are generated from the registries.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import lru_cache, wraps
+from typing import Any, Generic, TypeVar, get_type_hints
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import SMALLEST, Range, is_computable, largest_of
+
+Entry = TypeVar("Entry")
+Law = TypeVar("Law")
+
+
+# Of the longer name's letters, the part that a typo leaves: two slips in five letters are guessed.
+_LIKENESS = 0.55
+# Shorter parts of a name occur in too many others.
+_SHORTEST_PART = 3
+
+
+def suggest(name: object, known: list[str]) -> str:
+    """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known.
+
+    Suggested is the known name that the fewest slips of the pen lead from, capitals and dashes
+    aside, if they are few for its length; else the only known name that `name` is a part of.
+
+    Examples
+    --------
+    >>> suggest("latlato", ["pendulum", "latolato"])
+    "did you mean 'latolato'?"
+    >>> suggest("phase", ["drive_amplitude", "drive_phase"])
+    "did you mean 'drive_phase'?"
+    >>> suggest("drive_times", ["times", "drive_phase"])
+    "did you mean 'times'?"
+    >>> suggest("friction", ["duration", "restitution"])
+    'known are duration, restitution'
+    """
+    _, _, within = str(name).partition("_")  # options name the law too, its parameters do not
+    if within in known:
+        return f"did you mean '{within}'?"
+    asked = _plain(str(name))
+    likeness = {each: _likeness(asked, _plain(each)) for each in known}
+    nearest = max(known, key=likeness.__getitem__, default="")
+    if known and likeness[nearest] >= _LIKENESS:
+        return f"did you mean '{nearest}'?"
+    holders = [each for each in known if asked in _plain(each)]
+    if len(holders) == 1 and len(asked) >= _SHORTEST_PART:
+        return f"did you mean '{holders[0]}'?"
+    return f"known are {', '.join(known)}"
+
+
+def _plain(name: str) -> str:
+    """Return a name as it is compared: options have dashes where fields have underscores."""
+    return name.lower().replace("-", "_")
+
+
+def _likeness(name: str, other: str) -> float:
+    """Return 1 - (slips that turn one name into the other)/(letters of the longer one).
+
+    A slip drops, adds or changes a letter or swaps two neighbours (optimal string alignment;
+    Damerau, 1964).
+    """
+    shorter, longer = sorted((len(name), len(other)))
+    if shorter < _LIKENESS * longer or longer == 0:  # at least so many letters must be added
+        return 0.0
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(name):
+        before, last, row = row, before, [i + 1]
+        for j, theirs in enumerate(other):
+            slips = min(before[j + 1] + 1, row[j] + 1, before[j] + (letter != theirs))
+            if i and j and letter == other[j - 1] and name[i - 1] == theirs:
+                slips = min(slips, last[j - 1] + 1)
+            row.append(slips)
+    return 1.0 - row[-1] / longer
+
+
+def types_of(law: type) -> dict[str, Any]:
+    """Return the types of a law's fields by name; looked up once, as forms ask at every change."""
+    return _TYPES(law)
+
+
+_TYPES: Callable[[Any], dict[str, Any]] = lru_cache(maxsize=256)(get_type_hints)
+
+
+class Registry(Mapping[str, Entry], Generic[Entry]):
+    """Entries by name, in the order in which they were added."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self._entries: dict[str, Entry] = {}
+
+    def register(self, name: str) -> Callable[[Entry], Entry]:
+        """Return a decorator that adds an entry under `name`."""
+
+        def add(entry: Entry) -> Entry:
+            if name in self._entries:
+                raise ValueError(f"{self.kind} '{name}' is registered twice")
+            self._entries[name] = entry
+            return named(entry) if isinstance(entry, type) and is_dataclass(entry) else entry
+
+        return add
+
+    def __getitem__(self, name: str) -> Entry:
+        if name not in self:
+            known = suggest(str(name), list(self._entries))
+            raise InputError(f"unknown {self.kind} '{name}': {known}")
+        return self._entries[name]
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and name in self._entries
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def name_of(self, entry: Any) -> str:
+        """Return the name under which `entry` (or the class of an instance) stands."""
+        for name, known in self._entries.items():
+            if known is entry or known is type(entry):
+                return name
+        raise InputError(f"{entry!r} is not a registered {self.kind}")
+
+    def described(self, law: Any) -> dict[str, Any]:
+        """Return the name of a law as its kind, and its fields as `describe` gives them."""
+        return {"kind": self.name_of(law), **describe(law)}
+
+
+def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
+    """Return `value` as a float, or raise with the value, the rule and a way out.
+
+    Raises
+    ------
+    InputError
+        If `value` is no real number, NaN, infinite, outside `allowed` or of a size that cannot be
+        computed with.
+    """
+    kind = "a number" if unit == "1" else f"a number in {unit}"
+    if isinstance(value, (str, bytes, bool)) or value is None:
+        raise InputError(f"must be {kind}", parameter=name, value=value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"must be {kind}", parameter=name, value=value) from None
+    except OverflowError:
+        raise InputError(
+            "must be finite, got an integer beyond all floats", parameter=name
+        ) from None
+    if not math.isfinite(number):
+        raise InputError("must be finite", parameter=name, value=number, way_out=f"give {kind}")
+    if number not in allowed:
+        raise InputError(
+            f"must lie in {allowed}{'' if unit == '1' else f' {unit}'}",
+            parameter=name,
+            value=number,
+            way_out=f"give {_way_in(number, allowed)}",
+        )
+    if not is_computable(number, allowed, unit):
+        raise _size_refusal(name, number, allowed, unit)
+    return number
+
+
+def _size_refusal(name: str, number: float, allowed: Range, unit: str) -> InputError:
+    """Return the error for a number that is too large or too small to be computed with."""
+    shown = "" if unit == "1" else f" {unit}"
+    if abs(number) < SMALLEST:
+        rule, way_out = f"must be at least {SMALLEST:g}{shown}", "check its unit"
+    else:
+        largest = largest_of(unit)
+        low = -largest if allowed.low < 0.0 else 0.0
+        rule = f"must lie in [{low:g}, {largest:g}]{shown}"
+        way_out = "leave out whole turns" if unit == "rad" else "check its unit"
+    return InputError(rule, parameter=name, value=number, way_out=way_out)
+
+
+def _way_in(number: float, allowed: Range) -> str:
+    """Return in words how a number outside a range must change, e.g. ``at most 1``."""
+    if number > allowed.high or (number == allowed.high and allowed.open_high):
+        return f"{'less than' if allowed.open_high else 'at most'} {allowed.high:g}"
+    return f"{'more than' if allowed.open_low else 'at least'} {allowed.low:g}"
+
+
+def checked_count(name: str, value: Any) -> int:
+    """Return a whole number of at least 1 that a file can hold.
+
+    Raises
+    ------
+    InputError
+        If `value` is none.
+    """
+    try:
+        count = 0 if isinstance(value, bool) or value != int(value) else int(value)
+    except (TypeError, ValueError, OverflowError):
+        count = 0
+    if not 1 <= count < 2**63:
+        raise InputError("must be a positive integer below 2^63", parameter=name, value=value)
+    return count
+
+
+def number_fields(law: Any) -> list[Field[Any]]:
+    """Return the fields of a law (class or instance) that hold one number."""
+    return [f for f in fields(law) if "quantity" in f.metadata and not f.metadata.get("array")]
+
+
+def check_fields(law: Any) -> None:
+    """Check every number of a frozen law against its range and store it as a float."""
+    for field in number_fields(law):
+        quantity = field.metadata["quantity"]
+        number = checked_number(
+            field.name, getattr(law, field.name), field.metadata["range"], quantity.unit
+        )
+        object.__setattr__(law, field.name, number)
+
+
+def describe(law: Any) -> dict[str, Any]:
+    """Return a law's parameters as plain values, nested laws as nested dictionaries.
+
+    Values that equal their default are kept too: a file must not depend on later defaults.
+    """
+    found: dict[str, Any] = {}
+    for f in fields(law):
+        if not f.init:
+            continue
+        value = getattr(law, f.name)
+        if hasattr(value, "__dataclass_fields__"):
+            value = describe(value)
+        elif isinstance(value, tuple):
+            value = list(value)
+        found[f.name] = value
+    return found
+
+
+def named(law: Law) -> Law:
+    """Make a dataclass refuse unknown and missing parameters by name; return it."""
+    kind: Any = law
+    plain = kind.__init__
+
+    @wraps(plain)
+    def checked(self: Any, *positional: Any, **parameters: Any) -> None:
+        if positional:
+            example = next((f"{f.name}=..." for f in fields(kind) if f.init), "none")
+            raise InputError(f"{kind.__name__} takes its parameters by name ({example})")
+        _check_names(kind, parameters)
+        plain(self, **parameters)
+
+    kind.__init__ = checked
+    return law
+
+
+def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
+    """Raise for an unknown name, with the closest known one, and for a missing one."""
+    known = {f.name: f for f in fields(kind) if f.init}
+    for name in parameters:
+        if name not in known:
+            raise InputError(
+                f"unknown parameter '{name}' of {kind.__name__}: {suggest(name, list(known))}"
+            )
+    missing = [
+        name
+        for name, f in known.items()
+        if name not in parameters and f.default is MISSING and f.default_factory is MISSING
+    ]
+    if missing:
+        name = missing[0]
+        quantity = known[name].metadata.get("quantity")
+        unit = f" [{quantity.unit}]" if quantity else ""
+        raise InputError(f"{kind.__name__} needs '{name}'{unit}")
+
+
+def rebuild(kind: type, described: Mapping[str, Any]) -> Any:
+    """Return the law of this kind that `describe` described.
+
+    Raises
+    ------
+    InputError
+        For unknown and missing parameters.
+    """
+    hints = types_of(kind)
+    parameters = {
+        name: rebuild(hints[name], value)
+        if isinstance(value, Mapping) and is_dataclass(hints.get(name))
+        else tuple(value)
+        if isinstance(value, list)
+        else value
+        for name, value in described.items()
+    }
+    return kind(**parameters)

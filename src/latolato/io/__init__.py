@@ -1,0 +1,4 @@
+"""Files of results, and how far work is.
+
+Imports everything up to sweeps.
+"""

@@ -1,0 +1,458 @@
+"""Result files: NetCDF, CSV and Parquet by extension, written whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.core.atomic import atomic_path, check_folder, checked_path, remove_leftovers
+from latolato.core.errors import InputError, import_extra
+from latolato.core.quantities import QUANTITIES
+from latolato.simulation.record import BALL, BALLS, Record
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUFFIXES = (".nc", ".csv", ".parquet")
+# Complex variables as NetCDF holds them: two variables with this attribute.
+_PARTS = ("real", "imag")
+_PART = "complex_part"
+# Values and attributes of variables along one dimension.
+Columns = dict[str, tuple[Any, dict[str, Any]]]
+# One column of a text file as its header describes it.
+_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
+
+
+def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
+    """Return the suffix of a file name in lower case, or raise InputError naming what is known."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in known:
+        raise InputError(f"{what} must end in {', '.join(known)}, got '{Path(path).name}'")
+    return suffix
+
+
+def check_target(path: str | Path) -> None:
+    """Raise unless `save` can write to `path`: a known suffix, its extra, an existing folder."""
+    check_folder(Path(path))
+    if check_suffix(path, SUFFIXES, "the name of a result file") == ".parquet":
+        import_pyarrow()
+
+
+def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
+    """Write a dataset as NetCDF, CSV or Parquet by its suffix and return the path.
+
+    NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
+    and ``name_imag``, which `load` joins. CSV and Parquet hold sweeps, one row per point, and runs,
+    one row per instant. The variables of a `BallPair` are columns ``angle_right`` and
+    ``angle_left``. The contacts of a run, if any were possible, go to a second file
+    ``<stem>.contacts.csv``, which is put in place first and removed when a run without them takes
+    the place of one with them. An interrupted or failed call leaves no file; what a killed one left
+    for the same path is removed by the next.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset or Record
+        A run or a sweep, or for NetCDF any dataset. NetCDF of a record is written without xarray.
+    path : str or Path
+        A name ending in ``.nc``, ``.csv`` or ``.parquet``; an existing file is replaced.
+
+    Raises
+    ------
+    InputError
+        If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
+        and Parquet.
+        For Parquet without the extra `parquet`.
+    OSError
+        If the file cannot be written.
+    """
+    if not isinstance(dataset, Record):
+        import xarray as xr
+
+        if not isinstance(dataset, xr.Dataset):
+            raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
+    path = checked_path("path", path)
+    check_target(path)
+    for each in (path, _contacts_path(path)):
+        remove_leftovers(each)
+    suffix = path.suffix.lower()
+    if suffix == ".nc":
+        with atomic_path(path) as unfinished:
+            unfinished.write_bytes(_netcdf(dataset))
+        return path
+    if isinstance(dataset, Record):
+        dataset = dataset.to_dataset()
+    write = _write_csv if suffix == ".csv" else _write_parquet
+    if is_sweep(dataset):
+        from latolato.sweeps.table import as_table
+
+        with atomic_path(path) as first:
+            write(as_table(dataset), "point", first)
+        return path
+    if "time" not in dataset.dims:
+        raise InputError(f"{suffix} files hold runs and sweeps; use .nc for other datasets")
+    if dataset.attrs.get("contact", "none") != "none":
+        # The inner one is put in place first: the file that is asked for appears with its contacts.
+        with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
+            write(dataset, "time", first)
+            write(dataset, "contact", second)
+    else:
+        with atomic_path(path) as first:
+            write(dataset, "time", first)
+        _remove_contacts(_contacts_path(path), _read_csv if suffix == ".csv" else _read_parquet)
+    return path
+
+
+def is_sweep(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is that of a sweep, whole: not a part, nor an analysis of one."""
+    from latolato.sweeps.table import is_whole
+
+    return "plan" in dataset.attrs and "time" not in dataset.dims and is_whole(dataset)
+
+
+# Attributes that are tables of their own, as JSON.
+_DESCRIPTIONS = {"plan", "scenario", "system_description", "drive_description"}
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """Return the dataset in a file that `save` wrote, or in the store of a sweep.
+
+    A file is read whole; the values in a store are read on use.
+
+    Parameters
+    ----------
+    path : str or Path
+        A name ending in ``.nc``, ``.csv`` or ``.parquet``, or the folder of a store.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix or a file of something else.
+    OSError
+        If the file cannot be read.
+    """
+    path = checked_path("path", path)
+    if path.is_dir():
+        if not any((path / name).exists() for name in ("zarr.json", ".latolato")):
+            raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+        from latolato.sweeps.store import open_store
+
+        return open_store(path)
+    if path.suffix == ".zarr" and not path.exists():
+        raise FileNotFoundError(f"there is no store '{path}'")
+    suffix = check_suffix(path, SUFFIXES, "the name of a result file")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    with reading(path):
+        dataset = _read_netcdf(path) if suffix == ".nc" else _read_tables(path, suffix)
+        for name in _DESCRIPTIONS & dataset.attrs.keys():
+            text = dataset.attrs[name]  # nothing for a pivot at rest
+            if text and not isinstance(json.loads(text), dict):
+                raise TypeError(f"its attribute {name} is no table")
+        return dataset
+
+
+def _read_tables(path: Path, suffix: str) -> xr.Dataset:
+    """Return the sweep in a table, or the run in one or two of them."""
+    read = _read_csv if suffix == ".csv" else _read_parquet
+    columns, attributes = read(path)
+    if "plan" in attributes:
+        from latolato.sweeps.table import from_table
+
+        return from_table({name: values for name, (values, _) in columns.items()}, attributes)
+    contacts: Columns = {}
+    if attributes.get("contact", "none") != "none":
+        contacts, _ = read(_contacts_path(path))
+    return _assembled(columns, contacts, attributes)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Refuse a file on whose content a reader fails.
+
+    HDF5, Arrow and FFmpeg have dozens of errors for damaged files, of many types.
+    """
+    try:
+        yield
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(
+            f"'{path}' is damaged or was not written by latolato ({error})",
+            way_out="compute it again or take a copy",
+        ) from error
+
+
+def _contacts_path(path: Path) -> Path:
+    """Return the name of the second file, which holds the contacts."""
+    return path.with_name(f"{path.stem}.contacts{path.suffix}")
+
+
+def _remove_contacts(path: Path, read: Callable[[Path], tuple[Columns, dict[str, Any]]]) -> None:
+    """Remove the contacts of an earlier run; a file of anything else stays."""
+    if path.is_file():
+        with suppress(OSError, ValueError):
+            columns, _ = read(path)
+            if "contact_time" in columns:
+                path.unlink()
+
+
+def _netcdf(dataset: xr.Dataset | Record) -> bytes:
+    """Return everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
+    if isinstance(dataset, Record):
+        return _netcdf_of(dataset)
+    # Chunks and codecs of a store would be meant for Zarr.
+    plain = without_complex(dataset.drop_encoding())
+    return bytes(plain.to_netcdf(engine="h5netcdf"))
+
+
+def _netcdf_of(record: Record) -> bytes:
+    """Return the same as `_netcdf` of the record's dataset, without importing xarray."""
+    import h5netcdf
+    import h5py
+
+    memory = io.BytesIO()
+    with h5netcdf.File(memory, "w") as file:
+        for name, dimensions, values, attrs in record.described():
+            for dimension, size in zip(dimensions, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+            if values.dtype.kind == "U":
+                kind, fill, values = h5py.string_dtype(), None, values.astype(object)
+            else:
+                kind, fill = values.dtype, np.nan if values.dtype.kind == "f" else None
+            made = file.create_variable(name, dimensions, kind, values, fillvalue=fill)
+            made.attrs.update(attrs if fill is None else {"_FillValue": fill, **attrs})
+        file.attrs.update(record.attrs)
+    return memory.getvalue()
+
+
+def _read_netcdf(path: Path) -> xr.Dataset:
+    """Return the dataset with attributes as plain Python values."""
+    import xarray as xr
+
+    try:
+        dataset = xr.load_dataset(path, engine="h5netcdf")
+    except OSError as error:
+        raise InputError(f"'{path}' is no NetCDF-4 file: {error}") from None
+    dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
+    return _with_complex(dataset)
+
+
+def without_complex(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with ``name_real`` and ``name_imag`` in place of complex variables."""
+    import xarray as xr
+
+    if all(variable.dtype.kind != "c" for variable in dataset.variables.values()):
+        return dataset
+    variables: dict[Any, Any] = {}
+    for name, variable in dataset.data_vars.items():
+        if variable.dtype.kind != "c":
+            variables[name] = variable
+            continue
+        for part in _PARTS:
+            about = {**variable.attrs, _PART: part}
+            variables[f"{name}_{part}"] = (variable.dims, getattr(variable.values, part), about)
+    return xr.Dataset(variables, coords=dataset.coords, attrs=dataset.attrs)
+
+
+def _with_complex(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with the variables that `without_complex` parted joined again."""
+    import xarray as xr
+
+    if not any(_PART in variable.attrs for variable in dataset.data_vars.values()):
+        return dataset
+    variables: dict[Any, Any] = {}
+    for name, variable in dataset.data_vars.items():
+        part = variable.attrs.get(_PART)
+        if part is None:
+            variables[name] = variable
+        elif part == _PARTS[0]:
+            base = str(name).removesuffix(f"_{part}")
+            values = variable.values.astype(complex)
+            values.imag = dataset[f"{base}_{_PARTS[1]}"].values
+            about = {key: value for key, value in variable.attrs.items() if key != _PART}
+            variables[base] = (variable.dims, values, about)
+    return xr.Dataset(variables, coords=dataset.coords, attrs=dataset.attrs)
+
+
+def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
+    """Return the variables along a dimension as columns, one a ball where there are two."""
+    found: Columns = {}
+    names = [name for name in dataset.variables if dimension in dataset.variables[name].dims]
+    for name in sorted(names, key=lambda name: name != dimension):  # the dimension's own first
+        variable = dataset.variables[name]
+        if variable.dims == (dimension,):
+            found[str(name)] = (variable.values, dict(variable.attrs))
+        elif variable.dims != ("ball", dimension):
+            raise InputError(
+                f"{name} over {', '.join(map(str, variable.dims))} fits no table; use .nc"
+            )
+        else:
+            for i, ball in enumerate(dataset["ball"].values):
+                found[f"{name}_{ball}"] = (variable.isel(ball=i).values, dict(variable.attrs))
+    return found
+
+
+def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) -> xr.Dataset:
+    """Return the dataset that was taken apart by `_columns`."""
+    import numpy as np
+    import xarray as xr
+
+    two = f"angle_{BALLS[0]}" in columns
+    variables: dict[str, Any] = {}
+    for dimension, part in (("time", columns), ("contact", contacts or _no_contacts(two))):
+        for name, (values, about) in part.items():
+            base, _, ball = name.rpartition("_")
+            if not (two and ball in BALLS):
+                variables[name] = ((dimension,), values, about)
+            elif ball == BALLS[0]:
+                both = np.stack([part[f"{base}_{each}"][0] for each in BALLS])
+                variables[base] = (("ball", dimension), both, about)
+    dataset = xr.Dataset(variables, attrs=attributes).set_coords("time")
+    if not two:
+        return dataset
+    about = {"units": BALL.unit, "long_name": BALL.long_name, "symbol": BALL.symbol}
+    return dataset.assign_coords(ball=("ball", list(BALLS), about))
+
+
+def _no_contacts(two: bool) -> Columns:
+    """Return the empty contact table of a system without walls."""
+    import numpy as np
+
+    names = ["contact_time", "contact_kind"]
+    for name in ("angular_velocity_before", "angular_velocity_after"):
+        names += [f"{name}_{ball}" for ball in BALLS] if two else [name]
+    return {name: (np.array([], dtype=_kind(name)), _about(name)) for name in names}
+
+
+def _write_csv(dataset: xr.Dataset, dimension: str, path: Path) -> None:
+    """Write the variables along a dimension below a header of ``# key: value`` lines."""
+    import csv
+
+    columns = _columns(dataset, dimension)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for key, value in dataset.attrs.items():
+            plain = value if isinstance(value, str) else json.dumps(_plain(value))
+            file.write(f"# {key}: {plain}\n")
+        for name, (_, about) in columns.items():
+            unit, meaning = about.get("units", "1"), about.get("long_name", name)
+            file.write(f"# column {name} [{unit}]: {meaning}\n")
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(zip(*(values.tolist() for values, _ in columns.values()), strict=True))
+
+
+def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes of a file written by `_write_csv`."""
+    import csv
+
+    import numpy as np
+
+    attributes: dict[str, Any] = {}
+    about: dict[str, dict[str, str]] = {}
+    with path.open(encoding="utf-8", newline="") as file:
+        line = file.readline()
+        while line.startswith("# "):
+            column = _COLUMN.fullmatch(line[2:].rstrip("\n"))
+            if column:
+                name, unit, meaning = column.groups()
+                about[name] = _about(name) | {"units": unit, "long_name": meaning}
+            else:
+                key, _, value = line[2:].rstrip("\n").partition(": ")
+                attributes[key] = _parsed(value)
+            line = file.readline()
+        names = line.rstrip("\n").split(",")
+        if not about or names != list(about):
+            raise InputError(f"'{path}' is no run of latolato: its header is missing")
+        if "flag_1" in names:
+            raise InputError(
+                f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
+            )
+        rows = list(csv.reader(file))
+    cells = zip(*rows, strict=True) if rows else ((),) * len(names)
+    columns: Columns = {}
+    for name, values in zip(names, cells, strict=True):
+        columns[name] = (np.array(values, dtype=_kind(name)), about[name])
+    return columns, attributes
+
+
+def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
+    """Write the variables along a dimension, their units with each field."""
+    pyarrow = import_pyarrow()
+    columns = _columns(dataset, dimension)
+    arrays = [pyarrow.array(values) for values, _ in columns.values()]
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(
+                name,
+                array.type,
+                metadata={k: v for k, v in about.items() if isinstance(v, str)},
+            )
+            for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
+        ],
+        metadata={k: json.dumps(_plain(v)) for k, v in dataset.attrs.items()},
+    )
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+
+
+def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes of a file written by `_write_parquet`."""
+    pyarrow = import_pyarrow()
+    table = pyarrow.parquet.read_table(path)
+    metadata = table.schema.metadata or {}
+    attributes = {
+        key.decode(): json.loads(value)
+        for key, value in metadata.items()
+        if not key.startswith((b"ARROW:", b"pandas"))
+    }
+    if "scenario" not in attributes and "plan" not in attributes:
+        raise InputError(f"'{path}' is no run of latolato: its metadata are missing")
+    columns: Columns = {}
+    for name in table.column_names:
+        found = table.schema.field(name).metadata or {}
+        about = {key.decode(): value.decode() for key, value in found.items()}
+        columns[name] = (table[name].to_numpy().astype(_kind(name)), about)
+    return columns, attributes
+
+
+def import_pyarrow() -> Any:
+    """Return pyarrow with its Parquet."""
+    options = {"purpose": "a Parquet file", "way_out": "use .nc or .csv"}
+    import_extra("pyarrow.parquet", "parquet", **options)
+    return import_extra("pyarrow", "parquet", **options)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _parsed(text: str) -> Any:
+    """Return the value of a header line; the scenario stays the text that it is."""
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+    return text if isinstance(value, dict) else value
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of a column's variable, as far as they are known."""
+    for ball in BALLS:
+        name = name.removesuffix(f"_{ball}")
+    if name not in QUANTITIES:
+        return {}
+    quantity = QUANTITIES[name]
+    return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+
+
+def _kind(name: str) -> type:
+    """Return the type of a column's values."""
+    return str if name in ("contact_kind", "direction") else float

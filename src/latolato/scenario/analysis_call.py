@@ -1,0 +1,194 @@
+"""What a scenario and options make of the arguments of an analysis."""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from latolato.core.errors import InputError
+
+if TYPE_CHECKING:
+    from latolato.scenario.analysis_options import AnalysisOption
+    from latolato.scenario.scenario import Scenario
+
+# Entries of ``[sweep]`` that an analysis may take as well.
+_OF_SWEEP = ("transient", "transient_periods")
+Tables = dict[str, Any]
+
+
+def unfit_options(function: Callable[..., Any], own: Mapping[str, Any]) -> list[str]:
+    """Return the options of laws and runs that the command of an analysis does not take."""
+    from latolato.scenario.options import law_options
+
+    has_drive = "drive" in inspect.signature(function).parameters
+    return [
+        option.name
+        for option in law_options().values()
+        if option.name in own
+        or option.path[0] in ("run", "noise")
+        or (option.path[0] == "drive" and not has_drive)
+    ]
+
+
+@dataclass(frozen=True)
+class AnalysisCall:
+    """An analysis with its options, and the arguments that it is called with."""
+
+    name: str
+    function: Callable[..., Any]
+    own: Mapping[str, AnalysisOption]
+
+    def arguments(
+        self, source: str | None, given: Mapping[str, Any], tables: Tables | None = None
+    ) -> dict[str, Any]:
+        """Return the arguments that a scenario, by its name or its tables, and options give."""
+        from latolato.core.registry import describe
+
+        scenario, sweep = self._scenario(source, given, tables)
+        drive = _moving(scenario)
+        found: dict[str, Any] = {"system": scenario.system}
+        if "drive" in inspect.signature(self.function).parameters:
+            found["drive"] = drive
+        run = dict(scenario.run)
+        noise = run.get("noise")
+        kicks = {f"noise_{k}": v for k, v in describe(noise).items()} if noise is not None else {}
+        if "times" in run:
+            run.setdefault("duration", run["times"][-1])
+        for name, option in self.own.items():
+            if option.is_of_run:
+                if name in run:
+                    found[name] = run[name]
+            elif given.get(name) is not None:
+                found[name] = option.value(given[name], self._unit(option, given, scenario))
+            elif name in kicks:
+                found[name] = kicks[name]
+            elif name in sweep:
+                found[name] = option.value(sweep[name], option.unit or "1")
+            elif option.is_required:
+                found[name] = self._needed(option, scenario)
+        self._tell_left_out(scenario)
+        return found
+
+    def _scenario(
+        self, source: str | None, given: Mapping[str, Any], tables: Tables | None
+    ) -> tuple[Scenario, Mapping[str, Any]]:
+        """Return the scenario with the options put in, and what ``[sweep]`` says of its run."""
+        from latolato.physics.pendulum import systems
+        from latolato.scenario.options import changes
+        from latolato.scenario.scenario import Scenario, changed_tables, find
+
+        kept = {k: v for k, v in given.items() if k not in self.own or self.own[k].is_of_run}
+        changed = changes(kept)
+        path = find(source) if source is not None else None
+        if path is None and tables is None and "kind" not in changed.get("system", {}):
+            raise InputError(
+                "name what to analyse: a scenario (`latolato scenarios` lists them), a TOML file, "
+                f"the file of a run, or --system with one of {', '.join(systems)}"
+            )
+        tables, folder = changed_tables(path, changed, tables)
+        sweep = dict(tables.pop("sweep", {}))
+        run = {k: v for k, v in tables.get("run", {}).items() if k not in ("samples", "frame")}
+        tables["run"] = {k: sweep[k] for k in ("duration", "tolerance") if k in sweep} | run
+        for name, option in self.own.items():
+            if given.get(name) is not None and not option.is_of_run:
+                _set_law(tables, option, given[name])
+        scenario = Scenario.from_dict(tables, folder=folder)
+        return scenario, {k: v for k, v in sweep.items() if k in _OF_SWEEP}
+
+    def _needed(self, option: AnalysisOption, scenario: Scenario) -> Any:
+        """Return a needed value from the laws of a scenario."""
+        from latolato.analysis.flow import value_of
+
+        drive = _moving(scenario)
+        if drive is not None and not option.is_sequence:
+            try:
+                return value_of(scenario.system, drive, option.name)
+            except InputError:
+                pass
+        unit = f" [{option.unit}]" if option.unit not in (None, "1") else ""
+        example = ' "0 : 1 : 11"' if option.is_sequence else ""
+        raise InputError(f"{self.name} needs {option.name}{unit}: give {option.flag}{example}")
+
+    def _unit(self, option: AnalysisOption, given: Mapping[str, Any], scenario: Scenario) -> str:
+        """Return the unit of an option; that of the quantity that another one names, if need be."""
+        if option.unit is not None:
+            return option.unit
+        from latolato.core.quantities import QUANTITIES
+        from latolato.physics.drives import Harmonic
+        from latolato.sweeps.axes import parameters_of
+
+        drive = _moving(scenario) or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+        known = {n: p.quantity for n, p in parameters_of(scenario.system, drive).items()}
+        known = QUANTITIES | known
+        for name, other in self.own.items():
+            named = given.get(name) if given.get(name) is not None else other.default
+            if other.kind is str and named in known:
+                return known[named].unit
+        return "1"
+
+    def _tell_left_out(self, scenario: Scenario) -> None:
+        """Warn of laws of a scenario that the analysis does not know."""
+        from latolato.physics.contacts import Clamp
+
+        if isinstance(scenario.run.get("contact"), Clamp) and "contact" not in self.own:
+            warnings.warn(
+                f"contact 'clamp' of the scenario is left out: {self.name} is of exact contact",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+        if scenario.run.get("noise") is not None and "noise_strength" not in self.own:
+            warnings.warn(
+                f"the noise of the scenario is left out: {self.name} is of the motion without",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+
+
+def _moving(scenario: Scenario) -> Any:
+    """Return the drive of a scenario, None for a pivot at rest."""
+    from latolato.physics.drives import Static
+
+    return None if isinstance(scenario.drive, Static) else scenario.drive
+
+
+def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:
+    """Put the value of an option into the law of that name too, if the scenario has it.
+
+    Of several values the first one stands there where the law has none: the analysis varies it.
+    """
+    from latolato.physics.drives import drives
+    from latolato.physics.pendulum import systems
+    from latolato.scenario.options import law_options
+    from latolato.scenario.scenario import overridden
+    from latolato.scenario.tables import RATIOS
+
+    law = law_options().get(option.name)
+    if law is None or len(law.path) != 2 or law.path[0] not in ("system", "drive"):
+        return
+    part = law.path[0]
+    kind = tables.get(part, {}).get("kind")
+    registry: Any = systems if part == "system" else drives
+    target = RATIOS.get(option.name, option.name)
+    if kind not in registry or target not in {f.name for f in fields(registry[kind])}:
+        return
+    if not option.is_sequence:
+        tables |= overridden(tables, {part: {option.name: given}})
+        return
+    names = {target, *(ratio for ratio, plain in RATIOS.items() if plain == target)}
+    if not names & tables[part].keys():
+        tables[part] = {**tables[part], option.name: option.value(given, option.unit or "1")[0]}
+
+
+def axes_of(source: str | None) -> list[str]:
+    """Return what a scenario varies, nothing if it cannot be read."""
+    from latolato.scenario.scenario import find, read_tables
+
+    try:
+        tables = read_tables(find(source)) if source is not None else {}
+    except (OSError, InputError):
+        return []
+    sweep = tables.get("sweep", {})
+    return list(sweep.get("axes", {})) if isinstance(sweep, Mapping) else []

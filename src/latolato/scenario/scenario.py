@@ -1,0 +1,355 @@
+"""Scenarios: a system, a drive and a start, written in TOML with units and run by name.
+
+A scenario has the tables ``[system]``, ``[drive]``, ``[run]`` and ``[noise]``; with ``[sweep]`` it
+is a sweep. Every run stores its own scenario in the attribute ``scenario``, in the same layout with
+plain SI numbers, so that a result file can be run again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.core.errors import InputError
+from latolato.core.registry import describe, suggest
+from latolato.physics.contacts import Clamp
+from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import System, systems
+from latolato.scenario.tables import (
+    RATIOS,
+    RUN_OPTIONS,
+    Tables,
+    build_from,
+    checked_table,
+    law_from,
+    plain_sweep,
+    run_arguments,
+    said_as,
+    with_sweep,
+    without_ratios,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.simulation.record import Record
+    from latolato.sweeps.plan import Plan
+
+# Entries of ``[run]`` that say how one run is sampled.
+_OF_ONE_RUN = ("times", "frame")
+
+# A new value of one of these takes the place of the others.
+_ALTERNATIVES = (
+    *({ratio, plain} for ratio, plain in RATIOS.items()),
+    {"initial_angle", "initial_offset"},
+    {"times", "samples"},
+    {"times", "duration"},
+)
+_TABLES = ("system", "drive", "run", "noise", "sweep")
+_TEXTS = ("title", "description", "figure")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """What to run, ready for `latolato.simulate`, or for `latolato.sweep` if something varies.
+
+    Parameters
+    ----------
+    system : System
+        What moves.
+    drive : Drive
+        How the pivot moves.
+    run : mapping
+        The further arguments of `latolato.simulate` by name.
+    varied : mapping
+        The arguments of `latolato.sweep` that ``[sweep]`` gives: `axes`, `observables` and more;
+        empty for a scenario of one run.
+    name, title, description : str
+        What the scenario is called and what it shows, with every assumption made.
+    figure : str
+        The figure of the paper that it belongs to.
+    """
+
+    system: System
+    drive: Drive = field(default_factory=Static)
+    run: Mapping[str, Any] = field(default_factory=dict)
+    varied: Mapping[str, Any] = field(default_factory=dict)
+    name: str = ""
+    title: str = ""
+    description: str = ""
+    figure: str = ""
+
+    @classmethod
+    def from_dict(cls, tables: Any, *, folder: Path | None = None) -> Scenario:
+        """Return the scenario that nested tables describe, with or without units.
+
+        Parameters
+        ----------
+        tables : mapping
+            The tables `system`, `drive`, `run`, `noise` and `sweep`, and the texts `name`, `title`,
+            `description` and `figure`.
+        folder : Path, optional
+            Where the names of data files begin.
+
+        Raises
+        ------
+        InputError
+            For unknown names, with the closest known one, wrong types, units and values.
+        """
+        known = [*_TABLES, "name", *_TEXTS]
+        for name, value in checked_table(tables, "a scenario").items():
+            if name not in known:
+                raise InputError(f"unknown entry '{name}': {suggest(name, known)}")
+            if name not in _TABLES and not isinstance(value, str):
+                raise InputError(f"{name} must be a text, got {value!r}")
+        if "system" not in tables:
+            raise InputError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
+        folder = folder or Path()
+        varied: dict[str, Any] = {}
+        if "sweep" in tables:
+            tables, varied = with_sweep(tables, folder)
+        system = law_from(tables["system"], systems, "system", folder)
+        drive: Drive = Static()
+        if "drive" in tables:
+            plain = without_ratios(checked_table(tables["drive"], "drive"), system)
+            with said_as({name: f"drive_{name}" for name in RUN_OPTIONS}):
+                drive = law_from(plain, drives, "drive", folder)
+        run = run_arguments(checked_table(tables.get("run", {}), "run"), folder)
+        if "noise" in tables:
+            table = checked_table(tables["noise"], "noise")
+            with said_as({f.name: f"noise_{f.name}" for f in fields(VelocityKicks)}):
+                run["noise"] = build_from(VelocityKicks, table, folder)
+        texts = {name: tables[name].strip() for name in ("name", *_TEXTS) if name in tables}
+        return cls(system=system, drive=drive, run=run, varied=varied, **texts)
+
+    def to_dict(self) -> Tables:
+        """Return the tables of this scenario as plain SI numbers, for JSON or TOML."""
+        run = {k: list(v) if isinstance(v, tuple) else v for k, v in self.run.items()}
+        noise, law = run.pop("noise", None), run.get("contact")
+        if isinstance(law, Clamp):
+            run.update(contact="clamp", clamp_step=law.step)
+        tables: Tables = {
+            "system": systems.described(self.system),
+            "drive": drives.described(self.drive),
+            "run": run,
+        }
+        if noise is not None:
+            tables["noise"] = describe(noise)
+        if self.varied:
+            tables["sweep"] = plain_sweep(self.varied)
+        texts = {name: getattr(self, name) for name in ("name", *_TEXTS)}
+        return {name: text for name, text in texts.items() if text} | tables
+
+    def simulate(self, **overrides: Any) -> xr.Dataset:
+        """Return the run as a dataset; `overrides` replace arguments of `latolato.simulate`.
+
+        Examples
+        --------
+        >>> import latolato as ll
+        >>> run = ll.load_scenario("fig02").simulate(duration=2.0)
+        >>> float(run.time[-1])
+        2.0
+        """
+        from latolato.simulation.run import simulate
+
+        return simulate(**self._run_arguments(overrides))
+
+    def record(self, **overrides: Any) -> Record:
+        """Return the run as plain arrays; `overrides` as for `simulate`.
+
+        Examples
+        --------
+        >>> import latolato as ll
+        >>> float(ll.load_scenario("fig02").record(duration=2.0)["time"][-1])
+        2.0
+        """
+        from latolato.simulation.run import record
+
+        return record(**self._run_arguments(overrides))
+
+    def _run_arguments(self, overrides: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the arguments of `latolato.simulate`."""
+        if self.varied:
+            name = self.name or "this scenario"
+            raise InputError(
+                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
+                f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python"
+            )
+        return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
+
+    def sweep(self, **overrides: Any) -> xr.Dataset:
+        """Return the map as a dataset; `overrides` replace arguments of `latolato.sweep`.
+
+        Examples
+        --------
+        >>> import latolato as ll
+        >>> few = {"drive_amplitude": [0.1, 0.2], "frequency_ratio": [1.5, 2.0]}
+        >>> ll.load_scenario("fig03cd").sweep(axes=few, duration=2.0).mean_energy.shape
+        (2, 2)
+        """
+        from latolato.sweeps import sweep
+
+        return sweep(**_replaced(self._sweep_arguments(), overrides))
+
+    def plan(self) -> Plan:
+        """Return the plan of the sweep.
+
+        Raises
+        ------
+        InputError
+            For bad input, naming value, rule and way out, and if nothing varies.
+        """
+        from latolato.sweeps.plan import make_plan
+
+        return make_plan(**self._sweep_arguments())
+
+    def _sweep_arguments(self) -> dict[str, Any]:
+        """Return the arguments of `latolato.sweep`."""
+        if not self.varied.get("axes"):
+            name = f"'{self.name}' names" if self.name else "there is"
+            raise InputError(
+                f"{name} nothing to vary: give axes, for example "
+                '--axis "drive_amplitude = 0 : 0.5 : 40 m"'
+            )
+        run = {k: v for k, v in self.run.items() if k not in _OF_ONE_RUN}
+        if "duration" not in run:
+            if "times" not in self.run:
+                raise InputError("a sweep needs a duration [s]")
+            run["duration"] = self.run["times"][-1]
+        drive = None if isinstance(self.drive, Static) else self.drive
+        return {"system": self.system, "drive": drive, **run, **self.varied}
+
+
+def load_scenario(source: str | Path) -> Scenario:
+    """Return a scenario that is shipped, written in a TOML file, or stored in a run's file.
+
+    Parameters
+    ----------
+    source : str or Path
+        A name listed by `scenarios`, or a file. A run's file gives its own scenario, sampled at
+        the same instants.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is neither such a file nor such a name.
+    InputError
+        If the content is no scenario.
+    """
+    path = find(source)
+    try:
+        return Scenario.from_dict(read_tables(path), folder=path.parent)
+    except InputError as error:
+        raise InputError(f"{path.name}: {error}") from None
+
+
+def scenarios() -> dict[str, Scenario]:
+    """Return the shipped scenarios by name."""
+    return {path.stem: load_scenario(path) for path in shipped().values()}
+
+
+def find(source: str | Path) -> Path:
+    """Return the file of a scenario given by the name of a shipped one or by a path."""
+    known = shipped()
+    if str(source) in known:
+        return known[str(source)]
+    from latolato.core.atomic import checked_path
+
+    path = checked_path("scenario", source)
+    if path.is_file():
+        return path
+    if path.exists():
+        raise InputError("must be a file", parameter="scenario", value=str(source))
+    hint = suggest(str(source), list(known))
+    raise FileNotFoundError(f"there is no scenario or file '{source}': {hint}")
+
+
+def read_tables(path: Path) -> Tables:
+    """Return the tables of a scenario in a TOML file or of the run in a result file."""
+    if path.suffix.lower() != ".toml":
+        from latolato.io.files import load
+
+        return tables_of(load(path), path.name)
+    import tomllib
+
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"{path.name} is no TOML file: {error}") from None
+    except RecursionError:
+        raise InputError(f"{path.name} is nested too deep for a scenario") from None
+    return {"name": path.stem, **tables}
+
+
+def tables_of(run: xr.Dataset, name: str = "this dataset") -> Tables:
+    """Return the tables that run a dataset again, at the same instants."""
+    if "scenario" not in run.attrs or "time" not in run:
+        raise InputError(f"{name} holds no run of latolato: it has no attribute 'scenario'")
+    tables: Tables = json.loads(run.attrs["scenario"])
+    table = checked_table(tables.get("run", {}), "run")
+    return {**tables, "run": {**table, "times": run["time"].values.tolist()}}
+
+
+def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tables:
+    """Return the tables of a scenario with some entries replaced.
+
+    A new kind of system or drive keeps the entries that it knows too. A value that excludes
+    others, such as `frequency_ratio` and `drive_frequency`, takes their place.
+    """
+    merged = dict(tables)
+    for part, new in changes.items():
+        old = dict(checked_table(tables.get(part, {}), part))
+        kind = new.get("kind")
+        if kind is not None and not isinstance(kind, str):
+            raise InputError(f"the kind of {part} must be a text, got {kind!r}")
+        if part in ("system", "drive") and kind is not None and kind != old.get("kind"):
+            law = (systems if part == "system" else drives)[kind]
+            known = {f.name for f in fields(law)}
+            old = {k: v for k, v in old.items() if RATIOS.get(k, k) in known}
+        if new.get("contact", "clamp") != "clamp":
+            old.pop("clamp_step", None)
+        for group in _ALTERNATIVES:
+            if group & new.keys():
+                old = {k: v for k, v in old.items() if k not in group}
+        for name, value in new.items():
+            both = isinstance(value, Mapping) and isinstance(old.get(name), Mapping)
+            old[name] = {**old[name], **value} if both else value
+        merged[part] = old
+    return merged
+
+
+def _replaced(given: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of `simulate` with some replaced, and those that exclude them gone."""
+    kept = given
+    for group in _ALTERNATIVES:
+        if group & overrides.keys():
+            kept = {k: v for k, v in kept.items() if k not in group}
+    return {**kept, **overrides}
+
+
+@lru_cache(maxsize=1)
+def shipped() -> dict[str, Path]:
+    """Return the files of the shipped scenarios by name."""
+    folder = Path(__file__).parent / "built_in"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def changed_tables(
+    path: Path | None, changed: dict[str, dict[str, Any]], tables: Mapping[str, Any] | None = None
+) -> tuple[dict[str, Any], Path | None]:
+    """Return the tables of a scenario with the options put in, and where its files begin."""
+    if path is None and tables is None and "kind" not in changed.get("system", {}):
+        raise InputError(
+            "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
+            f"--from FILE or --system with one of {', '.join(systems)}"
+        )
+    if tables is None:
+        tables = read_tables(path) if path else {}
+    if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
+        changed["drive"].setdefault("kind", "harmonic")
+    return overridden(dict(tables), changed), path.parent if path else None

@@ -1,0 +1,271 @@
+"""Tables of a scenario: what they may hold, and which laws and arguments they stand for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.registry import checked_number, suggest, types_of
+from latolato.observables import Observable, observables
+from latolato.physics.contacts import Clamp, contact_laws
+from latolato.physics.pendulum import System
+from latolato.scenario.units import to_si, to_si_list
+from latolato.scenario.variation import known_quantities, read_axes, with_placeholders
+
+# Drive parameters that may be given as multiples of the natural frequency.
+RATIOS = {
+    "frequency_ratio": "drive_frequency",
+    "frequency_ratios": "drive_frequencies",
+    "frequency_ratio_final": "drive_frequency_final",
+}
+
+
+@dataclass(frozen=True)
+class RunOption:
+    """One entry of ``[run]``: its unit, what it does, and whether it holds several values."""
+
+    unit: str
+    description: str
+    several: bool = False
+
+
+RUN_OPTIONS = {
+    "initial_angle": RunOption("rad", "angle at the start; of a ballpair right, left", True),
+    "initial_angular_velocity": RunOption(
+        "rad/s", "angular velocity at the start; of a ballpair right, left", True
+    ),
+    "initial_offset": RunOption("rad", "start this far above the low contact angle instead"),
+    "duration": RunOption("s", "end of the run"),
+    "times": RunOption("s", "instants of the samples, or a file that holds them", True),
+    "samples": RunOption("", "number of evenly spaced samples instead of times"),
+    "tolerance": RunOption("rad", "aimed-at error of the angle"),
+    "contact": RunOption("", f"contact law: {', '.join(contact_laws)}"),
+    "clamp_step": RunOption("s", "fixed step of contact 'clamp'"),
+    "rest_speed": RunOption("rad/s", "impacts up to this speed begin rest"),
+    "frame": RunOption("", "'both' adds the energy in the laboratory frame"),
+    "contact_limit": RunOption("", "contacts after which the run stops"),
+}
+
+# Entries of ``[sweep]`` beside `axes`, `observables` and those of ``[run]``, with their units.
+SWEEP_OPTIONS = {
+    "transient": "s",
+    "transient_periods": "1",
+    "continuation": "",
+    "direction": "",
+    "chunk_size": "",
+}
+# Entries of ``[run]`` that may as well stand in ``[sweep]``.
+_OF_RUN = ("duration", "tolerance")
+# The field that a message is about: its first word, or what is missing.
+_FIELD = re.compile(r"^\w+(?= |:|\[)|(?<= needs ')\w+")
+
+Tables = dict[str, Any]
+
+
+def checked_table(value: Any, name: str) -> Mapping[str, Any]:
+    """Return a table, or raise if it is something else."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name} must be a table of names and values, got {value!r}")
+    for key in value:
+        if not isinstance(key, str):
+            raise InputError(f"the names in {name} must be texts, got {key!r}")
+    return value
+
+
+def law_from(value: Any, registry: Any, part: str, folder: Path) -> Any:
+    """Return the system or drive that a table describes."""
+    table = dict(checked_table(value, part))
+    if "kind" not in table:
+        raise InputError(f"[{part}] needs a kind: {', '.join(registry)}")
+    kind = table.pop("kind")
+    if not isinstance(kind, str):
+        raise InputError(f"the kind of {part} must be a text, got {kind!r}")
+    for name, inner in table.items():
+        _check_owner(name, inner, registry, part, kind)
+    return build_from(registry[kind], table, folder)
+
+
+def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> None:
+    """Raise InputError if an entry of a table belongs to other laws of the registry only."""
+    owners = [k for k, law in registry.items() if name in {f.name for f in fields(law) if f.init}]
+    hints = types_of(registry[kind])
+    own = {f.name for f in fields(registry[kind])}
+    of_parts = {f.name for n in own if is_dataclass(hints[n]) for f in fields(hints[n])}
+    if not owners or name in own | of_parts:
+        return
+    inner = next(iter(value), "") if isinstance(value, Mapping) else ""
+    raise InputError(
+        f"{f'{name}_{inner}' if inner else name} belongs to {part} {' or '.join(owners)}, not to "
+        f"{kind}: {f'use {inner}' if inner in own else 'leave it out'} or change the {part}"
+    )
+
+
+@contextmanager
+def said_as(names: Mapping[str, str]) -> Iterator[None]:
+    """Name a law's fields in messages as options and attributes of a run do, e.g. clamp_step."""
+    try:
+        yield
+    except InputError as error:
+        said = _FIELD.sub(lambda found: names.get(found[0], found[0]), str(error))
+        raise InputError(said) from None
+
+
+def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
+    """Return a law from a table whose values may carry units."""
+    hints = types_of(law)
+    known = {f.name: f for f in fields(law)}
+    parts = [name for name in known if is_dataclass(hints[name])]
+    plain: dict[str, Any] = {}
+    for name, value in table.items():
+        if name in parts:
+            with said_as({f.name: f"{name}_{f.name}" for f in fields(hints[name])}):
+                plain[name] = build_from(hints[name], checked_table(value, name), folder)
+        elif name not in known:
+            if any(name in hints[part].__dataclass_fields__ for part in parts):
+                each = " and ".join(f"{part}.{name}" for part in parts)
+                raise InputError(f"{law.__name__} has no '{name}' of its own: give {each}")
+            plain[name] = value  # the law names it together with the closest known one
+        elif "quantity" in known[name].metadata:
+            convert = to_si_list if known[name].metadata.get("array") else to_si
+            where = {"folder": folder} if known[name].metadata.get("array") else {}
+            plain[name] = convert(name, value, known[name].metadata["quantity"].unit, **where)
+        elif hints[name] is bool and not isinstance(value, bool):
+            raise InputError(f"{name} must be true or false, got {value!r}")
+        else:
+            plain[name] = value
+    return law(**plain)
+
+
+def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
+    """Return the table of a drive with frequency ratios turned into angular frequencies."""
+    plain = dict(table)
+    for ratio, name in RATIOS.items():
+        if ratio not in plain:
+            continue
+        if name in plain:
+            raise InputError(f"give either {name} or {ratio}, got both")
+        value = plain.pop(ratio)
+        several = name == "drive_frequencies"
+        ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
+        if not isinstance(ratios, list):
+            raise InputError(f"{ratio} must be a sequence of numbers, got {value!r}")
+        found = [
+            checked_number(ratio, number, NON_NEGATIVE, "times the natural frequency")
+            * system.natural_frequency
+            for number in ratios
+        ]
+        plain[name] = found if several else found[0]
+    return plain
+
+
+def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the arguments of `simulate` that ``[run]`` describes."""
+    plain: dict[str, Any] = {}
+    for name, value in table.items():
+        if name not in RUN_OPTIONS:
+            raise InputError(f"unknown entry '{name}' of [run]: {suggest(name, list(RUN_OPTIONS))}")
+        option = RUN_OPTIONS[name]
+        if value is None or not option.unit:
+            plain[name] = value
+        elif name == "times":
+            instants = to_si_list(name, value, option.unit, folder)
+            plain[name] = tuple(instants) if isinstance(instants, list) else instants
+        elif option.several and (isinstance(value, list) or "," in str(value)):
+            plain[name] = tuple(to_si_list(name, value, option.unit))
+        else:
+            plain[name] = to_si(name, value, option.unit)
+    if isinstance(plain.get("contact"), str):
+        contact_laws[plain["contact"]]  # names unknown ones, also where no contact can be
+    if "clamp_step" in plain:
+        if plain.get("contact") != "clamp":
+            raise InputError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
+        with said_as({"step": "clamp_step"}):
+            plain["contact"] = Clamp(step=plain.pop("clamp_step"))
+    if "samples" in plain:
+        plain["times"] = _even_times(plain.pop("samples"), plain)
+    return plain
+
+
+def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
+    """Return the tables that single runs share, and the arguments of a sweep."""
+    table = dict(checked_table(tables["sweep"], "sweep"))
+    run = dict(checked_table(tables.get("run", {}), "run"))
+    for name in _OF_RUN:
+        if name in table:
+            if name in run:
+                raise InputError(f"give {name} either in [run] or in [sweep], got both")
+            run[name] = table.pop(name)
+    parts = {part: checked_table(tables.get(part, {}), part) for part in ("system", "drive")}
+    kinds = {part: parts[part].get("kind") for part in parts}
+    varied: dict[str, Any] = {}
+    for name, value in table.items():
+        if name == "axes":
+            known = known_quantities(kinds["system"], kinds["drive"])
+            varied[name] = read_axes(value, known, folder)
+        elif name == "observables":
+            given = [value] if isinstance(value, str) else value
+            if not isinstance(given, (list, tuple)):
+                raise InputError(f"observables must be a list of names or tables, got {value!r}")
+            varied[name] = tuple(_observable(each, folder) for each in given)
+        elif name in SWEEP_OPTIONS:
+            unit = SWEEP_OPTIONS[name]
+            varied[name] = to_si(name, value, unit) if unit else value
+        else:
+            known_names = ["axes", "observables", *SWEEP_OPTIONS, *_OF_RUN]
+            raise InputError(f"unknown entry '{name}' of [sweep]: {suggest(name, known_names)}")
+    system, drive = with_placeholders({**tables, **parts}, varied.get("axes", {}))
+    shared = {**tables, "system": system, "run": run}
+    return (shared | {"drive": drive} if "drive" in tables else shared), varied
+
+
+def _observable(given: Any, folder: Path) -> Any:
+    """Return an observable, from a table with its kind and parameters; names are left as such."""
+    if not isinstance(given, Mapping):
+        return given
+    table = dict(given)
+    kind = table.pop("kind", None)
+    if not isinstance(kind, str):
+        raise InputError(f"an observable's table needs a kind: {', '.join(observables)}")
+    return build_from(observables[kind], table, folder)
+
+
+def plain_sweep(varied: Mapping[str, Any]) -> Tables:
+    """Return the table ``[sweep]`` as plain values."""
+    plain = dict(varied)
+    if "axes" in plain:
+        plain["axes"] = {
+            name: {p: list(v) for p, v in values.items()}
+            if isinstance(values, Mapping)
+            else list(values)
+            for name, values in plain["axes"].items()
+        }
+    if "observables" in plain:
+        plain["observables"] = [
+            observables.described(each) if isinstance(each, Observable) else each
+            for each in plain["observables"]
+        ]
+    return plain
+
+
+def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return evenly spaced instants from 0 to the duration of a run [s]."""
+    import numpy as np
+
+    from latolato.simulation.run import MOST_DEFAULT_SAMPLES
+
+    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
+        raise InputError(f"samples must be a whole number of at least 2, got {samples!r}")
+    if samples > MOST_DEFAULT_SAMPLES:
+        raise InputError(f"samples must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}")
+    if "times" in run:
+        raise InputError("give either times or samples, got both")
+    if "duration" not in run:
+        raise InputError("samples needs a duration")
+    duration = checked_number("duration", run["duration"], POSITIVE, "s")
+    return tuple(np.linspace(0.0, duration, samples).tolist())

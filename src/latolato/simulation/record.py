@@ -1,0 +1,198 @@
+"""What a run yields, by name: plain arrays that become a labelled dataset when one is wanted."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.registry import describe
+from latolato.core.versions import version_of
+from latolato.numerics import records
+from latolato.numerics.integrate import Floats, Start, Trajectory
+from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
+from latolato.physics.contacts import CONTACT_KINDS, Clamp, ContactLaw, contact_laws
+from latolato.physics.drives import Drive, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# The energy ledger: its variables and where a trajectory keeps them.
+LEDGER = {
+    "drive_work": records.S_WORK,
+    "damping_loss": records.S_DAMPED,
+    "impact_loss": records.S_IMPACT,
+    "capture_loss": records.S_CAPTURED,
+    "noise_work": records.S_NOISE,
+}
+
+
+# The coordinate of two balls, and what it is called.
+BALLS, BALL = ("right", "left"), Quantity("1", "", "ball")
+# Variables whose names say whether they are those of one ball or of both.
+_OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
+
+
+class Variable(NamedTuple):
+    """A variable of a record."""
+
+    name: str
+    dimensions: tuple[str, ...]
+    values: Any
+    attrs: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Record:
+    """A run as plain arrays: all that those need who look at numbers only, without xarray.
+
+    Attributes
+    ----------
+    system : System
+        What moved.
+    times : ndarray, shape (time,)
+        The instants [s].
+    variables : dict
+        Dimensions and values of every variable, as `latolato.simulate` describes them.
+    attrs : dict
+        The attributes of the dataset.
+    """
+
+    system: System
+    times: Floats
+    variables: dict[str, tuple[tuple[str, ...], Any]]
+    attrs: dict[str, Any]
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the values of a variable."""
+        return self.times if name == "time" else self.variables[name][1]
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether there is such a variable."""
+        return name == "time" or name in self.variables
+
+    def described(self) -> Iterator[Variable]:
+        """Yield coordinates and variables with their units and names, as in the dataset."""
+        two = self.system.angles == 2
+        coordinates: dict[str, tuple[tuple[str, ...], Any]] = {"time": (("time",), self.times)}
+        if two:
+            coordinates["ball"] = (("ball",), np.array(BALLS))
+        for name, (dimensions, values) in {**coordinates, **self.variables}.items():
+            about = BALL if name == "ball" else QUANTITIES[name]
+            attrs = {"units": about.unit, "long_name": about.long_name, "symbol": about.symbol}
+            if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
+                of_both = two and name in LEDGER
+                attrs["long_name"] += ", both balls" if of_both else ", per ball"
+            yield Variable(name, dimensions, np.asarray(values), attrs)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Return the labelled variables, with units and names."""
+        import xarray as xr
+
+        found = {each.name: (each.dimensions, each.values, each.attrs) for each in self.described()}
+        coordinates = {name: found.pop(name) for name in ("time", "ball") if name in found}
+        return xr.Dataset(found, coords=coordinates, attrs=self.attrs)
+
+
+def record_of(
+    system: System,
+    trajectory: Trajectory,
+    seen: dict[str, Floats],
+    times: Floats,
+    frame: str,
+    attrs: dict[str, Any],
+) -> Record:
+    """Return the variables of a trajectory by name."""
+    rows = trajectory.samples
+    two = system.angles == 2
+    per_ball = ("ball", "time") if two else ("time",)
+    per_contact = ("ball", "contact") if two else ("contact",)
+
+    def per_angle(values: Floats) -> Floats:
+        return values if two else values[0]
+
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {
+        "angle": (per_ball, per_angle(rows[0 : 2 * system.angles : 2])),
+        "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
+    }
+    for name in PIVOT_ROWS:
+        variables[name] = (("time",), seen[name])
+    left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
+    if system.restoring is restoring_linear:  # the small-angle model has no such quantities
+        left_out |= {"tension", "lab_energy", "rod_power"}
+    for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
+        if name not in left_out:
+            variables[name] = (per_ball, per_angle(seen[name]))
+    for name, row in LEDGER.items():
+        if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
+            variables[name] = (("time",), rows[row])
+    kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
+    values = trajectory.contact_values
+    variables["contact_time"] = (("contact",), trajectory.contact_times)
+    variables["contact_kind"] = (("contact",), kinds)
+    before, after = (values[:2], values[2:]) if two else (values[:1], values[1:2])
+    variables["angular_velocity_before"] = (per_contact, per_angle(before))
+    variables["angular_velocity_after"] = (per_contact, per_angle(after))
+    return Record(system, times, variables, attrs)
+
+
+def attributes_of(
+    system: System,
+    drive: Drive,
+    law: ContactLaw,
+    noise: VelocityKicks | None,
+    start: Start,
+    end: float,
+    run: dict[str, Any],
+) -> dict[str, Any]:
+    """Return the run's parameters, flat for reading and as JSON for running it again."""
+    many = system.angles == 2
+    scenario: dict[str, Any] = {
+        "system": systems.described(system),
+        "drive": drives.described(drive),
+        "run": {
+            "initial_angle": list(start.angles) if many else start.angles[0],
+            "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],
+            "duration": end,
+            "contact": contact_laws.name_of(law),
+            **run,
+        },
+    }
+    if isinstance(law, Clamp):
+        scenario["run"]["clamp_step"] = law.step
+    if noise is not None:
+        scenario["noise"] = describe(noise)
+    attributes: dict[str, Any] = {
+        "title": f"latolato run of {systems.name_of(system)}",
+        "latolato_version": version_of(),
+        "numpy_version": np.__version__,
+        "numba_version": version_of("numba"),
+        "system": systems.name_of(system),
+        "drive": drives.name_of(drive),
+    }
+    for part in ("system", "drive", "run"):
+        for name, value in scenario[part].items():
+            if isinstance(value, dict):
+                attributes.update({f"{name}_{inner}": v for inner, v in value.items()})
+            elif name != "kind" and value is not None:
+                attributes[name] = int(value) if isinstance(value, bool) else value
+    for name in ("natural_frequency", "contact_angle_low", "contact_angle_high"):
+        if hasattr(system, name):
+            attributes[name] = getattr(system, name)
+    if isinstance(system, BallPair):
+        attributes["contact_separation"] = system.contact_separation
+    if noise is not None:
+        attributes.update(
+            noise_strength=noise.strength,
+            noise_interval=noise.spacing(system),
+            noise_seed=noise.seed,
+            noise_stream=noise.stream,
+        )
+    attributes["scenario"] = json.dumps(scenario)
+    return attributes

@@ -1,0 +1,372 @@
+"""One run: a system, a drive and a start become a labelled dataset with a closed energy ledger."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.core.registry import checked_count, checked_number
+from latolato.numerics import records
+from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
+from latolato.numerics.integrate import (
+    TOLERANCES,
+    Floats,
+    Trajectory,
+    choose_step,
+    integrate,
+    laws_key,
+    observe,
+)
+from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, Observation, ball_records
+from latolato.numerics.prepare import MOST_STEPS, choose_stepper
+from latolato.physics.contacts import ContactLaw
+from latolato.physics.drives import Drive
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import System, restoring_linear, systems
+from latolato.simulation.record import Record, attributes_of, record_of
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_start,
+    kicks_of,
+    walls_of,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SAMPLES_PER_PERIOD = 100
+# More default samples than this would fill the memory: ask for `times` then.
+MOST_DEFAULT_SAMPLES = 20_000_000
+
+
+def simulate(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    duration: float | None = None,
+    times: Sequence[float] | Floats | None = None,
+    tolerance: float = 1e-10,
+    contact: str | ContactLaw | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+    frame: str = "pivot",
+    noise: VelocityKicks | None = None,
+    contact_limit: int = 1_000_000,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Return the motion of a system as a dataset over time, with contacts and energies.
+
+    Paper eq10 (eq14 for `Mathieu`) with impacts by eq11, resting contact and lift-off.
+
+    Parameters
+    ----------
+    system : Pendulum, Mathieu, LatoLato or BallPair
+        What moves.
+    drive : Drive, optional
+        How the pivot moves; None is a pivot at rest.
+    initial_angle : float or pair of float
+        Angle at time zero [rad]; for a `BallPair` (right, left).
+    initial_angular_velocity : float or pair of float
+        Angular velocity at time zero [rad/s].
+    initial_offset : float, optional
+        Instead of `initial_angle`: the angle above the low contact angle of a `LatoLato` [rad].
+    duration : float
+        End of the run [s]; by default the last of `times`.
+    times : array_like of float, shape (time,), optional
+        Strictly increasing instants in [0, duration] [s] at which the state is wanted; by default
+        at least 100 in the shorter of the natural and the driving period.
+    tolerance : float
+        Aimed-at error of the angle over a few hundred periods of regular motion [rad], in
+        [1e-14, 1e-2]; see Notes.
+    contact : {"exact", "clamp", None} or a contact law
+        `Exact` is impact with restitution, rest and lift-off; `Clamp` the labelled fixed-step
+        artefact; None lets the balls pass through each other.
+    rest_speed : float
+        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    frame : {"pivot", "both"}
+        ``"both"`` adds `lab_energy` and `rod_power` of the laboratory frame.
+    noise : VelocityKicks, optional
+        Random velocity kicks.
+    contact_limit : int
+        Contacts after which the run stops with a status and a warning.
+    progress : callable, optional
+        Called with the fraction done, now and then.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables on ``time`` (angles, angular velocities and energies also on ``ball`` for a
+        `BallPair`, right then left) and on ``contact``. Energies are per ball; the ledger
+        (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss`) is per ball for one angle
+        and the sum of both balls for a `BallPair`.
+
+    Raises
+    ------
+    InputError
+        For bad input, naming value, rule and way out.
+
+    Notes
+    -----
+    Fixed steps of a symmetric sixth-order splitting, ``5 tolerance^(1/6)`` over the fastest rate
+    of the system. The ledger ``E(t) - E(0) - works + losses`` is computed from separate
+    quadratures at the end of every step; when it closes worse than 5 tolerances of the largest
+    energy, the run is repeated with half the step, three times at most, and a warning tells if
+    that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
+    is the largest error of the ledger at all steps and samples [J].
+    Chaotic motion amplifies every error: only its statistics can be trusted at late times.
+    A contact is missed if the ball dips into a wall and returns within a quarter of a step while
+    its acceleration keeps its sign at the ends; the depth of such a dip is below the step's error.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
+    >>> run = ll.simulate(toy, initial_angle=0.6, duration=2.0)
+    >>> [str(kind) for kind in run.contact_kind.values]
+    ['bottom', 'bottom']
+    """
+    return _recorded(
+        system=system,
+        drive=drive,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        duration=duration,
+        times=times,
+        tolerance=tolerance,
+        contact=contact,
+        rest_speed=rest_speed,
+        frame=frame,
+        noise=noise,
+        contact_limit=contact_limit,
+        progress=progress,
+    ).to_dataset()
+
+
+def record(*args: Any, **options: Any) -> Record:
+    """Return what `simulate` returns for the same arguments, as plain arrays.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> float(record(ll.Pendulum(length=1.0, mass=1), initial_angle=0.1, duration=2.0)["time"][-1])
+    2.0
+    """
+    given = signature(simulate).bind(*args, **options)
+    given.apply_defaults()
+    return _recorded(**given.arguments)
+
+
+def _recorded(
+    *,
+    system: System,
+    drive: Drive | None,
+    initial_angle: float | Sequence[float] | None,
+    initial_angular_velocity: float | Sequence[float],
+    initial_offset: float | None,
+    duration: float | None,
+    times: Sequence[float] | Floats | None,
+    tolerance: float,
+    contact: str | ContactLaw | None,
+    rest_speed: float,
+    frame: str,
+    noise: VelocityKicks | None,
+    contact_limit: int,
+    progress: Callable[[float], None] | None,
+) -> Record:
+    """Return the record of a run; arguments as of `simulate`."""
+    drive = checked_drive(drive)
+    if not isinstance(system, System):
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    law = checked_contact(contact, system)
+    tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
+    rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
+    contact_limit = checked_count("contact_limit", contact_limit)
+    if progress is not None and not callable(progress):
+        raise InputError("must be a function", parameter="progress", value=progress)
+    if frame not in ("pivot", "both"):
+        raise InputError(f"frame must be 'pivot' or 'both', got {frame!r}")
+    instants, end = _checked_times(system, drive, times, duration)
+    walls = walls_of(system, law)
+    start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
+    kick_times, kick_sizes = kicks_of(noise, system, end)
+
+    if law.fixed_step is not None and law.fixed_step > end:
+        raise InputError(
+            f"clamp_step must not exceed the duration {end:g} s, got {law.fixed_step:g}; a "
+            "thousandth of a second is usual"
+        )
+    stepper = choose_stepper(system)
+    clamped = law.fixed_step is not None
+    step = choose_step(system, drive, start, tolerance, law)
+    if end / step > MOST_STEPS:
+        raise InputError(
+            f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
+            f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
+        )
+    halvings = 0
+    while True:
+        trajectory = integrate(
+            system,
+            drive,
+            start,
+            instants,
+            end,
+            step=step,
+            rest_speed=rest_speed,
+            contact_limit=contact_limit,
+            kick_times=kick_times,
+            kick_sizes=kick_sizes,
+            law=law,
+            progress=progress,
+        )
+        seen = _observe(system, drive, trajectory, instants, end, frame == "both")
+        state = trajectory.state
+        residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
+        if clamped or residual <= allowed or trajectory.status != "complete":
+            break
+        steps = int(state.total_steps)
+        if halvings == MOST_HALVINGS or steps > MOST_STEPS_TO_REPEAT:
+            share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
+            warnings.warn(
+                f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "
+                f"the largest energy: tolerance {tolerance:g} was not reached with step "
+                f"{step:.3g} s",
+                RuntimeWarning,
+                stacklevel=3,
+            )
+            break
+        step *= 0.5
+        halvings += 1
+    if trajectory.status != "complete":
+        if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
+            raise InputError(
+                f"the run {trajectory.status}; no sample and no contact is known",
+                way_out="ask for earlier times",
+            )
+        warnings.warn(
+            f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
+        )
+    run = {
+        "tolerance": tolerance,
+        "rest_speed": rest_speed,
+        "frame": frame,
+        "contact_limit": contact_limit,
+    }
+    attrs = attributes_of(system, drive, law, noise, start, end, run)
+    attrs.update(
+        energy_residual=residual,
+        status=trajectory.status,
+        step=trajectory.step,
+        stepper="classical Runge-Kutta" if clamped else stepper.name,
+        step_halvings=halvings,
+        grazing_contacts=int(state.grazes),
+        contacts=len(trajectory.contact_times),
+    )
+    if not law.stores_energy:
+        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, seen))
+    found = record_of(system, trajectory, seen, instants, frame, attrs)
+    if "tension" in found:
+        # What a failed run adds up last is no slack.
+        known = math.nan if trajectory.failed else 1.0
+        first, total = known * state.slack_start, known * state.slack_time
+        share = total / trajectory.reached
+        two = system.angles == 2
+        attrs["slack_time"] = first if two else float(first[0])
+        attrs["slack_fraction"] = share if two else float(share[0])
+    return found
+
+
+def _checked_times(
+    system: System, drive: Drive, times: Any, duration: float | None
+) -> tuple[Floats, float]:
+    """Return the sample instants and the end of the run [s]."""
+    if times is None:
+        if duration is None:
+            raise InputError("duration is needed: give the end of the run in s, or times")
+        end = checked_number("duration", duration, POSITIVE, "s")
+        fastest = max(system.natural_frequency, drive.fastest_frequency)
+        periods = end * fastest / (2.0 * math.pi)
+        if periods * SAMPLES_PER_PERIOD > MOST_DEFAULT_SAMPLES:
+            raise InputError(
+                f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
+                f"{MOST_DEFAULT_SAMPLES}; ask for the instants you need with times"
+            )
+        count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
+        return np.linspace(0.0, end, max(count, 2)), end
+    try:
+        instants = np.ascontiguousarray(times, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"times must be a sequence of numbers in s, got {times!r}") from None
+    if instants.ndim != 1 or instants.size == 0:
+        raise InputError(f"times must be a non-empty sequence, got shape {instants.shape}")
+    if not np.all(np.isfinite(instants)):
+        bad = int(np.argmin(np.isfinite(instants)))
+        raise InputError(f"times must be finite, got {instants[bad]} at position {bad}")
+    falls = np.flatnonzero(np.diff(instants) <= 0.0)
+    if falls.size:
+        i = int(falls[0])
+        raise InputError(
+            f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
+            f"position {i + 1}; sort them and remove repeats"
+        )
+    if duration is None and instants[-1] <= 0.0:
+        raise InputError(
+            f"times must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last; "
+            "add a later instant or give duration"
+        )
+    end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
+    if instants[0] < 0.0 or instants[-1] > end:
+        outside = instants[0] if instants[0] < 0.0 else instants[-1]
+        raise InputError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
+    return instants, end
+
+
+def _observe(
+    system: System,
+    drive: Drive,
+    trajectory: Trajectory,
+    times: Floats,
+    end: float,
+    with_lab: bool,
+) -> dict[str, Floats]:
+    """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
+    stretches = records.stretch_records(drive, end)
+    balls = ball_records(system.balls)
+    pivot = np.empty((len(PIVOT_ROWS), len(times)))
+    out = np.empty((len(balls), len(BALL_ROWS), len(times)))
+    samples = trajectory.samples
+    observation = Observation(
+        times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
+        int(system.restoring is restoring_linear), int(with_lab), pivot, out,
+    )  # fmt: skip
+    laws = drive.height, drive.velocity, drive.acceleration, *laws_key(system)
+    observe(observation, *laws)
+    found = dict(zip(PIVOT_ROWS, pivot, strict=True))
+    found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
+    with np.errstate(over="ignore"):  # a linear run may grow beyond all numbers
+        found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]
+    return found
+
+
+def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
+    """Return the largest error of the closed ledger at the samples [J]."""
+    first = trajectory.state.first_energy
+    rows = trajectory.samples
+    total = seen["total_energy"].sum(axis=0)
+    gained = rows[records.S_WORK] + rows[records.S_NOISE]
+    gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
+    with np.errstate(over="ignore", invalid="ignore"):
+        error = np.abs(total - first - gained + gone)
+    return float(np.nanmax(error[np.isfinite(rows[0] + rows[1])], initial=0.0))

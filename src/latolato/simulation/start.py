@@ -1,0 +1,137 @@
+"""How a run begins: drive, contact law, walls, start and kicks, checked with the way out."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
+from latolato.core.registry import checked_number
+from latolato.numerics.integrate import Floats, Start
+from latolato.numerics.prepare import ON_WALL
+from latolato.physics.contacts import ContactLaw, NoContact, contact_laws
+from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import BallPair, LatoLato, System
+
+DEFAULT_REST_SPEED = 1e-7  # rad/s
+# More velocity kicks than this would fill the memory.
+MOST_KICKS = 20_000_000
+
+
+def checked_drive(drive: Drive | None) -> Drive:
+    """Return a drive, a pivot at rest for None."""
+    if drive is None:
+        return Static()
+    if not isinstance(drive, Drive):
+        raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+    return drive
+
+
+def checked_contact(contact: Any, system: System) -> ContactLaw:
+    """Return the contact law; systems that never meet a wall have none."""
+    if contact is None:
+        return NoContact()
+    law = contact_laws[contact]() if isinstance(contact, str) else contact
+    if not isinstance(law, ContactLaw):
+        raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
+    if not system.has_contacts:
+        return NoContact()
+    law.check_system(system)
+    return law
+
+
+def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
+    """Return the contact angles of one ball or the contact separations of two [rad]."""
+    if not law.meets:
+        return -math.inf, math.inf
+    if isinstance(system, BallPair):
+        return system.contact_separation, 2.0 * math.pi - system.contact_separation
+    assert isinstance(system, LatoLato)
+    return system.contact_angle_low, system.contact_angle_high
+
+
+def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """Return one or two checked numbers."""
+    unit = QUANTITIES[name].unit
+    if count == 1:
+        if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
+            raise InputError(f"{name} must be one number in {unit} for one angle, got {value!r}")
+        return (checked_number(name, value, ANY, unit),)
+    if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
+        value = (0.0, 0.0)
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+        raise InputError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
+    return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
+
+
+def checked_start(
+    system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
+) -> Start:
+    """Return the start, moved onto a wall that it is within 1e-12 rad of."""
+    low, high = walls
+    if angle is None and offset is None:
+        raise InputError(
+            "initial_angle is needed [rad] (for a LatoLato initial_offset may stand instead)"
+        )
+    if angle is not None and offset is not None:
+        raise InputError("give only one of initial_angle and initial_offset")
+    if offset is not None:
+        if not isinstance(system, LatoLato):
+            raise InputError(
+                "initial_offset counts from the low contact angle of a LatoLato; "
+                "use initial_angle for other systems"
+            )
+        above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+        angle = system.contact_angle_low + above
+    velocities = _numbers("initial_angular_velocity", velocity, system.angles)
+    if system.angles == 1:
+        (value,) = _numbers("initial_angle", angle, 1)
+        what, gap = "initial_angle", value
+    else:
+        if np.isscalar(angle):
+            raise InputError(
+                f"initial_angle of a BallPair must be two numbers (right, left), got {angle!r}"
+            )
+        right, left = _numbers("initial_angle", angle, 2)
+        what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
+    if not low - ON_WALL <= gap <= high + ON_WALL:
+        raise InputError(
+            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
+            f"{gap:.9g}: the balls would overlap"
+        )
+    shift = 0.0
+    if abs(gap - low) <= ON_WALL:
+        shift = low - gap
+    elif abs(gap - high) <= ON_WALL:
+        shift = high - gap
+    if system.angles == 1:
+        on_wall = low if abs(gap - low) <= ON_WALL else high
+        return Start((on_wall if abs(gap - on_wall) <= ON_WALL else gap,), velocities)
+    return Start((right + shift, left), velocities)
+
+
+def kicks_of(
+    noise: VelocityKicks | None, system: System, end: float
+) -> tuple[Floats | None, Floats | None]:
+    """Return instants and sizes of the velocity kicks; equal for equal seed and stream."""
+    if noise is None:
+        return None, None
+    if not isinstance(noise, VelocityKicks):
+        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
+    spacing = noise.spacing(system)
+    if end / spacing > MOST_KICKS:
+        raise InputError(
+            f"{end / spacing:.3g} velocity kicks exceed the limit of {MOST_KICKS}; "
+            "make interval longer"
+        )
+    count = int(end / spacing)
+    instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)
+    generator = np.random.Generator(
+        np.random.Philox(key=np.array([noise.seed, noise.stream], dtype=np.uint64))
+    )
+    normal = generator.standard_normal((count, system.angles)).T
+    return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))

@@ -1,0 +1,109 @@
+"""The numbers of a run or of a sweep that fit on a screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.simulation.record import Record
+    from latolato.sweeps.plan import Plan
+
+_COPIED = (
+    "system",
+    "drive",
+    "duration",
+    "tolerance",
+    "status",
+    "energy_residual",
+    "slack_time",
+    "slack_fraction",
+)
+
+
+def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
+    """Return a run's largest angle, contacts by kind, energy residual, slack time and status.
+
+    Values are as JSON knows them: None for a slack time that never came, lists for two balls.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> found = summarise(ll.load_scenario("zeno").simulate())
+    >>> found["contacts"]["rest"], round(found["largest_angle"], 4)
+    (1, 1.5708)
+    """
+    import numpy as np
+
+    kinds, counts = np.unique(np.asarray(run["contact_kind"]), return_counts=True)
+    found = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
+    return found | {
+        "largest_angle": plain(np.nanmax(np.abs(np.asarray(run["angle"])), initial=-np.inf)),
+        "largest_energy": plain(np.nanmax(np.asarray(run["total_energy"]), initial=-np.inf)),
+        "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
+        "samples": len(run["time"]),
+    }
+
+
+def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
+    """Return a sweep's size, points by status, and the least and largest value of each variable.
+
+    The dataset is read chunk by chunk.
+
+    Examples
+    --------
+    >>> import latolato as ll
+    >>> from latolato.sweeps.plan import make_plan
+    >>> from latolato.sweeps import run_plan
+    >>> plan = make_plan(
+    ...     ll.Pendulum(length=1.0, mass=0.8), axes={"initial_angle": [0.1, 0.2]},
+    ...     duration=2.0, observables=["largest_angle"],
+    ... )
+    >>> summarise_sweep(run_plan(plan), plan)["status"]
+    {'converged': 2}
+    """
+    import numpy as np
+
+    from latolato.numerics.records import STATUS_NAMES
+
+    counts = np.zeros(len(STATUS_NAMES), dtype=np.int64)
+    ranges: dict[str, list[float]] = {}
+    for number in range(plan.chunks):
+        block = plan.block(number)
+        for name in grid.data_vars:
+            values = grid[name][block].values
+            if name == "status":
+                counts += np.bincount(values[values >= 0].ravel(), minlength=len(counts))
+            elif np.isfinite(values).any():
+                low, high = float(np.nanmin(values)), float(np.nanmax(values))
+                old = ranges.get(str(name), [low, high])
+                ranges[str(name)] = [min(low, old[0]), max(high, old[1])]
+    return {
+        "system": grid.attrs["system"],
+        "drive": grid.attrs["drive"],
+        "duration": plan.duration,
+        "axes": {axis.name: len(axis) for axis in plan.axes},
+        "points": plan.size,
+        "status": {n: int(c) for n, c in zip(STATUS_NAMES, counts, strict=True) if c},
+        "first_invalid": grid.attrs.get("first_invalid", ""),
+        "ranges": {
+            str(name): [plain(end) for end in ranges.get(str(name), [None, None])]
+            for name in grid.data_vars
+            if name != "status"
+        },
+        "plan_hash": plan.hash,
+    }
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it: no NumPy types, None for what is no finite number."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(name): plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

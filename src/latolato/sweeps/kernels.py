@@ -1,0 +1,165 @@
+"""Chooses and calls the kernels that run a batch of points on the processor."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.numerics.engine.record import as_objects, write_back
+from latolato.numerics.integrate import laws_key
+from latolato.numerics.many import (
+    Job,
+    Progress,
+    Scratch,
+    Task,
+    Weights,
+    empty_job,
+    empty_task,
+    make_lane_space,
+    make_many,
+    make_scratch,
+)
+from latolato.numerics.pieces import (
+    engine_recipe,
+    fly_recipe,
+    hook_table,
+    lane_pieces,
+    lanes_recipe,
+    locate_recipe,
+    many_recipe,
+    piece_of,
+    pieces_of,
+    words_of,
+)
+from latolato.numerics.prepare import write_stepper
+from latolato.numerics.steppers import Stepper
+from latolato.numerics.trajectory import make_trajectory
+from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
+from latolato.physics.pendulum import restoring_linear
+from latolato.sweeps.plan import Plan
+from latolato.sweeps.points import Batch, is_smooth
+
+
+@lru_cache(maxsize=16)
+def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
+    """Return the same as plain Python, with everything folded in."""
+    balls, motion, hooks = plan_key
+    watch = make_watch(hooks)
+    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion)
+    return make_many(carry_on, watch, balls=balls)
+
+
+def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
+    """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
+    stretch = batch.points.stretches.dtype
+    engine = piece_of(engine_recipe(
+        plan.system.angles, stretch, plan.drive.acceleration, *laws_key(plan.system),
+        motion=plan.contact.motion,
+    ))  # fmt: skip
+    looking = pieces_of(hooks_of(plan.observables))
+    table = hook_table(looking)
+    scratch = make_scratch(stretch)
+    write_stepper(scratch.runs, stepper)
+    scratch.runs["settings"]["is_linear"] = plan.system.restoring is restoring_linear
+    scratch.runs["engine"] = engine.address
+    scratch.runs["hooks"] = table.ctypes.data
+    return scratch, (engine, looking, table)
+
+
+def run_reference(
+    plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
+) -> None:
+    """Run points one after the other as plain Python."""
+    key = plan.system.angles, plan.contact.motion, hooks_of(plan.observables)
+    many = _reference(key, plan.drive.acceleration, *laws_key(plan.system))
+    scratch = make_scratch(batch.points.stretches.dtype)
+    write_stepper(scratch.runs, stepper)
+    points = batch.points._replace(
+        settings=as_objects(batch.points.settings), bodies=as_objects(batch.points.bodies),
+        stretches=as_objects(batch.points.stretches),
+    )  # fmt: skip
+    states = progress._replace(states=as_objects(progress.states), begun=as_objects(progress.begun))
+    with np.errstate(all="ignore"):
+        never = np.zeros(1, dtype=np.int64)
+        many(order, points, scratch._replace(runs=as_objects(scratch.runs)), states, never)
+    write_back(states.states, progress.states)
+    write_back(states.begun, progress.begun)
+
+
+def run_scalar(
+    plan: Plan,
+    batch: Batch,
+    stepper: Stepper,
+    order: NDArray[np.int64],
+    progress: Progress,
+    *,
+    cancel: NDArray[np.int64] | None = None,
+) -> None:
+    """Run points one after the other, compiled."""
+    scratch, pieces = _prepared(plan, batch, stepper)
+    never = np.zeros(1, dtype=np.int64)
+    job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
+    many = piece_of(many_recipe(plan.system.angles, batch.points.stretches.dtype))
+    words = np.array(words_of(job, empty_job(batch.points.stretches.dtype)))
+    many.call(words.ctypes.data)
+    del pieces  # until now their code was called
+
+
+def run_fastest(
+    plan: Plan,
+    batch: Batch,
+    stepper: Stepper,
+    order: NDArray[np.int64],
+    progress: Progress,
+    *,
+    cancel: NDArray[np.int64] | None = None,
+) -> None:
+    """Run points with the fastest kernel that knows their laws."""
+    if not has_lanes(plan):
+        run_scalar(plan, batch, stepper, order, progress, cancel=cancel)
+        return
+    system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
+    damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
+    works = any("works" in o.needs for o in plan.observables)
+    walled = system.has_contacts and plan.contact.meets
+    fly = piece_of(fly_recipe(
+        system.restoring, damped=damped, walled=walled, works=works,
+        tangents=bool(hooks[ON_TANGENT]),
+    ))  # fmt: skip
+    locate = None
+    if walled:
+        locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
+    looking = lane_pieces(plan.observables, *laws_key(system))
+    scratch, pieces = _prepared(plan, batch, stepper)
+    space = make_lane_space(
+        len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
+        0 if locate is None else locate.address, hook_table(looking),
+    )  # fmt: skip
+    weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
+    never = np.zeros(1, dtype=np.int64)
+    stop = never if cancel is None else cancel
+    task = Task(order, batch.points, weights, scratch, progress, space, stop)
+    laws = drive.acceleration, *laws_key(system), drive.rotation
+    lanes = piece_of(lanes_recipe(batch.points.stretches.dtype, *laws))
+    words = np.array(words_of(task, empty_task(batch.points.stretches.dtype)))
+    lanes.call(words.ctypes.data)
+    del pieces, looking, locate  # until now their code was called
+
+
+def has_lanes(plan: Plan) -> bool:
+    """Return whether the plan's points can run in SIMD lanes.
+
+    One ball with linear drag under a drive whose phase rotates, without noise; slack is followed
+    by single trajectories only.
+    """
+    return (
+        plan.system.angles == 1
+        and plan.noise is None
+        and is_smooth(plan)
+        and plan.drive.rotation is not None
+        and plan.contact.motion == "exact"
+        and not any("slack" in o.needs for o in plan.observables)
+    )

@@ -1,0 +1,481 @@
+"""A sweep as a frozen, hashable plan: what is varied, what is gathered, and in which chunks."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.core.registry import (
+    checked_count,
+    checked_number,
+    describe,
+    number_fields,
+    rebuild,
+    suggest,
+)
+from latolato.numerics.integrate import TOLERANCES
+from latolato.observables import Observable, observables
+from latolato.physics.contacts import ContactLaw, Exact, contact_laws
+from latolato.physics.drives import CrankSlider, Drive, Harmonic, Static, drives
+from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
+from latolato.physics.pendulum import System, systems
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
+from latolato.sweeps.axes import Axis, Parameter, checked_axes, parameters_of
+
+DIRECTIONS = ("up", "down", "both")
+DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
+STORE_FORMAT = 1
+# Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
+_KICKS_OF_A_CHUNK = 4_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Everything that determines the numbers of a sweep.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Points along each axis; points are numbered in C order.
+    chunk_size : int
+        Points of a chunk, which is what a worker takes and a store writes at once.
+    """
+
+    system: System
+    drive: Drive
+    axes: tuple[Axis, ...]
+    observables: tuple[Observable, ...]
+    start: tuple[tuple[str, float], ...]
+    duration: float
+    transient: float = 0.0
+    transient_periods: float = 0.0
+    tolerance: float = 1e-6
+    contact: ContactLaw = field(default_factory=Exact)
+    rest_speed: float = DEFAULT_REST_SPEED
+    contact_limit: int = 1_000_000
+    noise: VelocityKicks | None = None
+    continuation: str = ""
+    direction: str = "up"
+    chunk_size: int = 4096
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions; a continuation both ways adds `direction` in front."""
+        names = tuple(axis.name for axis in self.axes)
+        return ("direction", *names) if self.direction == "both" else names
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each dimension."""
+        lengths = tuple(len(axis) for axis in self.axes)
+        return (2, *lengths) if self.direction == "both" else lengths
+
+    @property
+    def varied(self) -> set[str]:
+        """Names of the parameters that vary, derived ones by their own name."""
+        return {name for axis in self.axes for name in axis.parameters}
+
+    @property
+    def own_streams(self) -> bool:
+        """Whether each point has its own random stream, counted from that of the noise.
+
+        Where an axis says seed or stream, points that differ in other parameters see equal kicks.
+        """
+        return self.noise is not None and not self.varied & {f"noise_{name}" for name in KEY}
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    @cached_property
+    def chunk_shape(self) -> tuple[int, ...]:
+        """Extent of a chunk along each dimension: the last ones whole as far as they fit.
+
+        The axis of a continuation is never cut.
+        """
+        room, found = self.chunk_size, []
+        whole = len(self.dims)
+        if self.continuation:
+            whole = self.dims.index(self.continuation)
+            room = max(1, room // self.shape[whole])
+        for number in reversed(range(len(self.shape))):
+            length = self.shape[number]
+            if number == whole:
+                found.append(length)
+                continue
+            extent = 1 if self.dims[number] == "direction" else min(length, max(1, room))
+            found.append(extent)
+            room //= extent  # one is left where an axis is cut
+        return tuple(reversed(found))
+
+    @property
+    def chunk_counts(self) -> tuple[int, ...]:
+        """Number of chunks along each dimension."""
+        return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return math.prod(self.chunk_counts)
+
+    def block(self, number: int) -> tuple[slice, ...]:
+        """Return the part of the grid that chunk `number` covers."""
+        place = np.unravel_index(number, self.chunk_counts)
+        return tuple(
+            slice(int(i) * c, min((int(i) + 1) * c, n))
+            for i, c, n in zip(place, self.chunk_shape, self.shape, strict=True)
+        )
+
+    def describe(self) -> dict[str, Any]:
+        """Return the plan as plain values, for attributes and for its hash."""
+        contact: dict[str, Any] = {"kind": contact_laws.name_of(self.contact)}
+        return {
+            "format": STORE_FORMAT,
+            "system": systems.described(self.system),
+            "drive": drives.described(self.drive),
+            "axes": [
+                {
+                    "name": axis.name,
+                    "parameters": list(axis.parameters),
+                    "values": [list(values) for values in axis.values],
+                }
+                for axis in self.axes
+            ],
+            "observables": [observables.described(o) for o in self.observables],
+            "start": dict(self.start),
+            "contact": contact | describe(self.contact),
+            "noise": None if self.noise is None else describe(self.noise),
+            **{
+                name: getattr(self, name)
+                for name in (
+                    "duration",
+                    "transient",
+                    "transient_periods",
+                    "tolerance",
+                    "rest_speed",
+                    "contact_limit",
+                    "continuation",
+                    "direction",
+                    "chunk_size",
+                )
+            },
+        }
+
+    @classmethod
+    def from_description(cls, described: Mapping[str, Any]) -> Plan:
+        """Return the plan that `describe` described, also after a way through JSON.
+
+        Raises
+        ------
+        InputError
+            If another format or something else was described.
+        """
+        if described.get("format") != STORE_FORMAT:
+            raise InputError(
+                f"a plan of format {described.get('format')} cannot be read, only format "
+                f"{STORE_FORMAT}; use the latolato that wrote it"
+            )
+
+        def law(known: Mapping[str, type], entry: Mapping[str, Any]) -> Any:
+            return rebuild(known[entry["kind"]], {k: v for k, v in entry.items() if k != "kind"})
+
+        rest = {k: v for k, v in described.items() if k != "format"}
+        try:
+            noise = rest["noise"]
+            return cls(
+                **rest
+                | {
+                    "system": law(systems, rest["system"]),
+                    "drive": law(drives, rest["drive"]),
+                    "axes": tuple(
+                        Axis(
+                            axis["name"],
+                            tuple(axis["parameters"]),
+                            tuple(tuple(values) for values in axis["values"]),
+                        )
+                        for axis in rest["axes"]
+                    ),
+                    "observables": tuple(law(observables, o) for o in rest["observables"]),
+                    "start": tuple(sorted(rest["start"].items())),
+                    "contact": law(contact_laws, rest["contact"]),
+                    "noise": None if noise is None else rebuild(VelocityKicks, noise),
+                }
+            )
+        except (KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"this describes no plan of a sweep: {error}") from None
+
+    @cached_property
+    def hash(self) -> str:
+        """Digest of everything that determines the numbers and their layout."""
+        text = json.dumps(self.describe(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def make_plan(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    axes: Mapping[str, Any],
+    duration: float,
+    observables: Sequence[str | Observable] = DEFAULT_OBSERVABLES,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    transient: float = 0.0,
+    transient_periods: float = 0.0,
+    tolerance: float = 1e-6,
+    contact: str | ContactLaw | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+    contact_limit: int = 1_000_000,
+    noise: VelocityKicks | None = None,
+    continuation: str | None = None,
+    direction: str = "up",
+    chunk_size: int | None = None,
+) -> Plan:
+    """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
+    if not isinstance(system, System):
+        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+    if noise is not None and not isinstance(noise, VelocityKicks):
+        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
+    asked = _names_in(axes)
+    noise = _noise_for(noise, asked)
+    drive = _drive_for(system, drive, asked, noise)
+    known = parameters_of(system, drive, noise)
+    found = checked_axes(axes, known)
+    varied = {name for axis in found for name in axis.parameters}
+    length = checked_number("duration", duration, POSITIVE, "s")
+    transient = checked_number("transient", transient, NON_NEGATIVE, "s")
+    periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
+    if transient >= length:
+        raise InputError(
+            f"transient must be shorter than the duration {length:g} s, got {transient:g}"
+        )
+    watched = tuple(checked_observable(o) for o in _listed(observables))
+    names = [name for o in watched for name in o.variables]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two observables both give '{name}': drop one")
+        if name in {axis.name for axis in found}:
+            raise InputError(f"axis name '{name}' is that of an observable: choose another")
+    if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
+        raise InputError(
+            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
+        )
+    counts = sorted({o.marks for o in watched} - {0})
+    if len(counts) > 1:  # marks are numbered for all observables together
+        raise InputError(
+            f"observables that look once per drive period must mark equally many periods, got "
+            f"{' and '.join(map(str, counts))}: set their periods alike"
+        )
+    law = checked_contact(contact, system)
+    for observable in watched:
+        if observable.angles not in (0, system.angles):
+            raise InputError(
+                f"{next(iter(observable.variables))} belongs to systems of {observable.angles} "
+                f"angles, got a system of {system.angles}"
+            )
+    blind = [name for o in watched if o.tangent is not None for name in o.variables]
+    if blind and law.fixed_step is not None:
+        raise InputError(
+            f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
+            "deviations have no meaning there"
+        )
+    if direction not in DIRECTIONS:
+        raise InputError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+    if continuation is None and direction != "up":
+        raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
+    if continuation is not None:
+        _check_continuation(continuation, found, drive, noise)
+    plan = Plan(
+        system=system,
+        drive=drive,
+        axes=found,
+        observables=watched,
+        start=_start(
+            system, known, varied, initial_angle, initial_angular_velocity, initial_offset
+        ),
+        duration=length,
+        transient=transient,
+        transient_periods=periods,
+        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
+        contact=law,
+        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        contact_limit=checked_count("contact_limit", contact_limit),
+        noise=noise,
+        continuation=continuation or "",
+        direction=direction,
+        chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
+    )
+    if noise is not None and plan.own_streams and noise.stream + plan.size > LARGEST_STREAM:
+        raise InputError(
+            f"{plan.size} points need as many streams from {noise.stream} on, but streams lie in "
+            "[0, 2^53): begin with a smaller one"
+        )
+    if chunk_size is None:
+        # Small enough for several workers and for progress, large enough to fill SIMD lanes.
+        size = min(max(plan.size // 4, 256), 4096)
+        if noise is not None:
+            kicks = max(1.0, length / noise.spacing(system) * system.angles)
+            size = int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
+        plan = replace(plan, chunk_size=size)
+    return plan
+
+
+def _names_in(axes: Any) -> set[str]:
+    """Return the names of the parameters that axes vary, before they are checked."""
+    varied: set[str] = set()
+    if isinstance(axes, Mapping):
+        for name, values in axes.items():
+            varied |= set(values) if isinstance(values, Mapping) else {name}
+    return varied
+
+
+def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
+    """Return the noise, some of it if there is none but the axes vary its strength."""
+    kicks = VelocityKicks(strength=0.0)
+    asked = sorted(varied & {f"noise_{f.name}" for f in number_fields(kicks)})
+    if noise is not None or not asked:
+        return noise
+    if "noise_strength" in asked:
+        return kicks
+    raise InputError(
+        f"axis {asked[0]} needs noise: give VelocityKicks(strength=...) or an axis noise_strength"
+    )
+
+
+def _drive_for(
+    system: System, drive: Drive | None, varied: set[str], noise: VelocityKicks | None
+) -> Drive:
+    """Return the drive, a harmonic one if there is none but the axes vary one."""
+    if drive is not None:
+        return checked_drive(drive)
+    amplitudes = {"drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"}
+    frequencies = {"drive_frequency", "frequency_ratio"}
+    harmonic = Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
+    known = parameters_of(system, harmonic, noise)
+    for name in varied:
+        if name not in known:
+            raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+    if varied & amplitudes and varied & frequencies:
+        return harmonic
+    if varied & (amplitudes | frequencies | {"drive_phase"}):
+        name = sorted(varied & (amplitudes | frequencies | {"drive_phase"}))[0]
+        raise InputError(f"axis {name} needs a drive: give one, for example Harmonic")
+    return checked_drive(None)
+
+
+def _listed(given: Any) -> list[Any]:
+    """Return the observables asked for as a list."""
+    if isinstance(given, (str, Observable)):
+        return [given]
+    if not isinstance(given, Iterable):
+        raise InputError(f"observables must be names or instances, got {given!r}")
+    found = list(given)
+    if not found:
+        raise InputError(f"observables must name at least one of {', '.join(observables)}")
+    return found
+
+
+def checked_observable(given: Any) -> Observable:
+    """Return an observable from its name, that of one of its variables, or itself."""
+    if isinstance(given, Observable):
+        return given
+    if not isinstance(given, str):
+        raise InputError(f"an observable must be a name or an instance, got {given!r}")
+    kinds: Mapping[str, Any] = observables
+    owners = [kind for kind in kinds.values() if given in kind.variables]
+    kind = owners[0] if owners and given not in kinds else kinds[given]
+    found: Observable = kind()
+    return found
+
+
+def _start(
+    system: System,
+    known: Mapping[str, Parameter],
+    varied: set[str],
+    angle: Any,
+    velocity: Any,
+    offset: Any,
+) -> tuple[tuple[str, float], ...]:
+    """Return the start's parameters that do not vary, by name."""
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    given: dict[str, float] = {}
+    pairs = {"initial_angle": angle, "initial_angular_velocity": velocity}
+    if offset is not None:
+        if "initial_offset" not in known:
+            raise InputError(
+                "initial_offset counts from the low contact angle of a LatoLato; "
+                "use initial_angle for other systems"
+            )
+        if angle is not None:
+            raise InputError("give only one of initial_angle and initial_offset")
+        given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+    for name, value in pairs.items():
+        if value is None:
+            continue
+        values = (value,)
+        if len(sides) == 2:
+            if np.ndim(value) == 0 and value == 0.0:
+                value = (0.0, 0.0)
+            if np.shape(value) != (2,):
+                raise InputError(
+                    f"{name} of a BallPair must be two numbers (right, left), got {value!r}"
+                )
+            values = tuple(value)
+        for side, number in zip(sides, values, strict=True):
+            unit = QUANTITIES[name].unit
+            given[name + side] = checked_number(name + side, number, ANY, unit)
+    if "initial_offset" in varied and angle is not None:
+        raise InputError("give only one of initial_angle and an axis initial_offset")
+    if varied & {"initial_angle", "initial_offset"}:
+        given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
+    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
+    if missing and "initial_offset" not in {*given, *varied}:
+        raise InputError(
+            f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
+            "may stand instead)"
+        )
+    return tuple(sorted((k, v) for k, v in given.items() if k not in varied))
+
+
+def _check_continuation(
+    name: Any, axes: Sequence[Axis], drive: Drive, noise: VelocityKicks | None
+) -> None:
+    """Raise InputError unless a sweep can follow the motion along this axis."""
+    names = [axis.name for axis in axes]
+    if name not in names:
+        raise InputError(
+            f"continuation must name an axis, got '{name}': {suggest(str(name), names)}"
+        )
+    axis = axes[names.index(name)]
+    for number, values in enumerate(axis.values):
+        steps = np.diff(values)
+        rises, falls = np.all(steps >= 0.0), np.all(steps <= 0.0)
+        if not (rises or falls) or (number == 0 and np.any(steps == 0.0)):
+            raise InputError(
+                f"axis {name} must increase or decrease steadily to be followed; sort the values "
+                f"of {axis.parameters[number]}"
+            )
+    starts = [p for p in axis.parameters if p.startswith("initial_")]
+    if starts:
+        raise InputError(
+            f"continuation along {starts[0]} makes no sense: each point starts where the one "
+            "before ended"
+        )
+    if not isinstance(drive, (Harmonic, CrankSlider, Static)):
+        raise InputError(
+            f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
+            f"got {drives.name_of(drive)}"
+        )
+    if noise is not None:
+        raise InputError("continuation and noise exclude each other")

@@ -1,0 +1,473 @@
+"""Turns points of a plan into the arrays that kernels read.
+
+Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
+rest, as for a single run. Objects are made for drives of several stretches, for noise, and to say
+what is wrong with a point.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.core.errors import InputError
+from latolato.core.quantities import is_computable
+from latolato.numerics import records
+from latolato.numerics.engine.record import STATE
+from latolato.numerics.integrate import Start
+from latolato.numerics.many import Points
+from latolato.numerics.prepare import (
+    MOST_STEPS,
+    OUT_OF_RANGE,
+    Cases,
+    cases_of,
+    has_rough_drag,
+    prepare_cases,
+    prepared_runs,
+)
+from latolato.numerics.records import BALL, BODY, SETTINGS
+from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
+from latolato.physics.contacts import FINE
+from latolato.physics.drives import Drive, Harmonic, Static
+from latolato.physics.drives.stretch import COSINE
+from latolato.physics.noise import KEY, VelocityKicks
+from latolato.physics.pendulum import System, restoring_linear
+from latolato.simulation.start import checked_start, kicks_of, walls_of
+from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.sweeps.plan import Plan
+
+Floats = NDArray[np.float64]
+Columns = dict[str, Floats]
+
+_OUT_OF_RANGE = "the numbers of this point leave the range of floats"
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Points ready to run.
+
+    Attributes
+    ----------
+    columns : dict of ndarray, shape (point,)
+        Every parameter by name.
+    states : ndarray, shape (point,)
+        Records of the motion at time zero.
+    valid : ndarray of bool, shape (point,)
+        False where the parameters contradict each other; such points do not run.
+    reason : str
+        What is wrong with the first invalid point.
+    """
+
+    columns: Columns
+    points: Points
+    states: NDArray[Any]
+    valid: NDArray[np.bool_]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Previous:
+    """Where the points before these on a continuation ended; arrays of shape (angle, point)."""
+
+    angles: Floats
+    velocities: Floats
+    phase: Floats | None
+
+
+def is_smooth(plan: Plan) -> bool:
+    """Return whether no point of the plan has drag that is not smooth at rest."""
+    names = {"quadratic_damping", "coulomb_damping"}
+    varied = {p.removeprefix("right_").removeprefix("left_") for p in plan.varied}
+    return not (names & varied or has_rough_drag(plan.system.balls, plan.system.angles))
+
+
+def stepper_of(plan: Plan) -> Stepper:
+    """Return the one stepper that all points of a plan use."""
+    return BLANES_MOAN_RKN if is_smooth(plan) else BLANES_MOAN_GENERAL
+
+
+def columns_of(plan: Plan, index: NDArray[np.int64]) -> Columns:
+    """Return every parameter of the points with these numbers, arrays of shape (point,)."""
+    known = parameters_of(plan.system, plan.drive, plan.noise)
+    owners = {"system": plan.system, "drive": plan.drive}
+    columns: Columns = {}
+    for name, parameter in known.items():
+        if parameter.owner not in owners or name in DERIVED:
+            continue
+        value: Any = owners[parameter.owner]
+        for part in parameter.path:
+            value = getattr(value, part)
+        columns[name] = np.full(len(index), value)
+    columns |= {name: np.full(len(index), value) for name, value in plan.start}
+    if plan.own_streams:
+        assert plan.noise is not None
+        columns["noise_stream"] = (plan.noise.stream + index).astype(np.float64)
+    place = dict(zip(plan.dims, np.unravel_index(index, plan.shape), strict=True))
+    for axis in plan.axes:
+        for name, values in zip(axis.parameters, axis.values, strict=True):
+            columns[name] = np.array(values)[place[axis.name]]
+    _resolve(columns)
+    return columns
+
+
+def _resolve(columns: Columns) -> None:
+    """Replace parameters that stand for others; frequencies come before accelerations."""
+    length = columns["length"] if "length" in columns else columns["right_length"]
+    gravity = columns["gravity"]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        if "frequency_ratio" in columns:
+            ratio = columns.pop("frequency_ratio")
+            columns["drive_frequency"] = ratio * np.sqrt(gravity / length)
+        if "amplitude_ratio" in columns:
+            columns["drive_amplitude"] = columns.pop("amplitude_ratio") * length
+        if "drive_acceleration_ratio" in columns:
+            lift = columns.pop("drive_acceleration_ratio") * gravity
+            columns["drive_amplitude"] = lift / columns["drive_frequency"] ** 2
+
+
+def make_batch(
+    plan: Plan, index: NDArray[np.int64], stepper: Stepper, previous: Previous | None = None
+) -> Batch:
+    """Return the points with these numbers, of which some may continue earlier ones."""
+    columns = columns_of(plan, index)
+    if previous is not None and previous.phase is not None:
+        columns["drive_phase"] = previous.phase
+    count = len(index)
+    valid = _are_in_range(plan, columns)
+    stops, sensible = _stops(plan, columns)
+    valid &= sensible
+    cases = _cases(plan, columns, previous)
+    stretches, firsts = _stretches(plan, columns, cases, valid)
+    settings = np.zeros(count, dtype=SETTINGS)
+    bodies = np.zeros((count, 1 if plan.system.angles == 1 else 4), dtype=BODY)
+    states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
+    # Drives with numbers of their own have given their bounds.
+    has_forms = stretches.dtype == records.stretch_dtype()
+    prepare_cases(Cases(
+        cases, stretches if has_forms else np.zeros(0, dtype=records.stretch_dtype()),
+        firsts, settings, bodies, states, problems,
+    ))  # fmt: skip
+    valid = problems == FINE
+    # An invalid point hands its start on to its neighbour in a continuation.
+    states["angle"][~valid] = _given_angles(cases[~valid])
+    states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
+    kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
+    points = Points(
+        settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts,
+        stops, plan.contact_limit,
+    )  # fmt: skip
+    reason = ""
+    if not valid.all():
+        reason = _reason(plan, columns, int(np.argmin(valid)), previous)
+    return Batch(columns, points, states, valid, reason)
+
+
+def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
+    """Return where every parameter lies in its range."""
+    known = parameters_of(plan.system, plan.drive, plan.noise)
+    valid = np.ones(len(columns["gravity"]), dtype=bool)
+    for name in columns.keys() & known.keys():
+        allowed, unit = known[name].allowed, known[name].quantity.unit
+        valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
+    return valid
+
+
+def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[Any]:
+    """Return the points' cases, whose drives' bounds are to be found."""
+    cases = cases_of(
+        plan.system, plan.contact, count=len(columns["gravity"]), duration=plan.duration,
+        tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
+        follows_tension=_follows_tension(plan), mirrored=any(o.mirrored for o in plan.observables),
+    )  # fmt: skip
+    for name in ("gravity", "restitution", "initial_offset"):
+        if name in columns:
+            cases[name] = columns[name]
+    one = plan.system.angles == 1
+    for i, side in enumerate(("",) if one else ("right", "left")):
+        for name in BALL.names or ():
+            column = columns.get(name if one else f"{side}_{name}")
+            if column is not None:
+                cases["balls"][name][:, i] = column
+        for name in ("initial_angle", "initial_angular_velocity"):
+            column = columns.get(name if one else f"{name}_{side}")
+            if column is not None:
+                cases[name][:, i] = column
+    if previous is not None:
+        cases["initial_offset"], cases["clips"] = math.nan, 1
+        for i in range(plan.system.angles):
+            cases["initial_angle"][:, i] = previous.angles[i]
+            cases["initial_angular_velocity"][:, i] = previous.velocities[i]
+    return cases
+
+
+def _given_angles(cases: NDArray[Any]) -> Floats:
+    """Return the angles at which points would start, whatever is wrong with them."""
+    angles, offset = cases["initial_angle"].copy(), cases["initial_offset"]
+    with np.errstate(all="ignore"):
+        share = cases["balls"]["radius"][:, 0] / cases["balls"]["length"][:, 0]
+        touch = np.arcsin(np.where((share >= 0.0) & (share < 1.0), share, 0.0))
+    angles[:, 0] = np.where(np.isnan(offset), angles[:, 0], touch + offset)
+    return angles
+
+
+def _stretches(
+    plan: Plan, columns: Columns, cases: NDArray[Any], valid: NDArray[np.bool_]
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Return the stretches of all points' drives, and where those of each begin.
+
+    A drive's bounds go into its case, and points whose drive makes no sense become invalid; whole
+    columns turn into stretches where each point has one cosine.
+    """
+    count = len(cases)
+    if isinstance(plan.drive, (Harmonic, Static)):
+        stretches = np.zeros(count, dtype=records.stretch_dtype())
+        if isinstance(plan.drive, Harmonic):
+            stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
+            stretches["c0"] = columns["drive_amplitude"]
+            stretches["frequency"] = columns["drive_frequency"]
+        return stretches, np.arange(count + 1)
+    found: list[NDArray[Any]] = []
+    firsts, known = np.zeros(count + 1, dtype=np.int64), None
+    for k in range(count):
+        firsts[k + 1] = firsts[k]
+        drive = _drive_at(plan, columns, k) if valid[k] else None
+        if drive is None:
+            valid[k] = False
+            continue
+        if known is None or known[0] is not drive:
+            own = records.stretch_records(drive, plan.duration)
+            known = drive, own, drive.largest_acceleration, drive.fastest_frequency
+        found.append(known[1])
+        firsts[k + 1] += len(known[1])
+        cases["pivot_bound"][k], cases["drive_rate"][k] = known[2:]
+    whole = np.concatenate(found) if found else np.zeros(0, dtype=records.stretch_dtype())
+    return whole, firsts
+
+
+def _kicks(
+    plan: Plan, columns: Columns, valid: NDArray[np.bool_]
+) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    """Return instants and sizes of all points' kicks, and where those of each begin."""
+    firsts = np.zeros(len(valid) + 1, dtype=np.int64)
+    if plan.noise is None:
+        return np.zeros(0), np.zeros((plan.system.angles, 0)), firsts
+    times, sizes = [np.zeros(0)], [np.zeros((plan.system.angles, 0))]
+    for k in range(len(valid)):
+        firsts[k + 1] = firsts[k]
+        if valid[k]:
+            system = _system_at(plan, columns, k)
+            instants, each = kicks_of(_noise(plan, columns, k), system, plan.duration)
+            assert instants is not None
+            assert each is not None
+            times.append(instants)
+            sizes.append(each)
+            firsts[k + 1] += len(instants)
+    return np.concatenate(times), np.concatenate(sizes, axis=1), firsts
+
+
+def _noise(plan: Plan, columns: Columns, k: int) -> VelocityKicks | None:
+    """Return the noise of one point."""
+    if plan.noise is None:
+        return None
+    values: dict[str, Any] = {}
+    for field in ("strength", "interval", *KEY):
+        if f"noise_{field}" in columns:
+            value = columns[f"noise_{field}"][k]
+            values[field] = int(value) if field in KEY else float(value)
+    return replace(plan.noise, **values)
+
+
+def transient_of(plan: Plan, columns: Columns) -> Floats:
+    """Return how long the transient lasts at each point [s]."""
+    period = _drive_period(columns)
+    length = columns["length"] if "length" in columns else columns["right_length"]
+    with np.errstate(over="ignore"):
+        natural = math.tau * np.sqrt(length / columns["gravity"])
+        periods: Floats = plan.transient_periods * np.where(np.isfinite(period), period, natural)
+    return plan.transient + periods
+
+
+def _drive_period(columns: Columns) -> Floats:
+    """Return the drive's period at each point [s], infinite without a drive."""
+    first = next(iter(columns.values()))
+    frequency = columns.get("drive_frequency", np.zeros(len(first)))
+    with np.errstate(divide="ignore"):
+        period: Floats = math.tau / frequency
+    return period
+
+
+def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return the instants at which steps end, (point, 2 + mark), and where they make sense."""
+    transient = transient_of(plan, columns)
+    marks = max((o.marks for o in plan.observables), default=0)
+    stops = np.full((len(transient), 2 + marks), np.nan)
+    stops[:, 0], stops[:, -1] = transient, plan.duration
+    if marks:
+        period = _drive_period(columns)
+        with np.errstate(invalid="ignore"):
+            last = np.floor(plan.duration / period * (1.0 + 1e-14))
+            numbers = last[:, None] - np.arange(marks - 1, -1, -1)
+            instants = np.minimum(numbers * period[:, None], plan.duration)
+        seen = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
+        stops[:, 1:-1] = np.where(seen, instants, np.nan)
+    return stops, transient < plan.duration
+
+
+def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
+    """Return what is wrong with a point, as the objects of a single run say it."""
+    try:
+        _objects(plan, columns, k, previous)
+    except InputError as error:
+        return str(error)
+    except ArithmeticError:
+        pass
+    return _OUT_OF_RANGE
+
+
+def _follows_tension(plan: Plan) -> bool:
+    """Return whether an observable asks for the time of slack."""
+    asked = any("slack" in o.needs for o in plan.observables)
+    return asked and plan.system.restoring is not restoring_linear
+
+
+def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:
+    """Return the fields of system or drive that differ at a point."""
+    known = parameters_of(plan.system, plan.drive, plan.noise)
+    found: dict[str, Any] = {}
+    phase = columns.get("drive_phase")  # a continuation carries it on
+    is_turned = phase is not None and phase[k] != plan.drive.drive_phase  # type: ignore[attr-defined]
+    for name in plan.varied | ({"drive_phase"} if is_turned else set()):
+        target = DERIVED.get(name, name)
+        if known[target].owner != owner:
+            continue
+        value, path = float(columns[target][k]), known[target].path
+        if len(path) == 2:
+            found.setdefault(path[0], {})[path[1]] = value
+        else:
+            found[path[0]] = value
+    return found
+
+
+def _system_at(plan: Plan, columns: Columns, k: int) -> System:
+    """Return the system of a point."""
+    parts = {
+        name: replace(getattr(plan.system, name), **value) if isinstance(value, dict) else value
+        for name, value in _changed(plan, columns, k, "system").items()
+    }
+    return replace(plan.system, **parts) if parts else plan.system
+
+
+def _drive_at(plan: Plan, columns: Columns, k: int) -> Drive | None:
+    """Return the drive of a point, None if it makes no sense."""
+    changed = _changed(plan, columns, k, "drive")
+    try:
+        return replace(plan.drive, **changed) if changed else plan.drive
+    except (InputError, ArithmeticError):
+        return None
+
+
+def _objects(
+    plan: Plan, columns: Columns, k: int, previous: Previous | None
+) -> tuple[System, Drive, Start]:
+    """Return system, drive and start of one point, built like those of a run.
+
+    Raises
+    ------
+    InputError
+        If the point's parameters contradict each other.
+    """
+    system = _system_at(plan, columns, k)
+    changed = _changed(plan, columns, k, "drive")
+    drive = replace(plan.drive, **changed) if changed else plan.drive
+    walls = walls_of(system, plan.contact)
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    offset = None
+    angle: tuple[float, ...] = ()
+    if previous is not None:
+        angle = _inside(tuple(float(a[k]) for a in previous.angles), walls)
+        velocity = tuple(float(v[k]) for v in previous.velocities)
+    else:
+        velocity = tuple(float(columns[f"initial_angular_velocity{s}"][k]) for s in sides)
+        if "initial_offset" in columns:
+            offset = float(columns["initial_offset"][k])
+        else:
+            angle = tuple(float(columns[f"initial_angle{s}"][k]) for s in sides)
+    one = system.angles == 1
+    given: Any = None if offset is not None else (angle[0] if one else angle)
+    start = checked_start(system, walls, given, velocity[0] if one else velocity, offset)
+    transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
+    if not transient < plan.duration:
+        raise InputError(
+            f"the transient must be shorter than the duration {plan.duration:g} s, "
+            f"got {transient:g} s"
+        )
+    if any(o.mirrored for o in plan.observables):
+        _check_mirrored(system, start)
+    case = cases_of(
+        system, plan.contact, angles=start.angles, velocities=start.velocities, is_exact=1,
+        bounds=(drive.largest_acceleration, drive.fastest_frequency), tolerance=plan.tolerance,
+        is_rough=not is_smooth(plan),
+    )  # fmt: skip
+    step = float(prepared_runs(case, stepper_of(plan))[0]["settings"]["step"][0])
+    if not plan.duration <= MOST_STEPS * step:
+        raise InputError(
+            f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
+            "duration, loosen the tolerance or slow the motion"
+        )
+    return system, drive, start
+
+
+def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
+    """Return the arguments of `latolato.simulate` that run one point of a plan alone.
+
+    Raises
+    ------
+    InputError
+        If the point's parameters contradict each other, or if it goes on from another point.
+    """
+    if plan.continuation:
+        raise InputError(
+            f"a point of this map goes on from its neighbour along {plan.continuation}: it cannot "
+            "run alone"
+        )
+    columns = columns_of(plan, np.array([number]))
+    system, drive, start = _objects(plan, columns, 0, None)
+    one = system.angles == 1
+    found = {
+        "system": system,
+        "drive": drive,
+        "initial_angle": start.angles[0] if one else start.angles,
+        "initial_angular_velocity": start.velocities[0] if one else start.velocities,
+        "duration": plan.duration,
+        "tolerance": plan.tolerance,
+        "contact": plan.contact if system.has_contacts else None,
+        "rest_speed": plan.rest_speed,
+        "contact_limit": plan.contact_limit,
+        "noise": _noise(plan, columns, 0),
+    }
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def _check_mirrored(system: System, start: Start) -> None:
+    """Raise InputError unless two equal balls begin as mirror images of each other."""
+    right, left = system.balls
+    images = all(a == -b for a, b in (start.angles, start.velocities))
+    if right != left or not images:
+        raise InputError(
+            "transverse_exponent belongs to two equal balls that begin as mirror images: give both "
+            "the same properties, and the left one the opposite angle and angular velocity"
+        )
+
+
+def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[float, ...]:
+    """Return angles moved between the walls where parameters of the walls have changed."""
+    low, high = walls
+    if len(angles) == 1:
+        return (min(max(angles[0], low), high),)
+    gap = angles[0] - angles[1]
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return (angles[0] + shift, angles[1] - shift)

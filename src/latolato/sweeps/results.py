@@ -1,0 +1,208 @@
+"""The dataset of a sweep: labels, attributes, and the arrays that chunks are put into."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.core.versions import version_of
+from latolato.numerics.records import STATUS_NAMES
+from latolato.physics.drives import drives
+from latolato.physics.pendulum import LatoLato, systems
+from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.sweeps.chunk import STATUS, Values, status_counts
+from latolato.sweeps.plan import Plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def dims_of(plan: Plan, name: str) -> tuple[str, ...]:
+    """Return the dimensions of a variable."""
+    extra: tuple[str, ...] = ()
+    if name != STATUS:
+        observable = next(o for o in plan.observables if name in o.variables)
+        if plan.system.angles == 2 and not observable.is_joint:
+            extra += ("ball",)
+        if observable.dimension and name not in observable.plain:
+            extra += (observable.dimension,)
+    return plan.dims + extra
+
+
+def lengths_of(plan: Plan) -> dict[str, int]:
+    """Return the length of every dimension."""
+    lengths = dict(zip(plan.dims, plan.shape, strict=True))
+    return lengths | {
+        "ball": plan.system.angles,
+        "sample": max((o.marks for o in plan.observables), default=0),
+        "exponent": 2 * plan.system.angles,
+    }
+
+
+def template(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any, float | int]]:
+    """Return dimensions, type and fill value of every variable."""
+    found: dict[str, tuple[tuple[str, ...], Any, float | int]] = {
+        name: (dims_of(plan, name), np.dtype("f8"), float("nan"))
+        for observable in plan.observables
+        for name in observable.variables
+    }
+    found[STATUS] = (dims_of(plan, STATUS), np.dtype("i1"), -1)
+    return found
+
+
+def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
+    """Return the attributes of every variable and coordinate."""
+    known = parameters_of(plan.system, plan.drive, plan.noise)
+    quantities = {p: known[p].quantity for axis in plan.axes for p in axis.parameters}
+    per_ball = plan.system.angles == 2 or isinstance(plan.system, LatoLato)
+    found: dict[str, dict[str, Any]] = {}
+    for observable in plan.observables:
+        quantities |= observable.variables
+    joint = {name for o in plan.observables if o.is_joint for name in o.variables}
+    energies = {n for o in plan.observables for n, q in o.variables.items() if q.unit == "J"}
+    for name, quantity in quantities.items():
+        found[name] = {
+            "units": quantity.unit,
+            "long_name": quantity.long_name,
+            "symbol": quantity.symbol,
+        }
+        if per_ball and name in energies:
+            both = plan.system.angles == 2 and name in joint
+            found[name]["long_name"] += ", both balls" if both else ", per ball"
+    found["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
+    found["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}
+    found[STATUS] = {
+        "long_name": "status of the point",
+        "units": "1",
+        "symbol": "",
+        "flag_values": list(range(len(STATUS_NAMES))),
+        "flag_meanings": " ".join(STATUS_NAMES),
+    }
+    return found
+
+
+def coordinates_of(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Return the coordinates: the varied parameters, `direction`, `ball`."""
+    found: dict[str, tuple[tuple[str, ...], Any]] = {}
+    if plan.direction == "both":
+        found["direction"] = (("direction",), np.array(["up", "down"]))
+    for axis in plan.axes:
+        for name, values in zip(axis.parameters, axis.values, strict=True):
+            found[name] = ((axis.name,), np.array(values))
+    if plan.system.angles == 2:
+        found["ball"] = (("ball",), np.array(["right", "left"]))
+    return found
+
+
+def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:
+    """Return the attributes of the dataset: parameters, provenance and the plan itself.
+
+    `rounding` is a value of `executors.ROUNDING`.
+    """
+    from latolato.numerics.sources import sources_hash
+
+    described = plan.describe()
+    flat: dict[str, Any] = {
+        "title": f"latolato sweep of {systems.name_of(plan.system)}",
+        "latolato_version": version_of(),
+        "numpy_version": np.__version__,
+        "numba_version": version_of("numba"),
+        "kernel_sources": sources_hash(),
+        "rounding": rounding,
+        "system": systems.name_of(plan.system),
+        "drive": drives.name_of(plan.drive),
+    }
+    # What varies under another name has no value of its own either.
+    varied = plan.varied | {DERIVED[name] for name in plan.varied & DERIVED.keys()}
+    for part in ("system", "drive", "start"):
+        for name, value in described[part].items():
+            if isinstance(value, dict):
+                flat.update({f"{name}_{k}": v for k, v in value.items()})
+            elif name != "kind" and value is not None:
+                flat[name] = value
+    for name in ("duration", "transient", "transient_periods", "tolerance", "rest_speed"):
+        flat[name] = described[name]
+    flat["contact"] = described["contact"]["kind"]
+    if plan.noise is not None:
+        for name, value in described["noise"].items():
+            if value is not None:
+                flat[f"noise_{name}"] = value
+        if plan.own_streams:
+            flat["noise_streams"] = "noise_stream + number of the point in C order"
+    if plan.continuation:
+        flat |= {"continuation": plan.continuation, "continuation_direction": plan.direction}
+    for observable in described["observables"]:
+        flat |= {k: v for k, v in observable.items() if k != "kind"}
+    flat = {k: int(v) if isinstance(v, bool) else v for k, v in flat.items() if k not in varied}
+    return flat | {"plan": json.dumps(described), "plan_hash": plan.hash}
+
+
+def in_order(counts: Mapping[str, int]) -> dict[str, int]:
+    """Return counts of statuses in the order of these, whatever that of the chunks was."""
+    return {name: counts[name] for name in STATUS_NAMES if counts.get(name)}
+
+
+class Memory:
+    """A sweep's results in memory."""
+
+    def __init__(self, plan: Plan, rounding: str) -> None:
+        self.plan = plan
+        self.rounding = rounding
+        self.missing = range(plan.chunks)
+        self.points_done = 0
+        self._counts: Counter[str] = Counter()
+        self._reasons: dict[int, str] = {}
+        lengths = lengths_of(plan)
+        self.arrays = {
+            name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
+            for name, (dims, dtype, fill) in template(plan).items()
+        }
+
+    def __enter__(self) -> Memory:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing has to be closed."""
+
+    def write(self, number: int, values: Values, reason: str) -> None:
+        """Put the values of a chunk in their place."""
+        block = self.plan.block(number)
+        for name, array in self.arrays.items():
+            array[block] = values[name]
+        self._counts.update(status_counts(values[STATUS]))
+        if reason:
+            self._reasons[number] = reason
+
+    def put(self, points: NDArray[np.int64], values: Values, reason: str) -> None:
+        """Put the values of new points, numbered in C order, in their place."""
+        for name, array in self.arrays.items():
+            array.reshape(self.plan.size, *array.shape[len(self.plan.shape) :])[points] = values[
+                name
+            ]
+        self._counts.update(status_counts(values[STATUS]))
+        if reason:
+            self._reasons[int(points[0])] = reason
+
+    def status_counts(self) -> dict[str, int]:
+        """Return how many points have each status that occurs."""
+        return in_order(self._counts)
+
+    def dataset(self) -> xr.Dataset:
+        """Return the labelled dataset."""
+        import xarray as xr
+
+        about = attributes_of_variables(self.plan)
+        coordinates = coordinates_of(self.plan)
+        dataset = xr.Dataset(
+            {n: (dims_of(self.plan, n), array, about[n]) for n, array in self.arrays.items()},
+            coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
+            attrs=attributes_of(self.plan, self.rounding),
+        )
+        if self._reasons:  # the same whatever the order in which chunks came
+            dataset.attrs["first_invalid"] = self._reasons[min(self._reasons)]
+        return dataset
