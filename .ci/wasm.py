@@ -24,7 +24,8 @@ import numpy as np
 from latolato.numerics import lane_rows, many, observe, prepare, records, watch, whole
 from latolato.numerics.engine import book, loop, record
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
-from latolato.numerics.pieces import SHARED, Formula, Recipe
+from latolato.numerics.pieces import SHARED
+from latolato.numerics.recipes import Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS

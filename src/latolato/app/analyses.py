@@ -17,11 +17,11 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from latolato.app.analysis_forms import about_asked, forms, label_of, own_options
+from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
-from latolato.app.server import answered, json_of
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:

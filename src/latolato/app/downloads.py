@@ -15,10 +15,10 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from latolato.app.answers import answered
 from latolato.app.blocks import pack
 from latolato.app.given import Asked, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
-from latolato.app.server import answered
 from latolato.core.errors import InputError, import_extra
 
 if TYPE_CHECKING:

@@ -22,6 +22,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from latolato.app.answers import answered, refusal, status_of, told_of
 from latolato.app.film_jobs import film_workers_of, work
 from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
@@ -50,8 +51,6 @@ def store_of(app: Any) -> Store:
 
 async def _upload(request: Request) -> Response:
     """Receive one video; nothing is left of one that is refused or breaks off."""
-    from latolato.app.server import refusal, status_of
-
     store = store_of(request.app)
     try:
         desk = store.desk(request.query_params.get("desk"))
@@ -110,8 +109,6 @@ async def _file(request: Request) -> Response:
 
 async def _trials_file(request: Request) -> Response:
     """Send the trial table of a page as CSV."""
-    from latolato.app.server import answered
-
     try:
         desk = store_of(request.app).desk(request.query_params.get("desk"))
     except InputError as error:
@@ -243,8 +240,6 @@ class _Clerk:
 
     async def refuse(self, number: int | None, error: Exception) -> None:
         """Tell why there is no answer."""
-        from latolato.app.server import told_of
-
         await self.tell({"job": number, **told_of(error)})
 
     def _begin(self, number: int, given: dict[str, Any]) -> None:

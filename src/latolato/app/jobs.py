@@ -20,8 +20,8 @@ from typing import Any
 import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from latolato.app.answers import field_of, in_thread
 from latolato.app.processes import JobError, Workers
-from latolato.app.server import field_of, in_thread
 from latolato.core.errors import said_of
 
 # Jobs at the same time; others wait.

@@ -25,7 +25,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.server import in_thread, told_of
+from latolato.app.answers import in_thread, told_of
 from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
 from latolato.core.errors import InputError
 from latolato.simulation.summary import plain

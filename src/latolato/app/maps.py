@@ -17,7 +17,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.server import answered, json_of, told_of
+from latolato.app.answers import answered, json_of, told_of
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 

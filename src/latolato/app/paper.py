@@ -21,9 +21,9 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from latolato.app.answers import answered
 from latolato.app.blocks import pack
 from latolato.app.jobs import Job, serve_job, workers_of
-from latolato.app.server import answered
 from latolato.core import cache
 from latolato.core.errors import InputError
 

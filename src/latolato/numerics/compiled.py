@@ -27,7 +27,7 @@ from latolato.core import cache
 from latolato.core.scalar import for_each_formula
 from latolato.numerics.compiler import tell_it_is_there
 from latolato.numerics.linking import link_once
-from latolato.numerics.pieces import Piece, Recipe
+from latolato.numerics.recipes import Piece, Recipe
 from latolato.numerics.sources import sources_hash
 
 # Only kernels call parts: without entries for Python and C they compile in two thirds of the time.

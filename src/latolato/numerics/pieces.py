@@ -14,13 +14,14 @@ import functools
 import operator
 import struct
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.numerics.recipes import Formula, Piece, Recipe
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.trajectory import motion_of
 from latolato.numerics.watch import (
@@ -32,46 +33,6 @@ from latolato.numerics.watch import (
     slots_of,
 )
 from latolato.observables import Observable
-
-Formula = Callable[..., Any]
-
-
-class Piece(NamedTuple):
-    """A piece: its address for other pieces, and what calls it from Python.
-
-    What numba compiled stays where it is as long as there is a reference to `call`.
-    """
-
-    address: int
-    call: Callable[..., Any]
-
-
-class Recipe(NamedTuple):
-    """How a piece is made.
-
-    Attributes
-    ----------
-    maker : str
-        ``module:function`` within `latolato.numerics`; called with the laws, with what makes a
-        function a part, and with the settings it returns the function to compile.
-    kind : str
-        What the piece returns and takes, such as ``void(int64, float64)``.
-    laws : tuple of formulas
-    settings : tuple of pairs
-        Further arguments of the maker, by name.
-    """
-
-    maker: str
-    kind: str
-    laws: tuple[Formula, ...] = ()
-    settings: tuple[tuple[str, Any], ...] = ()
-
-    @property
-    def key(self) -> str:
-        """A text that tells recipes apart, the same in every version of Python."""
-        laws = [f"{law.__module__}.{law.__qualname__}" for law in self.laws]
-        return f"{self.maker}({', '.join([*laws, *(f'{n}={v}' for n, v in self.settings)])})"
-
 
 _lock = threading.RLock()
 

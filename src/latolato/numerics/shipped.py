@@ -20,7 +20,7 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from latolato.core import cache
-from latolato.numerics.pieces import Piece
+from latolato.numerics.recipes import Piece
 from latolato.numerics.sources import digest_of_sources, sources_hash
 
 ARCHIVE = Path(__file__).with_name("kernels.zip")

@@ -1,0 +1,120 @@
+"""How views answer: in one of few threads, with one line where there is no other answer."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import anyio
+from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import JSONResponse, Response
+
+from latolato.app.given import TooLargeError
+from latolato.core.errors import InputError, refusal_of, said_of
+
+# A request for numbers is a few kilobytes; a list of pivot heights may be more.
+MOST_BODY = 2_000_000  # bytes
+# Runs that are computed at the same time; others wait.
+_WORKERS = 2
+# Names of options: those of one word are words of other sentences too, but not as "... must be".
+_NAMES = re.compile(r"('?)\b([a-z]+(?:_[a-z]+)+)\b\1|^()([a-z]+)(?= must )")
+
+
+async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
+    """Return what `work` answers in a thread; refusals become one line for the page.
+
+    Bad input is 422, what is too large 413, a fault of the program 500; ``field`` names the option
+    that a message is about.
+    """
+    try:
+        response: Response = await in_thread(request, work, *given)
+        return response
+    except Exception as error:
+        return refusal(status_of(error), error)
+
+
+async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
+    """Return what `work` returns, in one of the few threads that compute."""
+    state = request.app.state
+    if state.workers is None:
+        state.workers = anyio.CapacityLimiter(_WORKERS)
+    return await anyio.to_thread.run_sync(partial(work, *given), limiter=state.workers)
+
+
+async def json_of(request: Request) -> Any:
+    """Return the JSON of a request.
+
+    Raises
+    ------
+    HTTPException
+        If it is too long, too slow or no JSON.
+    """
+    body = bytearray()
+    seconds = request.app.state.body_time
+    try:
+        with anyio.fail_after(seconds):
+            async for part in request.stream():
+                body += part
+                if len(body) > MOST_BODY:
+                    raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
+    except TimeoutError:
+        raise HTTPException(408, f"a request must arrive within {seconds:g} s") from None
+    try:
+        return json.loads(body)
+    except (ValueError, RecursionError):
+        raise HTTPException(400, "a request must be JSON") from None
+
+
+def status_of(error: Exception) -> int:
+    """Return the status of an answer that an error prevented."""
+    if isinstance(error, TooLargeError):
+        return 413
+    return 500 if refusal_of(error) is None else 422
+
+
+def refusal(status: int, error: Exception) -> JSONResponse:
+    """Return one line that says why there is no other answer, and the option that it is about."""
+    return JSONResponse(told_of(error), status_code=status)
+
+
+def told_of(error: Exception) -> dict[str, Any]:
+    """Return what a page is told of an error: one line, and the option that it is about."""
+    return {"error": in_words(said_of(error)), "field": field_of(error)}
+
+
+def in_words(text: str) -> str:
+    """Return a line for a page: what the page calls them stands for the names of options.
+
+    Examples
+    --------
+    >>> in_words("drive_amplitude must be given in m, got 'x'")
+    "“driving amplitude” must be given in m, got 'x'"
+    >>> in_words("Harmonic needs 'drive_amplitude' [m]")
+    'Harmonic needs “driving amplitude” [m]'
+    """
+    from latolato.app.forms import label_of
+    from latolato.scenario.options import law_options
+
+    def label(found: re.Match[str]) -> str:
+        name = found[2] or found[4]
+        return f"“{label_of(name)}”" if name in law_options() else found[0]
+
+    return _NAMES.sub(label, text)
+
+
+def field_of(error: Exception) -> str | None:
+    """Return the option that an error is about: its parameter, or what its text names first."""
+    from latolato.scenario.options import law_options
+
+    if not isinstance(error, InputError):
+        return None
+    known = law_options()
+    if error.parameter is not None:
+        name = error.parameter.partition("[")[0]  # of initial_angle[1]
+        return name if name in known else None
+    words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
+    return next((word for word in words if word in known), None)
