@@ -26,7 +26,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import in_thread, told_of
-from latolato.app.session import TICKS_PER_SECOND, Session, checked_object
+from latolato.app.session import Session, checked_object
+from latolato.app.toy import TICKS_PER_SECOND
 from latolato.core.errors import InputError
 from latolato.simulation.summary import plain
 

@@ -14,7 +14,8 @@ from latolato.app.map_shown import Shown
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number
-from latolato.figures.contours import Line, lines_of, round_levels
+from latolato.figures.contours import Line, round_levels
+from latolato.figures.level_lines import lines_of
 
 MOST_LEVELS = 20
 MOST_VERTICES = 2_000_000

@@ -6,7 +6,7 @@ A page names a computed map by its `key`, the hash of its plan, and a stored one
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from latolato.app.map_cells import Maps, known_of
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.figures.map import Drawing
+from latolato.figures.sides import spaced
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -106,23 +107,3 @@ def _spaced(drawing: Drawing, given: Mapping[str, Any]) -> Drawing:
     y, x = drawing.sides
     drawing.sides = [spaced(y, given.get("ylog")), spaced(x, given.get("xlog"))]
     return drawing
-
-
-def spaced(side: Any, log: Any) -> Any:
-    """Return an axis drawn linear or logarithmic, as it comes where nothing is said.
-
-    Raises
-    ------
-    InputError
-        If a logarithm is asked for of what is not above zero.
-    """
-    if log is None or log == side.is_log:
-        return side
-    if not isinstance(log, bool):
-        raise InputError(f"log of {side.name} must be true or false, got {log!r}")
-    if log and not side.values[0] > 0.0:
-        label = str(side.attributes.get("long_name", side.name))
-        raise InputError(
-            f"{label}: a logarithmic axis must begin above zero, this map has {side.values[0]:g}"
-        )
-    return replace(side, is_log=log)

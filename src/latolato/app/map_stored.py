@@ -14,9 +14,9 @@ from latolato.app.forms import units_of
 from latolato.app.given import TooLargeError
 from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
-from latolato.app.map_shown import spaced
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.figures.sides import spaced
 from latolato.numerics.records import STATUS_NAMES
 
 if TYPE_CHECKING:

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from latolato.app.recording import Recording
     from latolato.app.toy import Toy
 
-TICKS_PER_SECOND = 60
 # Numbers of a frame, in this order.
 FRAME = (
     "number",  # of the frame

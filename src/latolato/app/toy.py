@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from latolato.app.recording import Recording
-from latolato.app.session import TICKS_PER_SECOND
 from latolato.app.steering import checked_state, cosine_of, limits_of
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Range
@@ -51,6 +50,7 @@ from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_line
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 
+TICKS_PER_SECOND = 60
 # Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
 TOLERANCE = 1e-10
 # The least time of a change, and the acceleration that no change adds more of, so that moving a

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -93,3 +94,23 @@ def side_of(grid: xr.Dataset, dim: str) -> Side:
         long_name = f"{about.get('long_name', name)} (and {', '.join(others)})"
         about = {**about, "long_name": long_name}
     return Side(dim, values, about, name, is_log)
+
+
+def spaced(side: Side, log: Any) -> Side:
+    """Return an axis drawn linear or logarithmic, as it comes where nothing is said.
+
+    Raises
+    ------
+    InputError
+        If a logarithm is asked for of what is not above zero.
+    """
+    if log is None or log == side.is_log:
+        return side
+    if not isinstance(log, bool):
+        raise InputError(f"log of {side.name} must be true or false, got {log!r}")
+    if log and not side.values[0] > 0.0:
+        label = str(side.attributes.get("long_name", side.name))
+        raise InputError(
+            f"{label}: a logarithmic axis must begin above zero, this map has {side.values[0]:g}"
+        )
+    return replace(side, is_log=log)

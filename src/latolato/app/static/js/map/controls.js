@@ -6,15 +6,13 @@ import { plainSymbol } from "../units.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
+import { PAGE, USUAL_SIZE } from "./request.js";
 import { ended, spaced, turned } from "./span.js";
 
 /** @typedef {import("../state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
 
 const SIZES = [25, 50, 100, 200, 400];
-export const USUAL_SIZE = 200;
-/** Stands in the address for the parameters of the page. */
-export const PAGE = "page";
 
 export class MapControls {
   /**

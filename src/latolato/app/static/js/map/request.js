@@ -1,13 +1,15 @@
 /** What the Map view asks for: the address of the page becomes a plan for the server. */
 
 import { FIRST } from "../views/play.js";
-import { PAGE, USUAL_SIZE } from "./controls.js";
 
 /** @typedef {import("../state.js").State} State */
 /** @typedef {{scenario: string | null, stored: string | null}} Source */
 
 /** The shipped sweep that is shown where the address names nothing. */
 export const FIRST_MAP = "fig05_push";
+export const USUAL_SIZE = 200;
+/** Stands in the address for the parameters of the page. */
+export const PAGE = "page";
 const TAKEN = "map.at_";
 
 /**
