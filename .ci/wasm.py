@@ -8,6 +8,7 @@ calls the modules is ``src/latolato/app/static/js/kernels``; it knows where ever
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import json
 import re
 import subprocess
@@ -30,6 +31,8 @@ from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Ste
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.simulation.record import LEDGER
+from latolato.sweeps.plan import make_plan
+from latolato.sweeps.points import LAST_PERIOD
 
 LAYOUT = "layout.json"
 _LINKER = "ziglang"
@@ -283,6 +286,8 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         },
         "scratch_contacts": len(many.make_scratch().contact_times),
         "largest": LARGEST,
+        "contact_limit": inspect.signature(make_plan).parameters["contact_limit"].default,
+        "last_period": LAST_PERIOD,
         "steps_per_call": STEPS_PER_CALL,
         "most_halvings": book.MOST_HALVINGS,
         "most_steps_to_repeat": book.MOST_STEPS_TO_REPEAT,
@@ -329,6 +334,7 @@ def _observable(kind: Any) -> dict[str, Any]:
     return {
         "parameters": dict(zip([f.name for f in fields(kind)], usual.parameters, strict=True)),
         "dimension": kind.dimension,
+        "angles": kind.angles,
         "widths": usual.widths,
         "marks": usual.marks,
         "slots": usual.slots,

@@ -226,3 +226,21 @@ def test_the_rod_carries_a_ball_that_lies_against_the_other():
     assert np.all(run.angular_velocity == 0.0)
     carried = m * (system.gravity + run.pivot_acceleration) * run.pivot_velocity
     np.testing.assert_allclose(run.rod_power, carried, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize("strengths", [(5.0, 5.0), (1.0, 9.0)])
+def test_both_rods_carry_two_balls_that_friction_holds_against_each_other(strengths):
+    # How they share it is left open; the sum is not.
+    right, left = (
+        ll.Ball(length=l, mass=m, radius=0.05, coulomb_damping=strength) for strength in strengths
+    )
+    pair = ll.BallPair(right=right, left=left, restitution=0.5)
+    drive = ll.Harmonic(drive_amplitude=0.06, drive_frequency=7.0, drive_phase=0.4)
+    half = np.arcsin(0.05 / l)
+    run = ll.simulate(
+        pair, drive, initial_angle=(0.5 + half, 0.5 - half), times=np.linspace(0.0, 3.0, 200),
+        frame="both",
+    )  # fmt: skip
+    assert np.all(run.angular_velocity == 0.0)
+    carried = 2.0 * m * (pair.gravity + run.pivot_acceleration) * run.pivot_velocity
+    np.testing.assert_allclose(run.rod_power.sum("ball"), carried, rtol=1e-12, atol=1e-13)

@@ -12,6 +12,7 @@ import pytest
 import latolato as ll
 from in_node import (
     MODULES,
+    Case,
     from_parameters,
     in_node,
     map_case,
@@ -334,7 +335,13 @@ def apart(values, others):
 
 
 ROUGH = ll.LatoLato(**TOY, **DRAGS, restitution=0.9)
-FROM_PARAMETERS = {**SWEEPS, "rough": (ROUGH, 0.4, ("slack_fraction",))}
+FROM_PARAMETERS = {
+    **SWEEPS,
+    "rough": (ROUGH, 0.4, ()),
+    "slack": (SWEEPS["walls"][0], 0.4, ("slack_fraction",)),
+    "crank": (SWEEPS["walls"][0], 0.4, ("lyapunov_exponent",)),
+}
+CRANK = ll.CrankSlider(drive_amplitude=0.02, drive_frequency=9.0, connecting_rod_length=0.5)
 
 
 @pytest.mark.parametrize("name", FROM_PARAMETERS)
@@ -352,9 +359,10 @@ def test_maps_agree_from_their_parameters_on(name):
         "initial_angle": angle,
         "tolerance": 1e-8,
     }
-    plan = make_plan(system, None, **given)
+    drive = CRANK if name == "crank" else None
+    plan = make_plan(system, drive, **given)
     expected, _ = run_chunk(plan, 0, run_fastest)
-    moved, _ = run_chunk(make_plan(shifted(system), None, **given), 0, run_fastest)
+    moved, _ = run_chunk(make_plan(shifted(system), drive, **given), 0, run_fastest)
     (node,) = in_node([map_case(plan, expected)])
     found = {name: node[name] for name in expected}
     status = expected["status"]
@@ -366,6 +374,43 @@ def test_maps_agree_from_their_parameters_on(name):
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
         assert size[regular].max() <= OBSERVED, variable
+
+
+REFUSED = {
+    "no observable is called largest": {"observables": [{"name": "largest"}]},
+    "no observable is called toString": {"observables": [{"name": "toString"}]},
+    "has no parameter level": {
+        "observables": [{"name": "crossings", "parameters": {"level": 1.0}}]
+    },
+    "two observables both give crossings": {"observables": [{"name": "crossings"}] * 2},
+    "must look at equally many": {
+        "observables": [{"name": "stroboscope"}, {"name": "response_period"}]
+    },
+    "belongs to systems of 2 angles": {"observables": [{"name": "transverse_exponent"}]},
+    "is_rough is found out": {"parameters": {"is_rough": 1}},
+    "meets must be 0 or 1": {"parameters": {"meets": 0.5}},
+    "knows no walls": {"parameters": {"meets": 1, "is_linear": 1}},
+    "has no field mass": {"parameters": {"mass": 1.0}},
+    "no drive is called hand": {"drive": {"kind": "hand", "parameters": {}}},
+    "no drive has the parameter drive_amplitud": {
+        "drive": {"kind": "harmonic", "parameters": {"drive_amplitud": 0.1}}
+    },
+    "transient must be at least 0 s": {"transient": -1.0},
+    "grow": {"count": 600_000_000, "drive": {"kind": "static", "parameters": {}}},
+}
+
+
+def test_maps_that_make_no_sense_are_refused_and_leave_nothing_behind():
+    usual = {
+        "refused": True, "count": 2, "parameters": {}, "duration": 1.0,
+        "drive": {"kind": "static", "parameters": {}}, "observables": [{"name": "crossings"}],
+    }  # fmt: skip
+    cases = [
+        Case({"module": "lanes", "question": {**usual, **bad}}, {}) for bad in REFUSED.values()
+    ]
+    for words, found in zip(REFUSED, in_node(cases), strict=True):
+        assert words in found["error"]
+        assert found["left"] == 0, words
 
 
 @pytest.mark.parametrize("in_lanes", [True, False], ids=["lanes", "one by one"])

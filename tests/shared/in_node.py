@@ -217,7 +217,12 @@ def map_case(plan: Plan, expected: dict[str, Any]) -> Case:
     """Return the points of a plan as Node.js begins them from their parameters by itself."""
     columns = points.columns_of(plan, np.arange(plan.size))
     numbers = dict(_columns(points._cases(plan, columns, None)))
-    parameters = {path: column for path, column in numbers.items() if not np.isnan(column).any()}
+    own = "angles", "is_rough", "follows_tension"  # which the host finds out
+    parameters = {
+        path: column
+        for path, column in numbers.items()
+        if path not in own and not np.isnan(column).any()
+    }
     kind = next(name for name, kind in WRITTEN.items() if type(plan.drive) is kind)
     question = {
         "count": plan.size,

@@ -2,6 +2,8 @@
 
 import functools
 import math
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -10,9 +12,12 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
 import latolato as ll
+from latolato.core.quantities import Quantity
+from latolato.core.scalar import formula
 from latolato.observables import (
     Crossings,
     MotionClass,
+    Observable,
     ResponseSamples,
     SelfStart,
     Stroboscope,
@@ -442,3 +447,56 @@ def test_what_sweeps_find_for_all_observables_is_what_they_say_they_need(name):
     kind.step(np.ones(64), 0, 1, seen)
     assert ("turn" in seen.names) == ("turn" in kind.needs)
     assert bool({"e0", "e1"} & seen.names) == ("energy" in kind.needs)
+
+
+@formula
+def _count_steps(acc, i, n, segment):
+    acc[i + n] += 1.0
+    acc[i + 2 * n] += segment.t1 - segment.t0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepCount(Observable):
+    """How often a ball moved on, with one slot beside its variable."""
+
+    variables: ClassVar = {"step_count": Quantity("1", "N", "steps")}
+    step: ClassVar = staticmethod(_count_steps)
+
+    least: float = field(default=0.0)
+
+    @property
+    def memory(self):
+        return 2
+
+
+class ForgetfulStepCount(StepCount):
+    """The same without that slot."""
+
+    @property
+    def memory(self):
+        return 1
+
+
+def one_point(observable, **options):
+    pendulum = ll.Pendulum(length=1.0, mass=0.8)
+    return ll.sweep(
+        pendulum, axes={"initial_angle": [0.4]}, duration=2.0, observables=[observable], **options
+    )
+
+
+def test_an_observable_of_ones_own_runs_on_every_executor(monkeypatch):
+    monkeypatch.setitem(observables._entries, "step_count", StepCount)
+    found = [one_point(StepCount(), executor=name) for name in ("threads", "reference")]
+    assert found[0].step_count.item() == found[1].step_count.item() > 10.0
+
+
+def test_a_formula_that_uses_more_slots_than_it_has_is_refused_before_the_sweep(monkeypatch):
+    monkeypatch.setitem(observables._entries, "forgetful", ForgetfulStepCount)
+    with pytest.raises(ll.InputError, match=r"ForgetfulStepCount.step uses more than the 2 slots"):
+        one_point(ForgetfulStepCount())
+
+
+@pytest.mark.parametrize("value", ["0.5", None, (1.0,)])
+def test_parameters_of_an_observable_are_numbers(value):
+    with pytest.raises(ll.InputError, match="least must be a number"):
+        StepCount(least=value)

@@ -751,3 +751,14 @@ def test_threads_give_one_answer_whatever_the_chunks(tmp_path):
     for other in found[1:]:
         for name in found[0].variables:
             np.testing.assert_array_equal(other[name], found[0][name])
+
+
+def test_a_store_without_a_variable_that_its_observable_gives_now_is_refused(tmp_path, monkeypatch):
+    toy, path = ll.LatoLato(length=1.0, mass=0.8, radius=0.1), tmp_path / "old.zarr"
+    given = {"axes": {"initial_angle": [0.4]}, "duration": 0.1, "store": path}
+    ll.sweep(toy, observables=["impact_speed"], **given)
+    kind = observables["impact_speed"]
+    more = {**kind.variables, "median_impact_speed": kind.variables["mean_impact_speed"]}
+    monkeypatch.setattr(kind, "variables", more)
+    with pytest.raises(ll.InputError, match="has no median_impact_speed: the"):
+        ll.sweep(toy, observables=["impact_speed"], **given)

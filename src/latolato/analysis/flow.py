@@ -15,7 +15,7 @@ from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
-from latolato.observables.base import STATE
+from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
@@ -149,8 +149,10 @@ class Flow:
         )
         return Passage(
             np.array([found.state.angle, found.state.velocity]).T.ravel()[: self.size],
-            found.slots[: STATE * STATE, 0].reshape(STATE, STATE)[: self.size, : self.size],
-            float(found.slots[STATE * STATE, 0]),
+            found.slots[: STATE_SIZE * STATE_SIZE, 0].reshape(STATE_SIZE, STATE_SIZE)[
+                : self.size, : self.size
+            ],
+            float(found.slots[STATE_SIZE * STATE_SIZE, 0]),
             float(found.slots[-1, 0]),
             found.contact_times,
             found.contact_kinds,

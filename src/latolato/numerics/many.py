@@ -315,10 +315,10 @@ def make_steering(
             progress.status[k] = (
                 GRAZING if state.grazes > 0 else AT_REST if state.rests != 0 else CONVERGED
             )
-            begun, observed = progress.begun[k], t - points.stops[k, 0]
+            begun, observed_time = progress.begun[k], t - points.stops[k, 0]
             for ball in range(balls):
                 outcome = Outcome(
-                    state.angle[ball], state.velocity[ball], observed,
+                    state.angle[ball], state.velocity[ball], observed_time,
                     points.bodies[k, ball].inertia, state.drive_work - begun.drive_work,
                     state.damping_loss - begun.damping_loss,
                     state.impact_loss - begun.impact_loss,

@@ -94,10 +94,28 @@ def make_observer(
     restored_at, potential_at = laws.restoring, laws.potential
 
     @part
-    def free(o: Any, angle: float, speed: float, ay: float, b: Any) -> float:
+    def resistance(o: Any, speed: float, angle: float, ay: float, b: Any) -> float:
+        """Return the drag on a ball, or what friction opposes to the force on one at rest [N]."""
+        if speed == 0.0:
+            force = -b.mass * (o.gravity + ay) * restored_at(angle, o.is_linear)
+            return static_friction(force, b.coulomb_damping)
+        sign = 1.0 if speed > 0.0 else -1.0
+        return drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+
+    @part
+    def joint_friction(o: Any, samples: Any, i: int, ay: float) -> float:
+        """Return the share of its strength with which friction holds two balls in contact."""
+        torque = limit = 0.0
+        for j in range(2):
+            b = o.balls[j]
+            restored = restored_at(samples[2 * j, i], o.is_linear)
+            torque -= b.mass * b.length * (o.gravity + ay) * restored
+            limit += b.length * b.coulomb_damping
+        return static_friction(torque, limit) / limit if limit > 0.0 else 0.0
+
+    @part
+    def free(o: Any, angle: float, force: float, ay: float, b: Any) -> float:
         """Return the angular acceleration that a ball would have without the other one."""
-        sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
-        force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
         restored = restored_at(angle, o.is_linear)
         return swung(o.gravity + ay, 1.0 / b.length, restored) - force / (b.mass * b.length)
 
@@ -129,24 +147,30 @@ def make_observer(
                 out[j, TENSION, i] = tension(angle, speed, ay, m, l, gravity)
                 if touching and len(balls) == 1:
                     out[j, TENSION, i] = wall_tension(angle, ay, m, gravity)
+            share = 0.0
             if touching and len(balls) == 2:
+                # Which ball's friction holds how much is left open; here each gives its share.
+                share = joint_friction(o, samples, i, ay) if samples[1, i] == 0.0 else 0.0
                 b1, b2 = balls[0], balls[1]
-                free_1 = free(o, samples[0, i], samples[1, i], ay, b1)
-                free_2 = free(o, samples[2, i], samples[3, i], ay, b2)
+                one, two = samples[1, i], samples[3, i]
+                force_1, force_2 = share * b1.coulomb_damping, share * b2.coulomb_damping
+                if one != 0.0:
+                    force_1 = resistance(o, one, samples[0, i], ay, b1)
+                    force_2 = resistance(o, two, samples[2, i], ay, b2)
                 torque = contact_torque(
-                    free_1, free_2, b1.mass * b1.length**2, b2.mass * b2.length**2
-                )
+                    free(o, samples[0, i], force_1, ay, b1),
+                    free(o, samples[2, i], force_2, ay, b2),
+                    b1.mass * b1.length**2, b2.mass * b2.length**2,
+                )  # fmt: skip
                 gap = samples[0, i] - samples[2, i]
                 out[0, TENSION, i] += radial_push(torque, b1.length, b2.length, gap)
                 out[1, TENSION, i] += radial_push(torque, b2.length, b1.length, gap)
             for j in range(len(balls) if o.with_lab != 0 else 0):
                 b = balls[j]
                 angle, speed = samples[2 * j, i], samples[2 * j + 1, i]
-                sign = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
-                force = drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
-                if speed == 0.0 and not touching:
-                    pull = -b.mass * (gravity + ay) * restored_at(angle, o.is_linear)
-                    force = static_friction(pull, b.coulomb_damping)
+                force = share * b.coulomb_damping
+                if speed != 0.0 or not touching:
+                    force = resistance(o, speed, angle, ay, b)
                 out[j, LAB, i] = lab_energy(angle, speed, y, vy, b.mass, b.length, gravity)
                 out[j, ROD, i] = rod_power(angle, force, out[j, TENSION, i], vy)
 

@@ -43,8 +43,8 @@ class Eyes(NamedTuple):
 class Watch(NamedTuple):
     """The functions that show observables something.
 
-    All but the last are called with ``(run, eyes, ball, ...)`` and what an `Observable` is called
-    with behind its slots, `sees` with ``(run, occasion)``: whether anybody looks on then.
+    All but `sees` take ``(run, eyes, ball)`` and then the arguments that an observable's formula
+    takes after its slots. `sees` takes ``(run, occasion)``: whether anybody looks on then.
     """
 
     step: Callable[..., None]

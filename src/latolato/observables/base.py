@@ -1,19 +1,36 @@
 """What every observable offers: numbers gathered while a trajectory runs, nothing stored.
 
 An observable owns some *slots* of an accumulator array: first its parameters, in the order of its
-fields, then its variables, then what else it has to remember. Its formulas are called at every
-step, contact and mark with the accumulator, the index `i` of its first slot and the distance `n`
-between slots: slot m is ``acc[i + m * n]``. They run as plain Python, compiled, in SIMD lanes, on a
-GPU and in a web page, so they use :mod:`math` only; write `step` without branches around
-assignments (use ``a if condition else b``), then lanes stay fast.
+fields, then its variables, then what else it has to remember. The engine calls its formulas at the
+start, at every step, contact and mark, and at the end, with the accumulator, the index `i` of its
+first slot and the distance `n` between slots: slot m is ``acc[i + m * n]``. They run as plain
+Python, compiled, in SIMD lanes, on a GPU and in a web page, so they use :mod:`math` only; write
+`step` without branches around assignments (use ``a if condition else b``), then lanes stay fast.
+
+Examples
+--------
+The time that a ball spends above an angle::
+
+    @formula
+    def _step(acc, i, n, segment):
+        acc[i + n] += max(segment.t1 - segment.t0, 0.0) if segment.x1 > acc[i] else 0.0
+
+    @observables.register("time_above")
+    @dataclass(frozen=True, kw_only=True)
+    class TimeAbove(Observable):
+        variables = {"time_above": Quantity("s", "t_a", "time above an angle")}
+        step = staticmethod(_step)
+
+        angle: float = quantity_field("initial_angle", Range(), default=1.0)
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.core.registry import Registry, check_fields
 
@@ -26,7 +43,7 @@ if TYPE_CHECKING:
 observables: Registry[type] = Registry("observable")
 
 # Numbers of the state of two balls: two angles and two angular velocities.
-STATE = 4
+STATE_SIZE = 4
 
 
 class Segment(NamedTuple):
@@ -55,20 +72,20 @@ class Segment(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What is known of a ball at the end of a run.
+    """State, works and times of a ball at the end of a run.
 
-    Works and losses are those of the observed time, of both balls for a `BallPair`.
+    Works and losses [J] are those of the observed time, of both balls for a `BallPair`.
     """
 
     angle: float  # rad
     velocity: float  # rad/s
-    observed: float  # time after the transient [s]
+    observed_time: float  # time after the transient [s]
     inertia: float  # kg m^2
-    drive_work: float  # J
+    drive_work: float
     damping_loss: float
     impact_loss: float
     capture_loss: float
-    slack: float  # time in which the rod was pushed [s]
+    slack_time: float  # time in which the rod was pushed [s]
     balls: int
 
 
@@ -133,6 +150,13 @@ class Observable:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not isinstance(value, (bool, int, float)):
+                raise InputError(
+                    "must be a number, true or false: an observable keeps its parameters in slots",
+                    parameter=field.name, value=value,
+                )  # fmt: skip
 
     @property
     def marks(self) -> int:
@@ -141,7 +165,10 @@ class Observable:
 
     @property
     def memory(self) -> int:
-        """How many slots it needs behind its parameters, its variables' among them."""
+        """Number of slots after the parameters, including those of the variables.
+
+        The formulas must not use more; a sweep tries them out before it begins.
+        """
         return 0
 
     @property
@@ -157,22 +184,52 @@ class Observable:
     @property
     def widths(self) -> dict[str, int]:
         """How many slots each variable has."""
-        width = {"sample": self.marks, "exponent": STATE}.get(self.dimension, 1)
+        width = {"sample": self.marks, "exponent": STATE_SIZE}.get(self.dimension, 1)
         return {name: 1 if name in self.plain else width for name in self.variables}
 
-    def read(self, slots: Floats, balls: int) -> dict[str, Floats]:
+    def check_memory(self) -> None:
+        """Try all formulas out on a list that ends with the last slot.
+
+        Raises
+        ------
+        InputError
+            If one of them uses a slot behind it.
+        """
+        import numpy as np
+
+        acc = [*self.parameters, *[0.0] * (self.slots - len(self.parameters))]
+        nothing, end = Segment(*[0.0] * len(Segment._fields)), Outcome._make([*[0.0] * 9, 1])
+        calls: dict[str, tuple[Any, ...]] = {
+            "start": (0.0,), "step": (nothing,), "contact": (0.0, 0, 0.0, 0.0, 0.0),
+            "mark": (max(self.marks - 1, 0), 0.0, 0.0, 0.0), "restart": (0.0, 0.0),
+            "tangent": (STATE_SIZE, 0.0, 0.0, np.eye(STATE_SIZE, 7)), "finish": (end,),
+        }  # fmt: skip
+        for name, given in calls.items():
+            formula = getattr(self, name)
+            try:
+                if formula is not None:
+                    formula(acc, 0, 1, *given)
+            except IndexError:
+                raise InputError(
+                    f"{type(self).__name__}.{name} uses more than the {self.slots} slots of its "
+                    "parameters and its `memory`: give it more"
+                ) from None
+            except (ArithmeticError, ValueError):
+                pass  # of a run that lasts no time
+
+    def read(self, contents: Floats, balls: int) -> dict[str, Floats]:
         """Return the variables of points of shape (point,), or (point, sample or exponent).
 
         Parameters
         ----------
-        slots : ndarray, shape (slot, point)
-            At the end of the runs.
+        contents : ndarray, shape (slot, point)
+            Of the slots, at the end of the runs.
         balls : int
             Angles of the state; there are twice as many exponents.
         """
         found, first = {}, len(self.parameters)
         for name, width in self.widths.items():
-            rows = slots[first : first + width]
+            rows = contents[first : first + width]
             first += width
             if not self.dimension or name in self.plain:
                 found[name] = rows[0]

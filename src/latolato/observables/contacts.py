@@ -101,7 +101,7 @@ def _finish_speeds(acc: Any, i: int, n: int, end: Outcome) -> None:
 @formula
 def _finish_rest(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Turn the time at rest into a share."""
-    acc[i] /= end.observed
+    acc[i] /= end.observed_time
 
 
 @observables.register("impact_speed")

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import Quantity
 from latolato.core.scalar import formula
-from latolato.observables.base import STATE, Observable, Outcome, observables
+from latolato.observables.base import STATE_SIZE, Observable, Outcome, observables
 
 # A vector shorter than this part of what it was before its part along the others was taken away
 # holds rounding only: the motion has lost that direction.
@@ -22,24 +22,24 @@ def _multiply(acc: Any, i: int, n: int, size: int, jacobian: Any) -> None:
         for row in range(size):
             total = 0.0
             for k in range(size):
-                total += jacobian[row, k] * acc[i + (STATE * k + column) * n]
-            jacobian[row, STATE] = total
+                total += jacobian[row, k] * acc[i + (STATE_SIZE * k + column) * n]
+            jacobian[row, STATE_SIZE] = total
         for row in range(size):
-            acc[i + (STATE * row + column) * n] = jacobian[row, STATE]
+            acc[i + (STATE_SIZE * row + column) * n] = jacobian[row, STATE_SIZE]
 
 
 @formula
 def _gather(acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any) -> None:
     """Gather the matrix and the logarithm of the determinant that it should have."""
     _multiply(acc, i, n, size, jacobian)
-    acc[i + STATE * STATE * n] += spread
+    acc[i + STATE_SIZE * STATE_SIZE * n] += spread
 
 
 @formula
 def _start(acc: Any, i: int, n: int, angle: float) -> None:
     """Write the unit matrix."""
-    for row in range(STATE):
-        acc[i + (STATE + 1) * row * n] = 1.0
+    for row in range(STATE_SIZE):
+        acc[i + (STATE_SIZE + 1) * row * n] = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,12 +53,12 @@ class Deviations(Observable):
     @property
     def memory(self) -> int:
         """The matrix and the logarithm."""
-        return STATE * STATE + 1
+        return STATE_SIZE * STATE_SIZE + 1
 
 
 # Slots of `LyapunovExponents` behind the vectors.
-_SUMS = STATE * STATE
-_TIME, _SPREAD = _SUMS + STATE, _SUMS + STATE + 1
+_SUMS = STATE_SIZE * STATE_SIZE
+_TIME, _SPREAD = _SUMS + STATE_SIZE, _SUMS + STATE_SIZE + 1
 
 
 @formula
@@ -72,23 +72,23 @@ def _stretch(
     for column in range(size):
         before = 0.0
         for row in range(size):
-            before += acc[i + (STATE * row + column) * n] ** 2
+            before += acc[i + (STATE_SIZE * row + column) * n] ** 2
         for other in range(column):
             along = 0.0
             for row in range(size):
-                at = i + STATE * row * n
+                at = i + STATE_SIZE * row * n
                 along += acc[at + other * n] * acc[at + column * n]
             for row in range(size):
-                at = i + STATE * row * n
+                at = i + STATE_SIZE * row * n
                 acc[at + column * n] -= along * acc[at + other * n]
         length = 0.0
         for row in range(size):
-            length += acc[i + (STATE * row + column) * n] ** 2
+            length += acc[i + (STATE_SIZE * row + column) * n] ** 2
         length = math.sqrt(length)
         is_lost = length <= _LOST * math.sqrt(before)
         scale = 0.0 if is_lost else 1.0 / length
         for row in range(size):
-            acc[i + (STATE * row + column) * n] *= scale
+            acc[i + (STATE_SIZE * row + column) * n] *= scale
         acc[i + (_SUMS + column) * n] += -math.inf if is_lost else math.log(length)
 
 
@@ -96,24 +96,24 @@ def _stretch(
 def _start_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
     """Forget the growth; a direction that the transient lost is given back."""
     lost = 0.0
-    for k in range(STATE):
+    for k in range(STATE_SIZE):
         lost += acc[i + (_SUMS + k) * n]
-    for row in range(STATE):
-        for column in range(STATE):
+    for row in range(STATE_SIZE):
+        for column in range(STATE_SIZE):
             if lost == -math.inf:
-                acc[i + (STATE * row + column) * n] = 1.0 if row == column else 0.0
+                acc[i + (STATE_SIZE * row + column) * n] = 1.0 if row == column else 0.0
     for k in range(_SUMS, _SPREAD + 1):
         acc[i + k * n] = 0.0
 
 
 @formula
 def _finish_exponents(acc: Any, i: int, n: int, end: Outcome) -> None:
-    """Write all exponents, largest first, and NaN for those that there are not.
+    """Write all exponents, largest first, and NaN for exponents that the system does not have.
 
     Orthonormalisation sorts those that differ; what it cannot tell apart is sorted here.
     """
     time = acc[i + _TIME * n]
-    for k in range(STATE):
+    for k in range(STATE_SIZE):
         acc[i + k * n] = acc[i + (_SUMS + k) * n] / time if k < 2 * end.balls else math.nan
     for last in range(2 * end.balls - 1, 0, -1):
         for k in range(last):
@@ -129,7 +129,7 @@ def _finish_residual(acc: Any, i: int, n: int, end: Outcome) -> None:
     NaN where the motion loses its past: both are minus infinity there.
     """
     total = 0.0
-    for k in range(STATE):
+    for k in range(STATE_SIZE):
         total += acc[i + (_SUMS + k) * n]
     acc[i] = (total - acc[i + _SPREAD * n]) / acc[i + _TIME * n]
 
@@ -141,7 +141,6 @@ class _Exponents(Observable):
     start: ClassVar[Any] = staticmethod(_start)
     tangent: ClassVar[Any] = staticmethod(_stretch)
     restart: ClassVar[Any] = staticmethod(_start_again)
-    finish: ClassVar[Any] = staticmethod(_finish_exponents)
     is_joint: ClassVar[bool] = True
 
     @property
@@ -162,6 +161,7 @@ class LyapunovExponent(_Exponents):
     variables: ClassVar[Any] = {
         "lyapunov_exponent": Quantity("1/s", r"\lambda_1", "largest Lyapunov exponent")
     }
+    finish: ClassVar[Any] = staticmethod(_finish_exponents)
 
 
 @observables.register("lyapunov_spectrum")
@@ -177,6 +177,7 @@ class LyapunovSpectrum(_Exponents):
         "lyapunov_exponents": Quantity("1/s", r"\lambda", "Lyapunov exponents")
     }
     dimension: ClassVar[str] = "exponent"
+    finish: ClassVar[Any] = staticmethod(_finish_exponents)
 
 
 @observables.register("sum_rule_residual")

@@ -26,7 +26,7 @@ def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
 @formula
 def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Turn the integral into the mean of the ball's energy."""
-    acc[i] *= end.inertia / end.observed
+    acc[i] *= end.inertia / end.observed_time
 
 
 @observables.register("mean_energy")

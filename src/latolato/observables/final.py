@@ -71,7 +71,7 @@ class Works(Observable):
 @formula
 def _finish_slack(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Write the time of slack over the observed time."""
-    acc[i] = end.slack / end.observed
+    acc[i] = end.slack_time / end.observed_time
 
 
 @observables.register("slack_fraction")

@@ -18,10 +18,27 @@ PERIODICITY = ("rest", "periodic", "grazing", "aperiodic")
 # Periods watched for each drive period of the longest response: it must recur twice and more.
 _REPEATS = 3
 _LONGEST = 64
-# Slots: parameters, variables, angles and angular velocities of all marks, then their times and the
-# passages and impacts until then, then what is running: both counts, the fastest speed, the slowest
-# impact, the time held and the largest angle.
-_LONGEST_PERIOD, _TOLERANCE, _VARIABLES, _ANGLES = 0, 1, 2, 13
+# What is found, in the order of its slots behind the two parameters.
+_VARIABLES: dict[str, Quantity] = {
+    "response_period": Quantity("1", "p", "response period in drive periods"),
+    "periodicity": Quantity("1", "", "periodicity (0 rest, 1 periodic, 2 grazing, 3 aperiodic)"),
+    "recurrence_residual": Quantity("rad", r"\epsilon_p", "distance left after one period"),
+    "windings": Quantity("1", "W", "swings per drive period"),
+    "turns_per_period": Quantity("1", "R", "net turns per drive period"),
+    "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
+    "mirror_residual": Quantity("rad", r"\epsilon_m", "distance from the mirror image"),
+    "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
+    "slowest_impact": Quantity("rad/s", r"v_{min}", "closing speed of the slowest impact"),
+    "fastest_speed": Quantity("rad/s", r"\dot\theta_{max}", "largest angular speed"),
+    "largest_angle_watched": Quantity(
+        "rad", r"\theta_{max,late}", "largest angle in the periods watched"
+    ),
+}
+# Behind them come angles and angular velocities of all marks, then their times and the passages and
+# impacts until then, then running numbers: both counts, the fastest speed, the slowest impact, the
+# time held and the largest angle.
+_LONGEST_PERIOD, _TOLERANCE, _FIRST = 0, 1, 2
+_ANGLES = _FIRST + len(_VARIABLES)
 _PER_MARK = 5
 _PASSAGES, _IMPACTS, _FASTEST, _SLOWEST_IMPACT, _HELD, _LARGEST, _RUNNING = range(7)
 
@@ -55,9 +72,14 @@ class Samples(NamedTuple):
 
 
 @formula
-def _distance(numbers: Any, at: Samples, lag: int, frequency: float, image: bool) -> float:
-    """Return the largest distance between samples that far apart, or from their mirror image."""
-    found = 0.0
+def _distance(
+    numbers: Any, at: Samples, lag: int, frequency: float, image: bool, limit: float
+) -> float:
+    """Return the largest distance between samples that far apart, or from their mirror image.
+
+    Once it exceeds the limit any larger number will do.
+    """
+    found: float = 0.0
     for ball in range(at.balls):
         other = at.balls - 1 - ball if image else ball
         sign = 1.0 if image else -1.0
@@ -68,6 +90,8 @@ def _distance(numbers: Any, at: Samples, lag: int, frequency: float, image: bool
             turn -= math.tau * floor(turn / math.tau + 0.5)
             speed = numbers[at.velocity + here] + sign * numbers[at.velocity + there]
             found = max(found, abs(turn), abs(speed) / frequency)
+            if found > limit:
+                return found
     return found
 
 
@@ -75,7 +99,7 @@ def _distance(numbers: Any, at: Samples, lag: int, frequency: float, image: bool
 def find_period(
     numbers: Any, at: Samples, frequency: float, longest: int, angle_tolerance: float
 ) -> tuple[float, float]:
-    """Return the shortest lag after which stroboscopic samples recur, and the distance left.
+    """Return the shortest lag after which stroboscopic samples recur, and how far they are apart.
 
     Parameters
     ----------
@@ -97,7 +121,7 @@ def find_period(
     """
     residual = math.inf
     for lag in range(1, longest + 1):
-        distance = _distance(numbers, at, lag, frequency, False)
+        distance = _distance(numbers, at, lag, frequency, False, max(residual, angle_tolerance))
         residual = min(residual, distance)
         if distance <= angle_tolerance:
             return float(lag), residual
@@ -109,13 +133,13 @@ def find_mirror(numbers: Any, at: Samples, frequency: float, period: float) -> t
     """Return how far periodic samples are from their mirror image, and the shift of the closest.
 
     The mirror image of one ball is ``-angle``, of two balls ``(-angle of the other)``. A motion is
-    symmetric if it equals its image, maybe some whole drive periods later. Parameters are those of
-    `find_period`; NaN where the period is.
+    symmetric if it equals its image, maybe some whole drive periods later. `period` is the result
+    of `find_period`, other parameters are the same; NaN where the period is.
     """
     residual, shift = math.inf, math.nan
     for lag in range(at.marks):
         if lag < period:
-            distance = _distance(numbers, at, lag, frequency, True)
+            distance = _distance(numbers, at, lag, frequency, True, residual)
             shift = float(lag) if distance < residual else shift
             residual = min(residual, distance)
     return residual if residual < math.inf else math.nan, shift
@@ -129,7 +153,7 @@ def _marks(acc: Any, i: int, n: int) -> int:
 
 @formula
 def _running(acc: Any, i: int, n: int) -> int:
-    """Return the place of the first slot of what is running."""
+    """Return the index of the first running number."""
     return i + (_ANGLES + _PER_MARK * _marks(acc, i, n)) * n
 
 
@@ -191,7 +215,7 @@ def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     span, angles = acc[last + 2 * apart] - acc[first + 2 * apart], 0.0
     for m in range(watched + 1):
         angles += acc[first + m * n] - acc[first + m * n]
-    for m in range(_VARIABLES, _ANGLES):
+    for m in range(_FIRST, _ANGLES):
         acc[i + m * n] = math.nan
     if not (span > 0.0 and angles == 0.0):
         return
@@ -211,7 +235,7 @@ def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     passages = (acc[last + 3 * apart] - acc[last + 3 * apart - lag * n]) / lag
     impacts = (acc[last + 4 * apart] - acc[last + 4 * apart - lag * n]) / lag
     mirror, shift = find_mirror(acc, samples, frequency, period)
-    k = i + _VARIABLES * n
+    k = i + _FIRST * n
     acc[k] = period
     acc[k + n] = 0.0 if rests else (2.0 if grazes else 1.0) if recurs else 3.0
     acc[k + 2 * n] = residual
@@ -225,43 +249,10 @@ def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     acc[k + 10 * n] = acc[j + _LARGEST * n]
 
 
-@observables.register("response_period")
 @dataclass(frozen=True, kw_only=True)
-class ResponsePeriod(Observable):
-    """After how many drive periods the motion repeats, from the last drive periods of the run.
+class _Period(Observable):
+    """What both observables of periods share."""
 
-    ``3 longest`` drive periods before the end are watched. The motion has the period p if all
-    samples that are p drive periods apart agree within `angle_tolerance` in the angle, modulo
-    2 pi, and in the angular velocity over the drive frequency. `periodicity` tells rest (0: never
-    faster than `angle_tolerance` times the drive frequency; its period is 1), periodic (1),
-    grazing (2: periodic without rest, with an impact slower than that) and aperiodic (3: chaotic,
-    quasiperiodic, longer than `longest`, or not settled yet). NaN where the run is too short.
-
-    `windings` are half the passages through the hanging position per drive period: swings per
-    drive period. `turns_per_period` are net turns per drive period; a rotating pendulum passes the
-    hanging position once per turn. `impacts_per_period` counts impacts. All are over the largest
-    whole number of response periods watched. `mirror_residual` is the distance of a periodic
-    motion of one angle without walls from its mirror image, `mirror_shift` drive periods later.
-    `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
-    """
-
-    variables: ClassVar[Any] = {
-        "response_period": Quantity("1", "p", "response period in drive periods"),
-        "periodicity": Quantity(
-            "1", "", "periodicity (0 rest, 1 periodic, 2 grazing, 3 aperiodic)"
-        ),
-        "recurrence_residual": Quantity("rad", r"\epsilon_p", "distance left after one period"),
-        "windings": Quantity("1", "W", "swings per drive period"),
-        "turns_per_period": Quantity("1", "R", "net turns per drive period"),
-        "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
-        "mirror_residual": Quantity("rad", r"\epsilon_m", "distance from the mirror image"),
-        "mirror_shift": Quantity("1", "k", "drive periods to the closest mirror image"),
-        "slowest_impact": Quantity("rad/s", r"v_{min}", "closing speed of the slowest impact"),
-        "fastest_speed": Quantity("rad/s", r"\dot\theta_{max}", "largest angular speed"),
-        "largest_angle_watched": Quantity(
-            "rad", r"\theta_{max,late}", "largest angle in the periods watched"
-        ),
-    }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     start: ClassVar[Any] = staticmethod(_start)
     step: ClassVar[Any] = staticmethod(_step)
@@ -291,17 +282,40 @@ class ResponsePeriod(Observable):
     @property
     def memory(self) -> int:
         """Variables, marks and what is running."""
-        return _ANGLES - _VARIABLES + _PER_MARK * self.marks + _RUNNING
+        return _ANGLES - _FIRST + _PER_MARK * self.marks + _RUNNING
+
+
+@observables.register("response_period")
+@dataclass(frozen=True, kw_only=True)
+class ResponsePeriod(_Period):
+    """After how many drive periods the motion repeats, from the last drive periods of the run.
+
+    ``3 longest`` drive periods before the end are watched. The motion has the period p if all
+    samples that are p drive periods apart agree within `angle_tolerance` in the angle, modulo
+    2 pi, and in the angular velocity over the drive frequency. `periodicity` tells rest (0: never
+    faster than `angle_tolerance` times the drive frequency; its period is 1), periodic (1),
+    grazing (2: periodic without rest, with an impact slower than that) and aperiodic (3: chaotic,
+    quasiperiodic, longer than `longest`, or not settled yet). NaN where the run is too short.
+
+    `windings` are half the passages through the hanging position per drive period: swings per
+    drive period. `turns_per_period` are net turns per drive period; a rotating pendulum passes the
+    hanging position once per turn. `impacts_per_period` counts impacts. All are over the largest
+    whole number of response periods watched. `mirror_residual` is the distance of a periodic
+    motion of one angle without walls from its mirror image, `mirror_shift` drive periods later.
+    `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
+    """
+
+    variables: ClassVar[Any] = _VARIABLES
 
 
 @observables.register("response_samples")
 @dataclass(frozen=True, kw_only=True)
-class ResponseSamples(ResponsePeriod):
+class ResponseSamples(_Period):
     """What `ResponsePeriod` finds, with the samples it finds it from.
 
     The samples are those of `Stroboscope`: the ends of ``3 longest`` drive periods.
     """
 
-    variables: ClassVar[Any] = {**ResponsePeriod.variables, **Stroboscope.variables}
+    variables: ClassVar[Any] = {**_VARIABLES, **Stroboscope.variables}
     dimension: ClassVar[str] = "sample"
-    plain: ClassVar[Any] = frozenset(ResponsePeriod.variables)
+    plain: ClassVar[Any] = frozenset(_VARIABLES)

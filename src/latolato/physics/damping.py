@@ -83,9 +83,9 @@ def drag(velocity: float, sign: float, rate: float, quadratic: float, coulomb: f
 
 
 @formula
-def static_friction(pull: float, coulomb: float) -> float:
-    """Return the friction on a ball without motion: it balances the pull as far as it can."""
-    return min(max(pull, -coulomb), coulomb)
+def static_friction(force: float, limit: float) -> float:
+    """Return the static friction [N] that opposes a tangential force, at most `limit`."""
+    return min(max(force, -limit), limit)
 
 
 @formula

@@ -105,7 +105,7 @@ def run_scalar(
     many = piece_of(many_recipe(plan.system.angles, batch.points.stretches.dtype))
     words = np.array(words_of(job, empty_job(batch.points.stretches.dtype)))
     many.call(words.ctypes.data)
-    del pieces  # until now their code was called
+    del pieces  # keeps the compiled code until here
 
 
 def run_fastest(
@@ -146,7 +146,7 @@ def run_fastest(
     lanes = piece_of(lanes_recipe(batch.points.stretches.dtype, *laws))
     words = np.array(words_of(task, empty_task(batch.points.stretches.dtype)))
     lanes.call(words.ctypes.data)
-    del pieces, looking, locate  # until now their code was called
+    del pieces, looking, fly, locate, lanes  # keep the compiled code until here
 
 
 def has_lanes(plan: Plan) -> bool:

@@ -261,6 +261,8 @@ def make_plan(
             f"transient must be shorter than the duration {length:g} s, got {transient:g}"
         )
     watched = tuple(checked_observable(o) for o in _listed(observables))
+    for observable in watched:
+        observable.check_memory()
     names = [name for o in watched for name in o.variables]
     for name in names:
         if names.count(name) > 1:

@@ -43,6 +43,8 @@ from latolato.sweeps.plan import Plan
 Floats = NDArray[np.float64]
 Columns = dict[str, Floats]
 
+# A last drive period counts as complete if it ends this little after the run (relative).
+LAST_PERIOD = 1e-14
 _OUT_OF_RANGE = "the numbers of this point leave the range of floats"
 
 
@@ -309,7 +311,7 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
     if marks:
         period = _drive_period(columns)
         with np.errstate(invalid="ignore"):
-            last = np.floor(plan.duration / period * (1.0 + 1e-14))
+            last = np.floor(plan.duration / period * (1.0 + LAST_PERIOD))
             numbers = last[:, None] - np.arange(marks - 1, -1, -1)
             instants = np.minimum(numbers * period[:, None], plan.duration)
         seen = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])

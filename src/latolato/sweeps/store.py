@@ -49,7 +49,7 @@ from latolato.sweeps.layout import (
     with_reason,
 )
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import in_order
+from latolato.sweeps.results import in_order, template
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,6 +178,15 @@ class Store:
             raise InputError(
                 f"the store '{self.path}' holds another sweep: "
                 f"{_shortened(differences(stored, asked))}",
+                way_out="name another path, or delete the store to start again",
+            )
+        stored_names = {key.partition("/")[0] for key in documents(found.root)}
+        unknown = [name for name in template(self.plan) if name not in stored_names]
+        if unknown:
+            version = found.root["attributes"]["latolato_version"]
+            raise InputError(
+                f"the store '{self.path}' has no {', '.join(unknown)}: the observables of latolato "
+                f"{version} did not give that yet",
                 way_out="name another path, or delete the store to start again",
             )
         return found

@@ -5,6 +5,9 @@
  * @typedef {import("./memory.js").Kernels} Kernels
  */
 
+// The usual side of a crank's guide.
+const BELOW = -1;
+
 /**
  * Return the stretches of a drive's motion.
  * @param {Kernels} kernels of the module `one` or `two`
@@ -15,6 +18,9 @@
 export function shake(kernels, kind, parameters) {
   const { bundles, drives } = kernels.layout;
   if (!drives.includes(kind)) throw new Error(`no drive is called ${kind}`);
+  const known = bundles.shaking.map(({ name }) => name.slice("drive.".length));
+  const wrong = Object.keys(parameters).find((name) => !known.includes(name));
+  if (wrong !== undefined) throw new Error(`no drive has the parameter ${wrong}`);
   const times = parameters.times ?? [];
   // A change takes two stretches; one more lies before all of them, and one behind.
   const stretches = kernels.take("stretch", 2 * (Array.isArray(times) ? times.length : 1) + 2);
@@ -24,7 +30,8 @@ export function shake(kernels, kind, parameters) {
   for (const { name, dimensions } of bundles.shaking) {
     if (name in values) continue;
     const value = parameters[name.slice("drive.".length)];
-    values[name] = dimensions === undefined ? Number(value ?? 0) : listed(kernels, value);
+    const usual = name === "drive.side" ? BELOW : 0;
+    values[name] = dimensions === undefined ? Number(value ?? usual) : listed(kernels, value);
   }
   values["drive.kind"] = drives.indexOf(kind);
   kernels.call("shake", "shaking", values);

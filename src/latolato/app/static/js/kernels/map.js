@@ -10,25 +10,36 @@ import { runPoints } from "./points.js";
  * One number for all points, or one for each.
  * @typedef {number | Float64Array} Column
  *
- * Points of a map: their number, fields of the record `case` by their paths (others are zero, an
- * offset and bounds of the drive not given), the drive, what is gathered (only observables that
- * look at no drive periods take other parameters than the usual ones), for how long in seconds, and
- * the drive's period [s] for those that do look.
- * @typedef {{count: number, parameters: Record<string, Column>,
- *   drive: {kind: string, parameters: Record<string, Column | number[]>},
- *   observables: {name: string, parameters?: Record<string, number>}[],
- *   duration: number, transient?: Column, period?: Column, contact_limit?: number}} Question
+ * Points of a map. Nothing is checked against the ranges that parameters have.
+ * @typedef {object} Question
+ * @property {number} count of points
+ * @property {Record<string, Column>} parameters fields of the record `case` by their paths, such as
+ *   `balls.0.mass`; others are zero, an offset and bounds of the drive not given. `is_linear`,
+ *   `meets` (whether there are walls) and other whole numbers are the same for all points.
+ * @property {{kind: string, parameters: Record<string, Column | number[]>}} drive
+ * @property {{name: string, parameters?: Record<string, number>}[]} observables only those that look
+ *   at no drive periods take other parameters than the usual ones
+ * @property {number} duration [s]
+ * @property {Column} [transient] [s], 0 if it is left out
+ * @property {Column} [period] of the drive [s], for observables that look at drive periods
+ * @property {number} [contact_limit] contacts after which a point is given up
+ *
+ * @typedef {{about: import("./memory.js").Observable, numbers: number[], first: number}} Observer
  */
 
-const CONTACT_LIMIT = 1_000_000;
-// Of one ball; two have four.
-const EXPONENTS = 2;
 const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
-// A drive period that ends this close behind the run's end, as a share, ends within it.
-const LAST = 1e-14;
+// Lyapunov exponents of one ball; a pair has four.
+const EXPONENTS = 2;
+const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping"];
+// What is found out here, or is the same for all points.
+const OWN = ["angles", "is_rough", "follows_tension"];
+const FLAGS = ["is_linear", "meets"];
 
 /** @type {(column: Column, k: number) => number} */
 const at = (column, k) => (typeof column === "number" ? column : column[k]);
+
+/** @type {(column: Column, holds: (value: number) => boolean) => boolean} */
+const some = (column, holds) => (typeof column === "number" ? holds(column) : column.some(holds));
 
 /**
  * Return the values of all points by variable, point after point, NaN where a point has none, and
@@ -38,17 +49,34 @@ const at = (column, k) => (typeof column === "number" ? column : column[k]);
  * @returns {{status: Uint8Array, problems: Uint8Array, values: Record<string, Float64Array>}}
  */
 export function computeMap(kernels, question) {
-  const { layout } = kernels;
-  const { count, parameters, drive, duration, contact_limit = CONTACT_LIMIT } = question;
   const first = kernels.take("f8", 0);
-  const watched = question.observables.map((each) => watchedBy(kernels, each));
-  const marks = Math.max(0, ...watched.map(({ about }) => about.marks));
-  const slots = watched.reduce((sum, { about }) => sum + about.slots, 0);
-  const { stretches, firsts } = shaken(kernels, count, drive);
-  const cases = kernels.take("case", count);
-  for (const [path, column] of Object.entries({ ...ABSENT, ...parameters, duration })) {
-    fill(kernels, cases, path, column);
+  try {
+    return computed(kernels, question);
+  } finally {
+    kernels.release(first);
   }
+}
+
+/**
+ * @param {Kernels} kernels
+ * @param {Question} question
+ */
+function computed(kernels, question) {
+  const { layout } = kernels;
+  const { count, drive, duration, contact_limit = layout.contact_limit } = question;
+  check(question);
+  const observers = observersOf(kernels, question.observables);
+  const marks = Math.max(0, ...observers.map(({ about }) => about.marks));
+  const slots = observers.reduce((sum, { about }) => sum + about.slots, 0);
+  const { is_linear = 0, meets = 0 } = question.parameters;
+  const needs = new Set(observers.flatMap(({ about }) => about.needs));
+  const isRough = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
+  const followsTension = needs.has("slack") && !is_linear;
+  const { stretches, firsts } = stretchesOf(kernels, count, drive);
+  const cases = kernels.take("case", count);
+  const parameters = { ...ABSENT, ...question.parameters, duration, angles: 1,
+    is_rough: Number(isRough), follows_tension: Number(followsTension) };
+  for (const [path, column] of Object.entries(parameters)) fill(kernels, cases, path, column);
   const points = {
     settings: kernels.take("settings", count), bodies: kernels.take("body", count, 1), stretches,
     firsts, kick_times: kernels.take("f8", 0), kick_sizes: kernels.take("f8", 1, 0),
@@ -59,71 +87,102 @@ export function computeMap(kernels, question) {
     states: kernels.take("state", count), begun: kernels.take("state", count),
     status: kernels.take("i8", count), acc: kernels.take("f8", slots * count),
   };
-  const problems = kernels.take("i8", count);
-  const impossible = layout.problems.indexOf("out of range");
+  const held = kernels.take("i8", count);
+  const impossible = BigInt(layout.problems.indexOf("out of range"));
   writeStops(kernels, question, marks, points.stops, (k) => {
-    kernels.numbers(problems)[k] = BigInt(impossible);
+    kernels.numbers(held)[k] = impossible;
   });
   kernels.call("prepare", "cases", {
     cases, stretches, firsts, settings: points.settings, bodies: points.bodies,
-    states: progress.states, problems,
+    states: progress.states, problems: held,
   });
-  const found = Uint8Array.from(kernels.numbers(problems), Number);
-  let next = 0;
-  for (const each of watched) {
-    each.first = next;
-    kernels.numbers(progress.acc).set(
-      each.numbers.flatMap((number) => Array(count).fill(number)), next * count);
-    next += each.about.slots;
+  const problems = Uint8Array.from(kernels.numbers(held), Number);
+  for (const { numbers, first } of observers) {
+    const acc = kernels.numbers(progress.acc);
+    numbers.forEach((number, m) => acc.fill(number, (first + m) * count, (first + m + 1) * count));
   }
-  const order = longestFirst(kernels, points.settings, found);
+  const order = longestFirst(kernels, points.settings, problems);
   if (order.shape[0]) {
-    const { is_linear = 0, is_rough = 0, meets = 0 } = parameters;
-    const rotates = layout.rotating_drives.includes(drive.kind);
-    const inLanes = rotates && !is_rough && !watched.some(({ about }) => about.needs.includes("slack"));
-    const weights = Object.entries(layout.steppers[is_rough ? "rough" : "smooth"])
-      .filter(([, numbers]) => Array.isArray(numbers))
-      .map(([name, numbers]) => [name, listed(kernels, numbers)]);
-    runPoints(kernels, {
-      order, points, progress, stepper: Object.fromEntries(weights), slots,
-      is_linear: Boolean(is_linear),
-    }, layout.occasions.map((name) => shown(watched, name)), inLanes ? {
-      walled: Boolean(meets), shown: [shown(watched, "show"), shown(watched, "follow")],
-      needs: layout.shared_needs.filter((need) => watched.some(({ about }) => about.needs.includes(need))),
+    const inLanes = layout.rotating_drives.includes(drive.kind) && !isRough && !needs.has("slack");
+    const { kicks, drifts, nodes } = layout.steppers[isRough ? "rough" : "smooth"];
+    const stepper = { kicks: copied(kernels, kicks), drifts: copied(kernels, drifts),
+      nodes: copied(kernels, nodes) };
+    const all = { order, points, progress, stepper, slots, is_linear: Boolean(is_linear) };
+    runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), inLanes ? {
+      walled: Boolean(meets), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
+      needs: layout.shared_needs.filter((need) => needs.has(need)),
     } : null);
   }
   const invalid = layout.statuses.indexOf("invalid");
-  const status = Uint8Array.from(kernels.numbers(progress.status), (number, k) =>
-    (found[k] ? invalid : Number(number)));
-  const values = read(kernels, watched, progress.acc, status);
-  kernels.release(first);
-  return { status, problems: found, values };
+  const ended = kernels.numbers(progress.status);
+  const status = problems.map((problem, k) => (problem ? invalid : Number(ended[k])));
+  return { status, problems, values: valuesOf(kernels, observers, progress.acc, status) };
 }
 
 /**
- * Return an observable with the numbers of its first slots.
- * @param {Kernels} kernels
- * @param {{name: string, parameters?: Record<string, number>}} asked
+ * Throw what a question contradicts.
+ * @param {Question} question
  */
-function watchedBy(kernels, { name, parameters = {} }) {
-  const about = kernels.layout.observables[name];
-  if (!about) throw new Error(`no observable is called ${name}`);
-  for (const key of Object.keys(parameters)) {
-    if (!(key in about.parameters)) throw new Error(`${name} has no parameter ${key}`);
-    if (about.marks) throw new Error(`${name} takes its usual parameters only`);
+function check({ count, parameters, drive, transient = 0, period = 0 }) {
+  for (const name of OWN) {
+    if (name in parameters) throw new Error(`${name} is found out from the other parameters`);
   }
-  const numbers = Object.entries(about.parameters).map(([key, usual]) => parameters[key] ?? usual);
-  return { about, numbers, first: 0 };
+  for (const name of FLAGS) {
+    const flag = parameters[name] ?? 0;
+    if (flag !== 0 && flag !== 1) throw new Error(`${name} must be 0 or 1 for all points`);
+  }
+  if (parameters.is_linear && parameters.meets) {
+    throw new Error("the linear restoring law knows no walls");
+  }
+  const columns = { ...parameters, ...drive.parameters, transient, period };
+  for (const [name, column] of Object.entries(columns)) {
+    if (column instanceof Float64Array && column.length !== count) {
+      throw new Error(`${name} must have ${count} numbers, one for each point, got ${column.length}`);
+    }
+  }
+  if (some(transient, (value) => !(value >= 0))) throw new Error("transient must be at least 0 s");
 }
 
 /**
- * Return what observables are shown on an occasion: pairs of first slot and piece.
- * @param {{about: import("./memory.js").Observable, first: number}[]} watched
+ * Return observables with the numbers of their parameters and their first slots.
+ * @param {Kernels} kernels
+ * @param {Question["observables"]} asked
+ * @returns {Observer[]}
+ */
+function observersOf(kernels, asked) {
+  const { observables } = kernels.layout;
+  let first = 0;
+  const observers = asked.map(({ name, parameters = {} }) => {
+    if (!Object.hasOwn(observables, name)) throw new Error(`no observable is called ${name}`);
+    const about = observables[name];
+    if (about.angles > 1) throw new Error(`${name} belongs to systems of ${about.angles} angles`);
+    for (const key of Object.keys(parameters)) {
+      if (!Object.hasOwn(about.parameters, key)) throw new Error(`${name} has no parameter ${key}`);
+      if (about.marks) throw new Error(`${name} takes its usual parameters only`);
+    }
+    const numbers = Object.entries(about.parameters).map(([key, usual]) => parameters[key] ?? usual);
+    const found = { about, numbers, first };
+    first += about.slots;
+    return found;
+  });
+  const variables = observers.flatMap(({ about }) => Object.keys(about.widths));
+  const twice = variables.find((name, i) => variables.indexOf(name) !== i);
+  if (twice) throw new Error(`two observables both give ${twice}: drop one`);
+  const marks = new Set(observers.map(({ about }) => about.marks).filter(Boolean));
+  if (marks.size > 1) {
+    throw new Error("observables that look at drive periods must look at equally many: ask for one");
+  }
+  return observers;
+}
+
+/**
+ * Return the pieces that are called on an occasion, each behind its first slot.
+ * @param {Observer[]} observers
  * @param {string} occasion
  * @returns {[number, string][]}
  */
-function shown(watched, occasion) {
-  return watched.filter(({ about }) => occasion in about.pieces)
+function piecesFor(observers, occasion) {
+  return observers.filter(({ about }) => occasion in about.pieces)
     .map(({ about, first }) => [first, about.pieces[occasion]]);
 }
 
@@ -133,7 +192,7 @@ function shown(watched, occasion) {
  * @param {number} count
  * @param {Question["drive"]} drive
  */
-function shaken(kernels, count, { kind, parameters }) {
+function stretchesOf(kernels, count, { kind, parameters }) {
   const firsts = kernels.take("i8", count + 1);
   const parts = [];
   for (let k = 0, size = 0; k < count; k += 1) {
@@ -148,7 +207,11 @@ function shaken(kernels, count, { kind, parameters }) {
   }
   const stretches = kernels.take("stretch", Number(kernels.numbers(firsts)[count]));
   const bytes = kernels.bytes(stretches);
-  parts.reduce((end, part) => (bytes.set(part, end), end + part.length), 0);
+  let end = 0;
+  for (const part of parts) {
+    bytes.set(part, end);
+    end += part.length;
+  }
   return { stretches, firsts };
 }
 
@@ -167,11 +230,11 @@ function fill(kernels, records, path, column) {
 }
 
 /**
- * Return numbers as an array in memory.
+ * Return a copy of numbers in memory.
  * @param {Kernels} kernels
  * @param {number[]} numbers
  */
-function listed(kernels, numbers) {
+function copied(kernels, numbers) {
   const held = kernels.take("f8", numbers.length);
   kernels.numbers(held).set(numbers);
   return held;
@@ -183,7 +246,7 @@ function listed(kernels, numbers) {
  * @param {Question} question
  * @param {number} marks
  * @param {Held} stops
- * @param {(k: number) => void} refuse called for points whose transient has no end
+ * @param {(k: number) => void} refuse called for points whose transient does not end before the run
  */
 function writeStops(kernels, question, marks, stops, refuse) {
   const { count, duration, transient = 0, period = NaN } = question;
@@ -192,7 +255,7 @@ function writeStops(kernels, question, marks, stops, refuse) {
     const row = numbers.subarray(k * (2 + marks), (k + 1) * (2 + marks));
     const begin = at(transient, k);
     const each = at(period, k);
-    const last = Math.floor((duration / each) * (1 + LAST));
+    const last = Math.floor((duration / each) * (1 + kernels.layout.last_period));
     for (let mark = 0; mark < marks; mark += 1) {
       const number = last - (marks - 1 - mark);
       const instant = Math.min(number * each, duration);
@@ -223,24 +286,24 @@ function longestFirst(kernels, settings, problems) {
 /**
  * Return the variables of all points from their slots.
  * @param {Kernels} kernels
- * @param {{about: import("./memory.js").Observable, first: number, numbers: number[]}[]} watched
+ * @param {Observer[]} observers
  * @param {Held} acc
  * @param {Uint8Array} status
  */
-function read(kernels, watched, acc, status) {
+function valuesOf(kernels, observers, acc, status) {
   const bad = kernels.layout.statuses.indexOf("event_limit");
   const slots = kernels.numbers(acc);
   const count = status.length;
   /** @type {Record<string, Float64Array>} */
   const values = {};
-  for (const { about, first, numbers } of watched) {
+  for (const { about, first, numbers } of observers) {
     let slot = first + numbers.length;
     for (const [name, width] of Object.entries(about.widths)) {
-      const each = about.dimension === "exponent" ? EXPONENTS : width;
-      const found = new Float64Array(count * each);
+      const kept = about.dimension === "exponent" ? EXPONENTS : width;
+      const found = new Float64Array(count * kept);
       for (let k = 0; k < count; k += 1) {
-        for (let m = 0; m < each; m += 1) {
-          found[k * each + m] = status[k] >= bad ? NaN : slots[(slot + m) * count + k];
+        for (let m = 0; m < kept; m += 1) {
+          found[k * kept + m] = status[k] >= bad ? NaN : slots[(slot + m) * count + k];
         }
       }
       values[name] = found;

@@ -18,12 +18,13 @@
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
  *   drives: string[], rotating_drives: string[], steppers: Record<string, Weights>,
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
+ *   contact_limit: number, last_period: number,
  *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
  *
  * An observable with its usual parameters: how many slots each of its variables has, how many ends
  * of drive periods it looks at, all its slots, and the pieces that are called on each occasion.
- * @typedef {{parameters: Record<string, number>, dimension: string, widths: Record<string, number>,
- *   marks: number, slots: number, needs: string[], pieces: Record<string, string>}} Observable
+ * @typedef {{parameters: Record<string, number>, dimension: string, angles: number,
+ *   widths: Record<string, number>, marks: number, slots: number, needs: string[], pieces: Record<string, string>}} Observable
  * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 
@@ -86,10 +87,11 @@ export class Kernels {
   take(type, ...shape) {
     const { memory } = this.exports;
     const at = Math.ceil(this.top / ALIGNMENT) * ALIGNMENT;
-    this.top = at + count(shape) * this.size(type);
-    const missing = this.top - memory.buffer.byteLength;
+    const end = at + count(shape) * this.size(type);
+    const missing = end - memory.buffer.byteLength;
     if (missing > 0) memory.grow(Math.ceil(missing / PAGE));
-    new Uint8Array(memory.buffer, at, this.top - at).fill(0);
+    this.top = end;
+    new Uint8Array(memory.buffer, at, end - at).fill(0);
     return { at, type, shape };
   }
 
