@@ -64,8 +64,11 @@ def write_video(
                 stream = file.add_stream("libx264", rate=rate)
                 stream.height, stream.width = planes.shape[0] * 2 // 3, planes.shape[1]
                 stream.pix_fmt = "yuv420p"
-                # One thread and two encode alike only with a fixed number of them.
-                stream.options = {"preset": "veryfast", "crf": str(crf), "threads": "2"}
+                # One thread and two encode alike only with a fixed number of them; with `mbtree`
+                # the x264 of PyAV 18 encodes the same pictures in several ways (AVX-512).
+                stream.options = {
+                    "preset": "veryfast", "crf": str(crf), "threads": "2", "mbtree": "0"
+                }  # fmt: skip
                 context = stream.codec_context
                 if key_every is not None:
                     context.gop_size = key_every
