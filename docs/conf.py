@@ -21,6 +21,9 @@ from typing import Any
 
 import latolato
 
+sys.path.insert(0, str(Path(__file__).parent))
+from layers import drawing
+
 GENERATED = Path(__file__).parent / "_generated"
 
 project = "latolato"
@@ -229,6 +232,7 @@ def write_generated() -> None:
     GENERATED.mkdir(exist_ok=True)
     for name, text in pages.items():
         (GENERATED / f"{name}.md").write_text(text, encoding="utf-8")
+    (GENERATED / "layers.svg").write_text(drawing(), encoding="utf-8")
 
 
 write_generated()

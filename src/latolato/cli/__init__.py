@@ -1,1 +1,4 @@
-"""The command line, a module for each command. Nothing but the entry of the program imports it."""
+"""The command line, a module for each command.
+
+Imports everything; nothing but the entry of the program imports it.
+"""

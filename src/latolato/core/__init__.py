@@ -1,4 +1,4 @@
-"""What everything else builds on: quantities, registries, errors, formulas, the cache folder.
+"""What everything builds on: quantities, registries, errors, formulas, the cache.
 
 Imports nothing of the package.
 """
