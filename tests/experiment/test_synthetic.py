@@ -272,7 +272,7 @@ def test_what_is_no_run_is_refused(run, tmp_path):
 
 
 def test_the_same_pictures_are_always_encoded_alike(tmp_path):
-    # Large enough for the encoder's fast paths; x264 with `mbtree` failed this one time in four.
+    # Large enough for the encoder's fast paths; x264 with AVX-512 failed this one time in four.
     random = np.random.default_rng(7)
     still = random.integers(60, 200, (360, 320), dtype=np.uint8)
     pictures = [(3000 * k, np.roll(still, 2 * k, axis=1)) for k in range(60)]

@@ -23,6 +23,20 @@ def import_av() -> Any:
     return import_extra("av", "video", "writing videos")
 
 
+def _alike() -> dict[str, str]:
+    """Return the options with which x264 encodes the same pictures in one way only.
+
+    With AVX-512 there are several (seen with PyAV 18.1), with AVX2 there is one.
+    """
+    import llvmlite.binding as llvm
+
+    try:
+        has_avx512 = llvm.get_host_cpu_features().get("avx512f", False)
+    except RuntimeError:  # a processor that LLVM does not know
+        has_avx512 = False
+    return {"x264-params": "asm=avx2"} if has_avx512 else {}
+
+
 def write_video(
     path: Path,
     frames: Iterable[tuple[int, NDArray[np.uint8]]],
@@ -64,11 +78,8 @@ def write_video(
                 stream = file.add_stream("libx264", rate=rate)
                 stream.height, stream.width = planes.shape[0] * 2 // 3, planes.shape[1]
                 stream.pix_fmt = "yuv420p"
-                # One thread and two encode alike only with a fixed number of them; with `mbtree`
-                # the x264 of PyAV 18 encodes the same pictures in several ways (AVX-512).
-                stream.options = {
-                    "preset": "veryfast", "crf": str(crf), "threads": "2", "mbtree": "0"
-                }  # fmt: skip
+                # One thread and two encode alike only with a fixed number of them.
+                stream.options = {"preset": "veryfast", "crf": str(crf), "threads": "2", **_alike()}
                 context = stream.codec_context
                 if key_every is not None:
                     context.gop_size = key_every
