@@ -192,22 +192,16 @@ def test_gravity_is_found_although_one_turning_point_is_out_of_the_picture(tmp_p
     camera = Camera(
         width=320, height=240, pixels_per_metre=450.0, pivot_u=60.0, pivot_v=40.0, roll=0.1
     )
-    sigmas = []
-    for seed in range(1, 5):
-        path = tmp_path / f"aside{seed}.mp4"
-        clicks = synthesise_video(_free(), path, Scene(ball_radius=0.02), camera, seed=seed).attrs
-        pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
-        ball = clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]
-        found = track(path, pivot=pivot, balls=[ball], length=0.363)
-        # Elsewhere it is out of the picture.
-        assert 0.3 < (found["flag_1"] == "ok").mean() < 0.85
-        assert found.attrs["gravity_source"] == "fitted swing"
-        error = abs(found.attrs["gravity_direction"] - camera.roll)
-        sigmas.append(found.attrs["angle_offset_sigma"])
-        assert error < 1e-3
-        assert error < 3.0 * sigmas[-1]
-    # Where some frames more are flagged the swing leaves the offset open, and the sigma says so.
-    assert np.median(sigmas) < 0.005
+    path = tmp_path / "aside.mp4"
+    clicks = synthesise_video(_free(), path, Scene(ball_radius=0.02), camera, seed=5).attrs
+    pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
+    ball = clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]
+    found = track(path, pivot=pivot, balls=[ball], length=0.363)
+    assert 0.3 < (found["flag_1"] == "ok").mean() < 0.8  # elsewhere it is out of the picture
+    assert found.attrs["gravity_source"] == "fitted swing"
+    error = found.attrs["gravity_direction"] - camera.roll
+    assert abs(error) < 2.0 * found.attrs["angle_offset_sigma"]
+    assert found.attrs["angle_offset_sigma"] < 0.005
 
 
 def test_a_pattern_that_turns_is_warned_of(clips):

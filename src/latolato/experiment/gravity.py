@@ -207,19 +207,24 @@ def _swing_fit(
     frequency = 2.0 * math.pi / period * period_factor(float(swing[0]))
 
     def pendulum(frequency: float, rate: float) -> Pendulum:
-        drags = {drag: max(rate, 0.0)}
+        drags = {drag: rate}
         return Pendulum(length=1.0, mass=1.0, gravity=frequency**2, **drags)
 
     step = step_of(pendulum(frequency, 0.0), Static(), 2.0 * frequency)
 
     def rest(p: np.ndarray) -> np.ndarray:
-        system = pendulum(frequency * math.exp(min(max(p[1], -1.0), 1.0)), p[2])
+        system = pendulum(frequency * math.exp(p[1]), p[2])
         start = [p[3] - p[0]], [p[4]]
         path = angles_at(system, Static(), *start, times, step=step)[0] + p[0]
         return np.where(np.isfinite(path), path - swing, math.pi)
 
     guess = np.array([0.0, 0.0, 0.02 * frequency, float(swing[0]), 0.0])
-    fit = least_squares(rest, guess, loss="soft_l1", f_scale=1e-3, x_scale="jac", max_nfev=60)
+    # A drag that is cut off at zero instead would stay there: beyond it nothing depends on it.
+    low, high = np.array([-math.inf, -1.0, 0.0, -math.inf, -math.inf]), np.full(5, math.inf)
+    high[1] = 1.0
+    fit = least_squares(
+        rest, guess, bounds=(low, high), loss="soft_l1", f_scale=1e-3, x_scale="jac", max_nfev=60
+    )
     over = rest(fit.x)
     left_over = math.sqrt(float(np.mean(over**2)))
     # Neighbouring residuals go together: fewer of them count.
