@@ -5,6 +5,8 @@
  * @typedef {import("./memory.js").Kernels} Kernels
  */
 
+// Fields of a case that are no number where they are not given.
+export const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
 // The usual side of a crank's guide.
 const BELOW = -1;
 
@@ -31,23 +33,11 @@ export function shake(kernels, kind, parameters) {
     if (name in values) continue;
     const value = parameters[name.slice("drive.".length)];
     const usual = name === "drive.side" ? BELOW : 0;
-    values[name] = dimensions === undefined ? Number(value ?? usual) : listed(kernels, value);
+    values[name] = dimensions === undefined ? Number(value ?? usual) : kernels.copy(Array.isArray(value) ? value : []);
   }
   values["drive.kind"] = drives.indexOf(kind);
   kernels.call("shake", "shaking", values);
   return { ...stretches, shape: [Number(kernels.numbers(number)[0])] };
-}
-
-/**
- * Return numbers as an array in memory.
- * @param {Kernels} kernels
- * @param {number | number[] | undefined} values
- */
-function listed(kernels, values) {
-  const numbers = Array.isArray(values) ? values : [];
-  const held = kernels.take("f8", numbers.length);
-  kernels.numbers(held).set(numbers);
-  return held;
 }
 
 /**
@@ -62,8 +52,7 @@ export function begin(kernels, parameters, stretches) {
   const run = kernels.take("run", 1);
   const problem = kernels.take("i8", 1);
   const held = kernels.take("case", 1);
-  const absent = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
-  for (const [path, value] of Object.entries({ ...absent, ...parameters })) {
+  for (const [path, value] of Object.entries({ ...ABSENT, ...parameters })) {
     kernels.set(held, path, ...[value].flat());
   }
   kernels.call("begin", "beginning", { case: held, stretches, run, problem });

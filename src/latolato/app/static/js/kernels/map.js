@@ -1,6 +1,6 @@
 /** Maps of one ball, from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
 
-import { shake } from "./begin.js";
+import { ABSENT, shake } from "./begin.js";
 import { runPoints } from "./points.js";
 
 /**
@@ -27,7 +27,6 @@ import { runPoints } from "./points.js";
  * @typedef {{about: import("./memory.js").Observable, numbers: number[], first: number}} Observer
  */
 
-const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
 // Lyapunov exponents of one ball; a pair has four.
 const EXPONENTS = 2;
 const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping"];
@@ -105,8 +104,8 @@ function computed(kernels, question) {
   if (order.shape[0]) {
     const inLanes = layout.rotating_drives.includes(drive.kind) && !isRough && !needs.has("slack");
     const { kicks, drifts, nodes } = layout.steppers[isRough ? "rough" : "smooth"];
-    const stepper = { kicks: copied(kernels, kicks), drifts: copied(kernels, drifts),
-      nodes: copied(kernels, nodes) };
+    const stepper = { kicks: kernels.copy(kicks), drifts: kernels.copy(drifts),
+      nodes: kernels.copy(nodes) };
     const all = { order, points, progress, stepper, slots, is_linear: Boolean(is_linear) };
     runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), inLanes ? {
       walled: Boolean(meets), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
@@ -223,21 +222,10 @@ function stretchesOf(kernels, count, { kind, parameters }) {
  * @param {Column} column
  */
 function fill(kernels, records, path, column) {
+  const { numbers, step, type } = kernels.column(records, path);
   for (let k = 0; k < records.shape[0]; k += 1) {
-    const field = kernels.field(records, path, k);
-    kernels.numbers(field)[0] = field.type === "i8" ? BigInt(at(column, k)) : at(column, k);
+    numbers[k * step] = type === "i8" ? BigInt(at(column, k)) : at(column, k);
   }
-}
-
-/**
- * Return a copy of numbers in memory.
- * @param {Kernels} kernels
- * @param {number[]} numbers
- */
-function copied(kernels, numbers) {
-  const held = kernels.take("f8", numbers.length);
-  kernels.numbers(held).set(numbers);
-  return held;
 }
 
 /**
@@ -275,7 +263,8 @@ function writeStops(kernels, question, marks, stops, refuse) {
  * @param {Uint8Array} problems
  */
 function longestFirst(kernels, settings, problems) {
-  const steps = Array.from(problems, (_, k) => kernels.get(settings, "step", k));
+  const { numbers, step } = kernels.column(settings, "step");
+  const steps = Array.from(problems, (_, k) => numbers[k * step]);
   const valid = [...steps.keys()].filter((k) => problems[k] === 0);
   valid.sort((one, other) => steps[one] - steps[other] || one - other);
   const order = kernels.take("i8", valid.length);

@@ -96,6 +96,16 @@ export class Kernels {
   }
 
   /**
+   * Return a copy of numbers in memory.
+   * @param {number[]} numbers
+   */
+  copy(numbers) {
+    const held = this.take("f8", numbers.length);
+    this.numbers(held).set(numbers);
+    return held;
+  }
+
+  /**
    * Give an array back, and all that were taken after it.
    * @param {Held} held
    */
@@ -143,6 +153,19 @@ export class Kernels {
       found.shape = field.shape;
     }
     return found;
+  }
+
+  /**
+   * Return a view of a field of all records of an array, and the step from one to the next.
+   * @param {Held} records
+   * @param {string} path
+   * @returns {{numbers: any, step: number, type: string}}
+   */
+  column(records, path) {
+    const field = this.field(records, path);
+    const step = this.size(records.type) / WORD;
+    const size = Math.max(0, (records.shape[0] - 1) * step + 1);
+    return { numbers: this.numbers({ ...field, shape: [size] }), step, type: field.type };
   }
 
   /**
