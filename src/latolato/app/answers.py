@@ -78,11 +78,11 @@ def status_of(error: Exception) -> int:
 
 def refusal(status: int, error: Exception) -> JSONResponse:
     """Return one line that says why there is no other answer, and the option that it is about."""
-    return JSONResponse(told_of(error), status_code=status)
+    return JSONResponse(message_of(error), status_code=status)
 
 
-def told_of(error: Exception) -> dict[str, Any]:
-    """Return what a page is told of an error: one line, and the option that it is about."""
+def message_of(error: Exception) -> dict[str, Any]:
+    """Return the message of an error for a page, and the option that it is about."""
     return {"error": in_words(said_of(error)), "field": field_of(error)}
 
 

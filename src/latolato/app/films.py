@@ -22,7 +22,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import answered, refusal, status_of, told_of
+from latolato.app.answers import answered, message_of, refusal, status_of
 from latolato.app.film_jobs import film_workers_of, work
 from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
@@ -240,7 +240,7 @@ class _Clerk:
 
     async def refuse(self, number: int | None, error: Exception) -> None:
         """Tell why there is no answer."""
-        await self.tell({"job": number, **told_of(error)})
+        await self.tell({"job": number, **message_of(error)})
 
     def _begin(self, number: int, given: dict[str, Any]) -> None:
         """Begin what a frame asks for."""

@@ -25,7 +25,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import in_thread, told_of
+from latolato.app.answers import in_thread, message_of
 from latolato.app.session import Session, checked_object
 from latolato.app.toy import TICKS_PER_SECOND
 from latolato.core.errors import InputError
@@ -78,7 +78,7 @@ def parsed(text: str) -> Any:
 
 def told(error: Exception) -> str:
     """Return the frame that tells a page what was wrong."""
-    answer = told_of(error)
+    answer = message_of(error)
     return json.dumps({**answer, "error": answer["error"][:500]})
 
 

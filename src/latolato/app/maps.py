@@ -17,7 +17,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import answered, json_of, told_of
+from latolato.app.answers import answered, json_of, message_of
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 
@@ -109,7 +109,7 @@ async def _refuse(socket: WebSocket, error: Exception) -> None:
 
 def _line(error: Exception) -> str:
     """Return an error as a page reads it."""
-    told = told_of(error)
+    told = message_of(error)
     return json.dumps({**told, "error": told["error"][:_MOST_TOLD]})
 
 

@@ -75,7 +75,7 @@ class AnalysisCall:
     def _scenario(
         self, source: str | None, given: Mapping[str, Any], tables: Tables | None
     ) -> tuple[Scenario, Mapping[str, Any]]:
-        """Return the scenario with the options put in, and what ``[sweep]`` says of its run."""
+        """Return the scenario with the options put in, and what of ``[sweep]`` sets its run."""
         from latolato.physics.pendulum import systems
         from latolato.scenario.options import changes
         from latolato.scenario.scenario import Scenario, changed_tables, find
