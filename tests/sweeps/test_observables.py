@@ -273,7 +273,7 @@ def test_variables_of_two_balls_are_the_same_compiled():
 
 def test_every_registered_observable_is_held_against_a_dense_run():
     shown = set(by_hand("bouncing toy", 0.0)) | set(Stroboscope.variables)
-    shown |= set(ResponseSamples.variables)  # in tests/analysis/test_response_period.py
+    shown |= set(ResponseSamples.variables)  # in tests/analysis/test_periods.py
     for name, kind in observables.items():
         # What becomes of deviations is held against differences, in tests/analysis/test_flow.py.
         assert kind.tangent is not None or set(kind.variables) <= shown, name

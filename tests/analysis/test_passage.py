@@ -8,7 +8,7 @@ from scipy.special import expi
 
 import latolato as ll
 from latolato.analysis import activation_time
-from latolato.analysis.activation_time import censored_mean
+from latolato.analysis.passage import censored_mean
 from latolato.analysis.starts import hanging_angles
 from latolato.figures.analyses.activation_time import draw
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.floquet import floquet
+from latolato.analysis.multipliers import floquet
 from latolato.analysis.mathieu import mathieu_growth_rate
 
 NATURAL = math.sqrt(9.8)

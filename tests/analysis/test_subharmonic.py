@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import mathieu_tongue_edges, time_crystal
-from latolato.analysis.time_crystal import (
+from latolato.analysis.subharmonic import (
     _HANN_WIDTH,
     _demodulated,
     _survival,

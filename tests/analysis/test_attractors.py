@@ -7,8 +7,8 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import basin_entropy, basins, first_push
-from latolato.analysis.basins import UNRESOLVED, find_attractors
-from latolato.analysis.first_push import rest_angles
+from latolato.analysis.attractors import UNRESOLVED, find_attractors
+from latolato.analysis.push import rest_angles
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
