@@ -126,8 +126,16 @@ def ask(source=None, **given):
 def test_without_a_name_all_analyses_are_listed_with_what_they_return():
     for text in (run("analyse"), run("analyse", "--help")):
         for name, function in analyses.items():
-            assert name in text
+            assert name.replace("_", "-") in text
             assert summary_of(function).split()[0] in text
+
+
+def test_both_spellings_of_both_words_are_understood():
+    for one, other in (("analyse", "analyze"), ("synthesise", "synthesize")):
+        assert run(one, "--help").split() == run(other, "--help").replace(other, one).split()
+        assert f" {other} " not in run("--help")
+    with_dash, without = (run("analyse", f"tongue{mark}edges", "--help") for mark in "-_")
+    assert without.replace("tongue_edges", "tongue-edges") == with_dash
 
 
 @pytest.mark.parametrize("name", analyses)
@@ -225,7 +233,7 @@ def test_noise_comes_from_the_scenario():
         return labelled("floquet", {"a": noise_strength}, quantities={"a": Quantity("1", "", "a")})
 
     Path("noisy.toml").write_text(
-        '[system]\nkind = "pendulum"\nlength = 1.0\nmass = 1.0\n[noise]\nstrength = 0.25\n'
+        '[system]\nkind = "pendulum"\nlength = 1.0\nmass = 1.0\n[noise]\nnoise_strength = 0.25\n'
     )
     question = AnalysisCall("noisy", noisy, options_of(noisy))
     assert question.arguments("noisy.toml", {})["noise_strength"] == 0.25

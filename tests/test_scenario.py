@@ -133,11 +133,11 @@ def test_two_balls_are_two_tables():
 def test_noise_and_clamp_are_built_from_their_tables():
     found = scenario(
         TOY,
-        noise={"strength": 0.1, "seed": 3},
+        noise={"noise_strength": 0.1, "noise_seed": 3},
         run={**RUN, "contact": "clamp", "clamp_step": "2 ms"},
     )
-    assert found.run["noise"] == ll.VelocityKicks(strength=0.1, seed=3)
-    assert found.run["contact"] == ll.Clamp(step=2e-3)
+    assert found.run["noise"] == ll.VelocityKicks(noise_strength=0.1, noise_seed=3)
+    assert found.run["contact"] == ll.ClampContact(clamp_step=2e-3)
     assert Scenario.from_dict(found.to_dict()) == found
 
 
@@ -269,9 +269,12 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
         ({"run": {"samples": 9, "times": [1]}}, "give either times or samples, got both"),
         ({"noise": {"strenght": 1}}, "unknown parameter 'strenght' of VelocityKicks"),
         ({"noise": 1}, "noise must be a table of names and values, got 1"),
-        ({"noise": {"seed": 3}}, "VelocityKicks needs 'noise_strength' [rad/s^(3/2)]"),
-        ({"noise": {"strength": "1 m"}}, "noise_strength must be given in rad/s^(3/2)"),
-        ({"noise": {"strength": 1, "interval": 0}}, "noise_interval must lie in (0, inf) s, got 0"),
+        ({"noise": {"noise_seed": 3}}, "VelocityKicks needs 'noise_strength' [rad/s^(3/2)]"),
+        ({"noise": {"noise_strength": "1 m"}}, "noise_strength must be given in rad/s^(3/2)"),
+        (
+            {"noise": {"noise_strength": 1, "noise_interval": 0}},
+            "noise_interval must lie in (0, inf) s, got 0",
+        ),
         (
             {"run": {**RUN, "contact": "clamp", "clamp_step": -1}},
             "clamp_step must lie in (0, inf) s, got -1",

@@ -18,7 +18,9 @@ if sys.argv[:1] == ["-m"] and "latolato" in sys.orig_argv:
 from latolato.core.errors import InputError
 from latolato.observables import (
     BottomContacts,
+    CompressionFraction,
     Crossings,
+    EnergyLedger,
     FinalAngle,
     FinalAngularVelocity,
     FirstPassage,
@@ -27,25 +29,23 @@ from latolato.observables import (
     LargestAngleAfterTransient,
     MeanEnergy,
     MotionClass,
+    PoincareSection,
     ResponsePeriod,
     ResponseSamples,
     RestFraction,
     Rotations,
     SelfStart,
-    SlackFraction,
-    Stroboscope,
     TopContacts,
-    Works,
 )
-from latolato.physics.contacts import Clamp, Exact, NoContact
+from latolato.physics.contacts import ClampContact, ExactContact, PassThrough
 from latolato.physics.drives import (
     Chirp,
     CrankSlider,
+    FixedPivot,
     FrequencySchedule,
     Harmonic,
     MeasuredPivot,
-    Stages,
-    Static,
+    StagedHarmonic,
 )
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import (
@@ -61,7 +61,7 @@ from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
     from latolato import analysis
-    from latolato.analysis.boundary import boundary
+    from latolato.analysis.boundary import map_boundary
     from latolato.app.widget import play
     from latolato.core.citation import cite
     from latolato.experiment.compare import compare
@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from latolato.experiment.fits.model import fit_model
     from latolato.experiment.fits.restitution import fit_restitution
     from latolato.experiment.track import track
-    from latolato.experiment.trials import gather_trials
+    from latolato.experiment.trials import collect_trials
     from latolato.figures.animate import animate
     from latolato.figures.plot import plot
     from latolato.io.files import load, save
@@ -81,14 +81,14 @@ _LATE: dict[str, str] = {
     "Scenario": "latolato.scenario.scenario",
     "analysis": "latolato.analysis",
     "animate": "latolato.figures.animate",
-    "boundary": "latolato.analysis.boundary",
+    "map_boundary": "latolato.analysis.boundary",
     "cite": "latolato.core.citation",
     "compare": "latolato.experiment.compare",
     "fit_decay": "latolato.experiment.fits.decay",
     "fit_drive": "latolato.experiment.fits.drive",
     "fit_model": "latolato.experiment.fits.model",
     "fit_restitution": "latolato.experiment.fits.restitution",
-    "gather_trials": "latolato.experiment.trials",
+    "collect_trials": "latolato.experiment.trials",
     "load": "latolato.io.files",
     "load_scenario": "latolato.scenario.scenario",
     "play": "latolato.app.widget",
@@ -103,13 +103,16 @@ __all__ = [
     "BallPair",
     "BottomContacts",
     "Chirp",
-    "Clamp",
+    "ClampContact",
+    "CompressionFraction",
     "CrankSlider",
     "Crossings",
-    "Exact",
+    "EnergyLedger",
+    "ExactContact",
     "FinalAngle",
     "FinalAngularVelocity",
     "FirstPassage",
+    "FixedPivot",
     "FrequencySchedule",
     "Harmonic",
     "ImpactSpeed",
@@ -121,34 +124,31 @@ __all__ = [
     "MeanEnergy",
     "MeasuredPivot",
     "MotionClass",
-    "NoContact",
+    "PassThrough",
     "Pendulum",
+    "PoincareSection",
     "ResponsePeriod",
     "ResponseSamples",
     "RestFraction",
     "Rotations",
     "Scenario",
     "SelfStart",
-    "SlackFraction",
-    "Stages",
-    "Static",
-    "Stroboscope",
+    "StagedHarmonic",
     "TopContacts",
     "VelocityKicks",
-    "Works",
     "analysis",
     "animate",
-    "boundary",
     "cite",
+    "collect_trials",
     "compare",
     "equivalent_pendulum",
     "fit_decay",
     "fit_drive",
     "fit_model",
     "fit_restitution",
-    "gather_trials",
     "load",
     "load_scenario",
+    "map_boundary",
     "play",
     "plot",
     "save",

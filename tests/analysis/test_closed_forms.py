@@ -367,7 +367,7 @@ class TestFolding:
     def test_fold_is_the_wrapped_magnitude(self):
         angles = [0.0, -0.5, math.pi, 4.0, -4.0, 20.0]
         expected = [0.0, 0.5, math.pi, 2 * math.pi - 4.0, 2 * math.pi - 4.0, 20.0 - 6 * math.pi]
-        np.testing.assert_allclose(exact.fold_angle(angles), expected, rtol=0, atol=4e-15)
+        np.testing.assert_allclose(exact.reflected_angle(angles), expected, rtol=0, atol=4e-15)
 
     def test_reflecting_walls_at_0_and_pi_fold_the_driven_free_motion(self):
         def motion(t, y):
@@ -399,7 +399,7 @@ class TestFolding:
                     state = ((0.0, math.pi)[side], -run.y_events[side][0][1])
         assert min(hits.values()) > 0  # both walls took part
         # Integration and event errors of both runs, amplified by a rotating, driven motion.
-        np.testing.assert_allclose(exact.fold_angle(free.y[0]), walled, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(exact.reflected_angle(free.y[0]), walled, rtol=0, atol=1e-9)
 
 
 class TestMessages:
@@ -412,7 +412,7 @@ class TestMessages:
         with pytest.raises(ValueError, match="times must be finite"):
             exact.undriven_motion([0.0, math.nan], length=1.0, initial_angle=0.1)
         with pytest.raises(ValueError, match="free_angle must be finite"):
-            exact.fold_angle([math.inf])
+            exact.reflected_angle([math.inf])
 
     def test_start_must_lie_between_the_walls(self):
         for angle in (0.05, math.asin(0.1), 3.1):

@@ -125,11 +125,11 @@ def test_the_matrix_is_the_same_in_plain_python():
 def test_clamped_contact_is_refused():
     toy = ll.LatoLato(**TOY)
     with pytest.raises(ValueError, match="exact or none"):
-        Flow(toy, SHAKE, contact=ll.Clamp(step=1e-3))
+        Flow(toy, SHAKE, contact=ll.ClampContact(clamp_step=1e-3))
     with pytest.raises(ValueError, match="lyapunov_exponent needs exact contact"):
         ll.sweep(
-            toy, SHAKE, axes={"initial_angle": [0.5]}, duration=5.0, contact=ll.Clamp(step=1e-3),
-            observables=["lyapunov_exponent"],
+            toy, SHAKE, axes={"initial_angle": [0.5]}, duration=5.0,
+            contact=ll.ClampContact(clamp_step=1e-3), observables=["lyapunov_exponent"],
         )  # fmt: skip
 
 

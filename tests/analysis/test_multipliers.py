@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.multipliers import floquet
 from latolato.analysis.mathieu import mathieu_growth_rate
+from latolato.analysis.multipliers import floquet
 
 NATURAL = math.sqrt(9.8)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)

@@ -7,10 +7,10 @@ import pytest
 from scipy.special import expi
 
 import latolato as ll
-from latolato.analysis import activation_time
+from latolato.analysis import first_passage_time
 from latolato.analysis.passage import censored_mean
 from latolato.analysis.starts import hanging_angles
-from latolato.figures.analyses.activation_time import draw
+from latolato.figures.analyses.first_passage_time import draw
 
 TOY = ll.LatoLato(length=0.245, mass=0.10644, damping=0.00506, radius=0.0196, restitution=0.9)
 BALL = ll.Ball(length=0.245, mass=0.10644, damping=0.00506, radius=0.0196)
@@ -37,7 +37,7 @@ def test_a_warm_oscillator_reaches_an_energy_as_the_averaged_equation_says():
     w0 = system.natural_frequency
     strength = math.sqrt(2.0 * gamma * heat / (mass * length**2))
     threshold = math.sqrt(2.0 * b * heat / (mass * 9.8 * length))
-    found = activation_time(
+    found = first_passage_time(
         system, noise_strength=strength, threshold_angle=threshold, duration=6000.0,
         trajectories=300, noise_interval=0.3, noise_seed=3,
     )  # fmt: skip
@@ -46,28 +46,28 @@ def test_a_warm_oscillator_reaches_an_energy_as_the_averaged_equation_says():
     # diffusion between tests (Chernoff; Siegmund): E by 0.58 (2 gamma b (kT)^2 pi/w0)^(1/2)
     lift = 0.5826 * math.sqrt(2.0 * gamma * b * math.pi / w0)
     mean *= 1.0 + lift * math.expm1(b) / b / (expi(b) - math.log(b) - np.euler_gamma)
-    assert found.activated_fraction > 0.9
+    assert found.passage_fraction > 0.9
     # four standard errors; the waiting times here are narrower than exponential, as it says
     assert found.status.item() == "not exponential"
-    error = found.mean_activation_time_error.item()
-    assert found.mean_activation_time.item() == pytest.approx(mean, abs=4.0 * error)
+    error = found.mean_first_passage_time_error.item()
+    assert found.mean_first_passage_time.item() == pytest.approx(mean, abs=4.0 * error)
 
 
 def toy_times(system=TOY, **changed):
     asked = {"noise_strength": 2.0, "threshold_angle": 0.5, "duration": 40.0, "trajectories": 40}
-    return activation_time(system, DRIVE, **(asked | changed))
+    return first_passage_time(system, DRIVE, **(asked | changed))
 
 
 def test_more_noise_starts_the_toy_sooner_and_a_trajectory_is_a_run():
     # rare passages: the waiting is long beside the dead time of a few seconds
     rare = toy_times(noise_strength=0.2, duration=60.0, trajectories=200)
     assert rare.status.item() == "activated"
-    assert 0.0 < rare.activated_fraction < 0.1
+    assert 0.0 < rare.passage_fraction < 0.1
     weak, strong = (toy_times(noise_strength=s) for s in (1.2, 3.0))
-    assert strong.mean_activation_time < weak.mean_activation_time
+    assert strong.mean_first_passage_time < weak.mean_first_passage_time
     stream = int(np.nanargmin(strong.first_passage))
     passed = strong.first_passage.values[stream]
-    noise = ll.VelocityKicks(strength=3.0, stream=stream)
+    noise = ll.VelocityKicks(noise_strength=3.0, noise_stream=stream)
     run = ll.simulate(
         TOY, DRIVE, initial_offset=0.0, duration=40.0, tolerance=1e-6, noise=noise,
         times=np.linspace(0.0, passed, 4001),
@@ -82,7 +82,7 @@ def test_both_balls_of_a_pair_start_as_one_of_the_mirror_pair_does():
     assert hanging_angles(PAIR) == pytest.approx((TOY.contact_angle_low, -TOY.contact_angle_low))
     found = toy_times(PAIR, noise_strength=3.0, trajectories=10)
     assert found.first_passage.shape == (10,)
-    assert found.activated_fraction > 0.0
+    assert found.passage_fraction > 0.0
 
 
 def test_unequal_balls_hang_where_their_torques_balance():
@@ -97,21 +97,23 @@ def test_weak_noise_starts_nothing_and_says_so():
     with pytest.warns(RuntimeWarning, match="no trajectory of 5 reached 0.5 rad within 2 s"):
         found = toy_times(noise_strength=1e-6, duration=2.0, trajectories=5)
     assert found.status.item() == "none activated"
-    assert math.isnan(found.mean_activation_time.item())
+    assert math.isnan(found.mean_first_passage_time.item())
     # exp(-waited/mean) = 5 % at the bound
-    assert found.mean_activation_time_low.item() == pytest.approx(10.0 / math.log(20.0), rel=1e-12)
-    assert found.activated_fraction == 0.0
+    assert found.mean_first_passage_time_low.item() == pytest.approx(
+        10.0 / math.log(20.0), rel=1e-12
+    )
+    assert found.passage_fraction == 0.0
     assert draw(found).axes
 
 
 def test_drift_is_not_taken_for_activation():
     pendulum = ll.Pendulum(length=1.0, mass=0.8)
-    found = activation_time(
+    found = first_passage_time(
         pendulum, noise_strength=1e-6, threshold_angle=0.1, initial_angular_velocity=1.0,
         duration=2.0, trajectories=5,
     )  # fmt: skip
     assert found.status.item() == "all at once"
-    assert math.isnan(found.mean_activation_time.item())
+    assert math.isnan(found.mean_first_passage_time.item())
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis import response_period, response_period_map, wilson
+from latolato.analysis import response_period, response_period_map, wilson_interval
 from latolato.core.errors import InputError
 from latolato.numerics.watch import blank_slots
 from latolato.observables import Segment
@@ -69,7 +69,7 @@ def test_a_rotating_pendulum_turns_once_per_drive_period_in_the_sense_of_its_vel
     assert (found.status, found.response_period) == ("periodic", 1.0)
     assert found.turns_per_period == sense
     assert found.rotation_number == sense
-    assert np.sign(found.stroboscopic_angular_velocity.mean()) == sense
+    assert np.sign(found.section_angular_velocity.mean()) == sense
     assert found.largest_angle_watched.item() == pytest.approx(math.pi, abs=1e-12)  # by definition
     assert found.mirror_residual > 1.0  # the other sense of rotation is another motion
 
@@ -139,7 +139,7 @@ def test_a_motion_grazes_if_an_impact_has_hardly_any_speed_and_nothing_rests(slo
     [(0, 10, 0.0, 0.2775), (5, 10, 0.2366, 0.7634), (81, 263, 0.2553, 0.3662)],
 )
 def test_the_interval_of_a_share_is_that_of_wilson(count, total, low, high):
-    share, least, most = wilson(count, total)
+    share, least, most = wilson_interval(count, total)
     assert share == count / total
     assert least == pytest.approx(low, abs=5e-5)  # digits printed
     assert most == pytest.approx(high, abs=5e-5)
@@ -173,7 +173,7 @@ def test_the_observable_gives_what_the_analysis_does():
         observables=["response_samples"],
     )
     assert grid.response_period.dims == ("initial_angle",)
-    assert grid.stroboscopic_angle.dims == ("initial_angle", "sample")
+    assert grid.section_angle.dims == ("initial_angle", "sample")
     assert np.all(grid.response_period == 2.0)
 
 
@@ -199,7 +199,7 @@ def test_counts_and_extremes_are_those_of_a_dense_run(executor):
     tolerance = 1e-6
     for name in ("angle", "angular_velocity"):
         np.testing.assert_allclose(
-            grid[f"stroboscopic_{name}"], run[name].values[::2000], atol=tolerance
+            grid[f"section_{name}"], run[name].values[::2000], atol=tolerance
         )
     speeds = abs(run.angular_velocity_before.values)
     assert grid.slowest_impact.item() == pytest.approx(speeds.min(), abs=tolerance)
@@ -243,7 +243,7 @@ def test_observables_that_mark_differently_many_periods_are_refused():
             at_ratio(SINGLE, 2.0, 0.05),
             axes={"initial_angle": [0.1]},
             duration=100.0,
-            observables=[ll.Stroboscope(), ll.ResponsePeriod()],
+            observables=[ll.PoincareSection(), ll.ResponsePeriod()],
         )
 
 

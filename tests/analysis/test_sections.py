@@ -107,7 +107,7 @@ def test_one_way_of_a_diagram_is_that_of_both():
     down = bifurcation_diagram(TOY, toy_drive(3.0), **options, initial_offset=0.2, direction="down")
     assert "is_hysteretic" not in down
     np.testing.assert_array_equal(
-        down.stroboscopic_angle.values[0], both.stroboscopic_angle.sel(direction="down").values
+        down.section_angle.values[0], both.section_angle.sel(direction="down").values
     )
 
 

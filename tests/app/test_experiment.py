@@ -162,7 +162,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     options = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
     assert options["damping"] == pytest.approx(BALL.damping, rel=0.015)
     assert options["initial_angle"] == pytest.approx(0.6, abs=0.01)
-    assert options["drive"] == "static"
+    assert options["drive"] == "fixed_pivot"
 
 
 def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):

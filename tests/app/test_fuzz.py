@@ -21,7 +21,9 @@ ASKED = {
             "type": "object",
             "properties": {
                 "system": {"enum": ["pendulum", "latolato", "ballpair", "mathieu", "x", 3]},
-                "drive": {"enum": ["harmonic", "static", "frequency_schedule", "crank_slider"]},
+                "drive": {
+                    "enum": ["harmonic", "fixed_pivot", "frequency_schedule", "crank_slider"]
+                },
                 "duration": {"enum": ["0.2 s", "-1 s", "1e99 s", "nan", "", 0.1, None]},
                 "length": {"type": ["string", "number", "array", "null"]},
                 "radius": {"enum": ["2 cm", "-1", "inf", "9 kg"]},

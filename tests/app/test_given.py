@@ -12,7 +12,7 @@ from latolato.app.lines import command_line, python_line
 from latolato.app.runs import run_block, simulate_asked, strobes_of
 from latolato.numerics import records
 from latolato.numerics.engine.record import as_objects
-from latolato.physics.drives import Chirp, FrequencySchedule, Harmonic, Static
+from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import scenarios
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
@@ -126,7 +126,7 @@ def test_a_strobe_stands_wherever_the_drive_begins_a_period():
 
 
 def test_a_drive_without_periods_has_no_strobes():
-    assert strobes_of(Static(), 10.0).size == 0
+    assert strobes_of(FixedPivot(), 10.0).size == 0
 
 
 def test_whole_numbers_may_come_as_texts_of_an_address():

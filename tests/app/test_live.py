@@ -229,7 +229,7 @@ class TestRecording:
         kept = keep(toy.finish())
         assert kept.about["reproduces"]
         assert kept.about["gap"] < SAME
-        assert kept.about["options"]["drive"] == "stages"
+        assert kept.about["options"]["drive"] == "staged_harmonic"
         names: dict = {}
         exec(kept.about["python"], names)
         last = float(names["run"]["angle"][-1])

@@ -225,7 +225,7 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
     for rows in (3, 4):
         page.get_by_role("button", name="Add a row").click()
         page.wait_for_function(f"() => ({lengths})()[0] === {rows}")
-    page.get_by_label("Drive", exact=True).select_option("stages")
+    page.get_by_label("Drive", exact=True).select_option("staged_harmonic")
     page.wait_for_function(
         "() => window.latolato.views.play.player.motion.about.options.drive === 'stages'"
     )
@@ -249,7 +249,7 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
     page.wait_for_function(
         "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
     )
-    for drive in ("chirp", "crank_slider", "static", "harmonic"):
+    for drive in ("chirp", "crank_slider", "fixed_pivot", "harmonic"):
         page.get_by_label("Drive", exact=True).select_option(drive)
         page.wait_for_function(
             "name => window.latolato.views.play.player.motion.about.options.drive === name",

@@ -175,8 +175,8 @@ def responses():
         "drive_amplitude": np.repeat(amplitudes, 11),
         "frequency_ratio": np.tile(ratios, 2),
         "largest_angle": run.largest_angle.values.ravel(),
-        "stabilised_angle": late.ravel(),
-        "stabilised_angle_sigma": np.full(22, 0.01),
+        "largest_angle_after_transient": late.ravel(),
+        "largest_angle_after_transient_sigma": np.full(22, 0.01),
         "length": np.full(22, 0.245),
     }
     trials = trial_table(columns)
@@ -186,7 +186,9 @@ def responses():
 
 def test_response_curves_of_the_same_system_agree(responses):
     _, found = responses
-    assert found.angle_at_trial.values == pytest.approx(found.stabilised_angle.values, abs=1e-4)
+    assert found.angle_at_trial.values == pytest.approx(
+        found.largest_angle_after_transient.values, abs=1e-4
+    )
     assert "agree within 3" in found.attrs["verdict"]
     assert np.all(found.peak_measured_sigma > 0.0)
     # The peak moves to the left with the amplitude (Fig. 11).

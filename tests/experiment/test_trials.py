@@ -19,7 +19,7 @@ from latolato.experiment.trial_table import (
     trial_table,
     write_trials,
 )
-from latolato.experiment.trials import files_of, gather_trials, trial_of
+from latolato.experiment.trials import collect_trials, files_of, trial_of
 from latolato.figures.grids import PENDULUM_OBSERVABLES
 from latolato.observables import MotionClass
 from track_tables import motion_table
@@ -67,11 +67,11 @@ def test_angles_and_class_are_those_of_a_sweep_of_the_same_motion(ratio):
         # Those of Fig. 9, whose kernel is used again.
         observables=PENDULUM_OBSERVABLES,
     )
-    sigmas = row["largest_angle_sigma"], row["stabilised_angle_sigma"]
+    sigmas = row["largest_angle_sigma"], row["largest_angle_after_transient_sigma"]
     # Tracks carry 1 mrad of noise.
     assert row["largest_angle"] == pytest.approx(grid.largest_angle.item(), abs=4e-3)
     late = grid.largest_angle_after_transient.item()
-    assert row["stabilised_angle"] == pytest.approx(late, abs=3.0 * sigmas[1])
+    assert row["largest_angle_after_transient"] == pytest.approx(late, abs=3.0 * sigmas[1])
     assert row["class"] == ("none", "weak", "strong")[int(grid.motion_class.item())]
     assert row["frequency_ratio"] == pytest.approx(ratio, abs=1e-4)
     assert row["drive_amplitude"] == pytest.approx(0.025, abs=4.0 * row["drive_amplitude_sigma"])
@@ -90,7 +90,10 @@ def test_noise_does_not_raise_the_lasting_angle_of_a_steady_swing():
             "angle_sigma_1": np.full(len(time), 0.01),
         }
         row = trial_of(track_table(columns, {"length": 0.363}))
-        away.append((row["stabilised_angle"] - 0.8) / row["stabilised_angle_sigma"])
+        away.append(
+            (row["largest_angle_after_transient"] - 0.8)
+            / row["largest_angle_after_transient_sigma"]
+        )
     # The largest of 33 turning points alone would be 2 deviations of a sample too large.
     assert abs(np.mean(away)) < 1.0
     assert np.max(np.abs(away)) < 3.0
@@ -116,11 +119,11 @@ def test_an_angle_within_three_deviations_of_a_limit_is_borderline():
 
 def test_sets_are_folders_or_amplitudes_that_lie_together(folder, tables):
     with pytest.warns(RuntimeWarning, match="zz.mp4"):
-        by_folder = gather_trials(folder)
+        by_folder = collect_trials(folder)
     assert by_folder["set"].values.tolist() == ["high"] * 3 + ["low"] * 3
     assert set(by_folder.set_by.values.tolist()) == {"folder"}
     assert np.all(np.diff(by_folder.frequency_ratio.values[:3]) > 0.0)
-    by_amplitude = gather_trials(tables)
+    by_amplitude = collect_trials(tables)
     assert by_amplitude["set"].values.tolist() == ["set 1"] * 3 + ["set 2"] * 3
     assert set(by_amplitude.set_by.values.tolist()) == {"amplitude"}
     assert sets_of([0.02, 0.0206, 0.0215], [1e-3, 1e-3, 1e-3]) == ["set 1"] * 3
@@ -128,7 +131,7 @@ def test_sets_are_folders_or_amplitudes_that_lie_together(folder, tables):
 
 def test_a_bad_file_is_named_and_the_others_go_on(folder):
     with pytest.warns(RuntimeWarning) as caught:
-        trials = gather_trials(folder)
+        trials = collect_trials(folder)
     assert len(caught) == 1
     assert trials.sizes["trial"] == 6
     assert "zz.mp4" in trials.attrs["failed"]
@@ -136,7 +139,7 @@ def test_a_bad_file_is_named_and_the_others_go_on(folder):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         with pytest.raises(ValueError, match="no trial was found in 1 files"):
-            gather_trials(bad)
+            collect_trials(bad)
 
 
 def test_a_table_beside_its_video_takes_its_place(folder):
@@ -150,7 +153,7 @@ def test_a_table_beside_its_video_takes_its_place(folder):
 
 @pytest.mark.parametrize("suffix", [".csv", ".nc"])
 def test_a_trial_table_survives_a_file(tables, tmp_path, suffix):
-    trials = gather_trials(tables)
+    trials = collect_trials(tables)
     again = read_trials(write_trials(trials, tmp_path / f"trials{suffix}"))
     for name in COLUMNS:
         np.testing.assert_array_equal(again[name].values, trials[name].values, err_msg=name)
@@ -160,7 +163,7 @@ def test_a_trial_table_survives_a_file(tables, tmp_path, suffix):
 def test_a_table_of_ones_own_needs_few_columns_and_may_have_units(tmp_path):
     path = tmp_path / "mine.csv"
     path.write_text(
-        "drive_amplitude,frequency_ratio,largest_angle,stabilised_angle,remark\n"
+        "drive_amplitude,frequency_ratio,largest_angle,largest_angle_after_transient,remark\n"
         "20 mm,1.95,95 deg,60 deg,loud\n0.0201,2.1,50 deg,46 deg,\n"
     )
     trials = read_trials(path)
@@ -196,9 +199,9 @@ def test_bad_options_of_trials_are_refused():
     with pytest.raises(ValueError, match="transient must end"):
         trial_of(table, transient=20.0)
     with pytest.raises(ValueError, match="sets must be"):
-        gather_trials(table, sets="colour")
+        collect_trials(table, sets="colour")
     with pytest.raises(FileNotFoundError, match="no file 'nowhere'"):
-        gather_trials("nowhere")
+        collect_trials("nowhere")
     with pytest.raises(ValueError, match="no column 'colour'"):
         trial_table({"colour": [1.0]})
     still = track_table({"time": np.arange(0, 9, 0.1), "angle_1": np.sin(np.arange(0, 9, 0.1)),

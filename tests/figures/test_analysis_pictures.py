@@ -67,7 +67,7 @@ def test_the_first_push_with_many_phases_is_a_map():
 @pytest.mark.parametrize("name", ["response_period", "poincare_section"])
 def test_rounding_errors_of_a_periodic_motion_do_not_fill_a_picture(name):
     dataset = analyses[name](TOY, DRIVE, initial_offset=0.7)
-    angle = dataset["stroboscopic_angle" if name == "response_period" else "angle"].values
+    angle = dataset["section_angle" if name == "response_period" else "angle"].values
     assert np.ptp(angle) < 1e-9
     figure = importlib.import_module(f"latolato.figures.analyses.{name}").draw(dataset)
     for axes in figure.axes:

@@ -25,7 +25,7 @@ ONE = {"initial_angle": [0.3, 0.5], "initial_angular_velocity": [0.0, -1.0]}
 TWO = {"initial_angle_right": [0.3, 0.5], "initial_angle_left": [-0.3, -0.5]}
 # Stroboscopic samples need a period; a schedule has none.
 # What response_samples gives too would be given twice, and two balls have one of their own.
-ELSEWHERE = ("stroboscope", "response_period", "transverse_exponent")
+ELSEWHERE = ("poincare_section", "response_period", "transverse_exponent")
 ALL = [name for name in observables if name not in ELSEWHERE]
 UNMARKED = [name for name in ALL if name != "response_samples"]
 
@@ -34,10 +34,13 @@ CASES = {
     "mathieu-schedule": (MATHIEU, SCHEDULE, ONE, UNMARKED, {}),
     "latolato-crank": (TOY, CRANK, ONE, ["largest_angle", "bottom_contacts"], {}),
     "latolato-friction": (ROUGH, HARMONIC, ONE, ["rest_fraction", "impact_speed"], {}),
-    "latolato-clamp": (TOY, HARMONIC, ONE, ["crossings"], {"contact": ll.Clamp(step=5e-3)}),
+    "latolato-clamp": (
+        TOY, HARMONIC, ONE, ["crossings"], {"contact": ll.ClampContact(clamp_step=5e-3)}
+    ),
     "ballpair-harmonic": (PAIR, HARMONIC, TWO, ["mean_energy", "lyapunov_exponent"], {}),
     "ballpair-kicks": (
-        PAIR, HARMONIC, TWO, ["works"], {"noise": ll.VelocityKicks(strength=0.01, seed=1)},
+        PAIR, HARMONIC, TWO, ["energy_ledger"],
+        {"noise": ll.VelocityKicks(noise_strength=0.01, noise_seed=1)},
     ),
 }  # fmt: skip
 

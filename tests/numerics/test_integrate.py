@@ -203,7 +203,7 @@ def test_kernels_of_several_processes_share_one_cache(tmp_path):
         }
         for name in sys.argv[1:]:
             run = ll.simulate(toy, drives[name], initial_angle=0.8, times=[2.0],
-                              contact=ll.Clamp(step=1e-3))
+                              contact=ll.ClampContact(clamp_step=1e-3))
             print(name, float(run.angle[0]).hex(), float(run.drive_work[0]).hex())
     """)
     environment = {**os.environ, "LATOLATO_CACHE_DIR": str(tmp_path)}
@@ -228,7 +228,7 @@ def test_a_run_stops_within_a_hop_too_small_to_be_seen(compiled):
 
     def until(end):
         return integrate(
-            toy, ll.Static(), start, np.array([0.0, end]), end, step=0.02,
+            toy, ll.FixedPivot(), start, np.array([0.0, end]), end, step=0.02,
             rest_speed=0.0, compiled=compiled,
         )  # fmt: skip
 

@@ -30,7 +30,7 @@ harmonic = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
 crank = dict(drive_amplitude=0.1, drive_frequency=6.26, connecting_rod_length=0.4)
 times = np.linspace(0.0, 6.0, 30)
 drives = [
-    None, ll.Static(), harmonic, ll.CrankSlider(**crank),
+    None, ll.FixedPivot(), harmonic, ll.CrankSlider(**crank),
     ll.Chirp(drive_amplitude=0.1, drive_frequency=3.0, drive_frequency_final=9.0, sweep_time=5.0),
     ll.MeasuredPivot(times=times, pivot_heights=0.1 * np.sin(6.0 * times)),
 ]
@@ -44,7 +44,8 @@ for system in systems:
         start = (0.5, -0.4) if system.angles == 2 else 0.5
         ll.simulate(system, drive, initial_angle=start, duration=5.0)
 toy = systems[3]
-ll.simulate(toy, harmonic, initial_angle=0.5, duration=5.0, contact=ll.Clamp(step=1e-3))
+clamp = ll.ClampContact(clamp_step=1e-3)
+ll.simulate(toy, harmonic, initial_angle=0.5, duration=5.0, contact=clamp)
 axes = {"drive_amplitude": np.linspace(0.05, 0.3, 3), "drive_frequency": np.linspace(2.0, 9.0, 3)}
 for system in systems[:4]:
     for name in sys.argv[1:]:

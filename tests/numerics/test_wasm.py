@@ -62,7 +62,7 @@ def drives(random):
         "schedule": ll.FrequencySchedule(
             **harmonic, times=(0.0, 3.0, 7.0), drive_frequencies=others, ramp=1.0
         ),
-        "stages": ll.Stages(
+        "stages": ll.StagedHarmonic(
             times=(0.0, 3.0, 7.0),
             drive_amplitudes=random.uniform(0.02, 0.3, 3),
             drive_frequencies=others,
@@ -83,7 +83,7 @@ def systems(random):
     ball, angle = ll.Ball(**toy), random.uniform(0.3, 1.2)
     heavy = ll.Ball(**{**toy, "mass": 1.2, "length": 1.05 * body["length"]}, **drags)
     one, two = {"initial_angle": angle}, {"initial_angle": (angle, -0.8 * angle)}
-    noise = ll.VelocityKicks(strength=0.05, seed=int(random.integers(100)))
+    noise = ll.VelocityKicks(noise_strength=0.05, seed=int(random.integers(100)))
     return {
         "free": (ll.Pendulum(**body), one),
         "linear drag": (ll.Pendulum(**body, damping=drags["damping"]), one),
@@ -93,7 +93,10 @@ def systems(random):
         "elastic walls": (ll.LatoLato(**toy), one),
         "walls": (ll.LatoLato(**toy, damping=drags["damping"], restitution=bounce), one),
         "walls, all drags": (ll.LatoLato(**toy, **drags, restitution=bounce), one),
-        "clamp": (ll.LatoLato(**toy, damping=0.02), {**one, "contact": ll.Clamp(step=1e-3)}),
+        "clamp": (
+            ll.LatoLato(**toy, damping=0.02),
+            {**one, "contact": ll.ClampContact(clamp_step=1e-3)},
+        ),
         "equal balls": (
             ll.BallPair(right=ball, left=ball, restitution=bounce),
             {"initial_angle": (angle, -angle)},
@@ -253,7 +256,7 @@ def test_contacts_and_statuses_are_the_same(twins):
 def test_runs_begin_from_parameters():
     random = np.random.default_rng(5)
     shaken = {name: drive for name, drive in drives(random).items() if name != "measured"}
-    shaken["static"] = ll.Static()
+    shaken["static"] = ll.FixedPivot()
     cases, names = [], []
     for system_name, drive_name in itertools.product(
         ("linear drag", "mathieu", "walls, all drags", "two balls"), shaken
@@ -277,11 +280,11 @@ def test_runs_begin_from_parameters():
 
 def test_a_page_repeats_with_half_the_step_where_python_does():
     pendulum = ll.Pendulum(**BODY, damping=0.5)
-    noise = ll.VelocityKicks(strength=30.0, seed=4, interval=0.5)
+    noise = ll.VelocityKicks(noise_strength=30.0, noise_seed=4, noise_interval=0.5)
     given = {"angles": (0.5,), "duration": 20.0, "tolerance": 1e-10}
     times = np.linspace(0.0, 20.0, 101)
-    case = record_run(pendulum, ll.Static(), initial_angle=0.5, noise=noise, times=times)
-    (found,) = in_node([from_parameters(case, pendulum, ll.Static(), **given)])
+    case = record_run(pendulum, ll.FixedPivot(), initial_angle=0.5, noise=noise, times=times)
+    (found,) = in_node([from_parameters(case, pendulum, ll.FixedPivot(), **given)])
     assert found["closes"]
     assert found["halvings"] > 0
     assert found["run"]["settings"]["step"][0] == pytest.approx(case.expected["step"], rel=1e-14)
@@ -338,7 +341,7 @@ ROUGH = ll.LatoLato(**TOY, **DRAGS, restitution=0.9)
 FROM_PARAMETERS = {
     **SWEEPS,
     "rough": (ROUGH, 0.4, ()),
-    "slack": (SWEEPS["walls"][0], 0.4, ("slack_fraction",)),
+    "compression": (SWEEPS["walls"][0], 0.4, ("compression_fraction",)),
     "crank": (SWEEPS["walls"][0], 0.4, ("lyapunov_exponent",)),
 }
 CRANK = ll.CrankSlider(drive_amplitude=0.02, drive_frequency=9.0, connecting_rod_length=0.5)
@@ -384,7 +387,7 @@ REFUSED = {
     },
     "two observables both give crossings": {"observables": [{"name": "crossings"}] * 2},
     "must look at equally many": {
-        "observables": [{"name": "stroboscope"}, {"name": "response_period"}]
+        "observables": [{"name": "poincare_section"}, {"name": "response_period"}]
     },
     "belongs to systems of 2 angles": {"observables": [{"name": "transverse_exponent"}]},
     "is_rough is found out": {"parameters": {"is_rough": 1}},
@@ -396,14 +399,14 @@ REFUSED = {
         "drive": {"kind": "harmonic", "parameters": {"drive_amplitud": 0.1}}
     },
     "transient must be at least 0 s": {"transient": -1.0},
-    "grow": {"count": 600_000_000, "drive": {"kind": "static", "parameters": {}}},
+    "grow": {"count": 600_000_000, "drive": {"kind": "fixed_pivot", "parameters": {}}},
 }
 
 
 def test_maps_that_make_no_sense_are_refused_and_leave_nothing_behind():
     usual = {
         "refused": True, "count": 2, "parameters": {}, "duration": 1.0,
-        "drive": {"kind": "static", "parameters": {}}, "observables": [{"name": "crossings"}],
+        "drive": {"kind": "fixed_pivot", "parameters": {}}, "observables": [{"name": "crossings"}],
     }  # fmt: skip
     cases = [
         Case({"module": "lanes", "question": {**usual, **bad}}, {}) for bad in REFUSED.values()

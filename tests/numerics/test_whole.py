@@ -25,7 +25,7 @@ from latolato.numerics.whole import (
     empty_beginning,
     empty_shaking,
 )
-from latolato.physics.contacts import Exact
+from latolato.physics.contacts import ExactContact
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 ROUGH = ll.Ball(length=0.95, mass=0.5, radius=0.08, quadratic_damping=0.1)
@@ -79,13 +79,13 @@ def test_a_run_begins_as_pythons_does(name):
     system, drive = SYSTEMS[name], ll.Harmonic(drive_amplitude=0.1, drive_frequency=7.0)
     angles = (0.8, -0.5)[: system.angles]
     given = {"angles": angles, "velocities": (0.3, -0.2), "duration": 10.0, "tolerance": 1e-10}
-    case = cases_of(system, Exact(), **given)
+    case = cases_of(system, ExactContact(), **given)
     stretches, problem = stretch_records(drive, 10.0), np.zeros(1, dtype=np.int64)
     run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
     words = np.array(words_of(Beginning(case, stretches, run, problem), empty_beginning()))
     piece_of(begin_recipe()).call(words.ctypes.data)
     bounds = drive.largest_acceleration, drive.fastest_frequency
-    expected, _ = prepared_runs(cases_of(system, Exact(), bounds=bounds, **given),
+    expected, _ = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),
                                 choose_stepper(system))  # fmt: skip
     assert PROBLEMS[problem[0]] == "fine"
     assert run.tobytes() == expected.tobytes()
@@ -96,7 +96,7 @@ def test_a_run_begins_as_pythons_does(name):
     ({"damping": math.inf}, "out of range"), ({"damping": 1e12}, "too many steps"),
 ])  # fmt: skip
 def test_what_makes_no_sense_is_said_by_a_number(change, said):
-    case = cases_of(SYSTEMS["toy"], Exact(), angles=(0.4,), duration=10.0, tolerance=1e-10,
+    case = cases_of(SYSTEMS["toy"], ExactContact(), angles=(0.4,), duration=10.0, tolerance=1e-10,
                     bounds=(0.0, 0.0))  # fmt: skip
     for name, value in change.items():
         case["balls"][name][0, 0] = value

@@ -121,7 +121,7 @@ class Crank:
 
 
 class Still(Harmonic):
-    kind = "static"
+    kind = "fixed_pivot"
 
     def __init__(self):
         super().__init__("0", "1")
@@ -202,7 +202,7 @@ class Run:
         self.g = mp.mpf(GRAVITY)
         self.t, self.work, self.damped, self.lost = (mp.mpf(0) for _ in range(4))
         self.contacts, self.states = [], []
-        self.slack_first, self.slack_total = None, mp.mpf(0)
+        self.compression_first, self.compression_total = None, mp.mpf(0)
         lift = drive.acceleration(self.t, 2)[0]
         self.signs = [
             self.sign_of(b, x, v, lift) for b, x, v in zip(balls, self.x, self.v, strict=True)
@@ -278,7 +278,7 @@ class Run:
                     if s is not None:
                         event, kind = s, ("turn", i)
             if len(self.balls) == 1:
-                self.follow_slack(parts[0], lift, event)
+                self.follow_compression(parts[0], lift, event)
             self.x = [evaluate(p[0], event) for p in parts]
             self.v = [evaluate(p[1], event) for p in parts]
             self.work += sum(evaluate(integral(p[2]), event) for p in parts)
@@ -301,7 +301,7 @@ class Run:
                 self.targets.pop(0)
         return self
 
-    def follow_slack(self, part, lift, event):
+    def follow_compression(self, part, lift, event):
         ball = self.balls[0]
         if ball.linear:
             return
@@ -315,8 +315,8 @@ class Run:
         for k in range(n):
             a, b = event * k / n, event * (k + 1) / n
             left, right = tension(a), tension(b)
-            if left < 0 and self.slack_first is None:
-                self.slack_first = self.t
+            if left < 0 and self.compression_first is None:
+                self.compression_first = self.t
             if (left < 0) != (right < 0):
                 low, high = a, b
                 for _ in range(130):
@@ -325,13 +325,13 @@ class Run:
                         (middle, high) if (tension(middle) < 0) == (left < 0) else (low, middle)
                     )
                 if left < 0:
-                    self.slack_total += high - a
+                    self.compression_total += high - a
                 else:
-                    self.slack_total += b - high
-                    if self.slack_first is None:
-                        self.slack_first = self.t + high
+                    self.compression_total += b - high
+                    if self.compression_first is None:
+                        self.compression_first = self.t + high
             elif left < 0:
-                self.slack_total += b - a
+                self.compression_total += b - a
 
 
 # --- the cases --------------------------------------------------------------------------------------
@@ -518,8 +518,8 @@ def numbers(run):
         found += [t, *x, *v, *energies, work, damped, lost]
     for _, t, x, before, after in run.contacts:
         found += [t, *x, *before, *after]
-    if run.slack_first is not None:
-        found += [run.slack_first, run.slack_total]
+    if run.compression_first is not None:
+        found += [run.compression_first, run.compression_total]
     return found
 
 
@@ -570,9 +570,11 @@ def main():
             ],
             "agree_digits": round(digits, 1),
         }
-        if check.slack_first is not None:
-            entry["slack_time"] = text(check.slack_first)
-            entry["slack_fraction"] = text(check.slack_total / mp.mpf(parameters["duration"]))
+        if check.compression_first is not None:
+            entry["compression_time"] = text(check.compression_first)
+            entry["compression_fraction"] = text(
+                check.compression_total / mp.mpf(parameters["duration"])
+            )
         out[name] = entry
         print(name, round(digits, 1), len(check.contacts), "contacts", flush=True)
     file = Path(__file__).with_name("cases.json")

@@ -31,7 +31,7 @@ from latolato.numerics.steppers import Stepper
 from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of
 from latolato.numerics.whole import WRITTEN
 from latolato.observables.base import observables
-from latolato.physics.contacts import Exact
+from latolato.physics.contacts import ExactContact
 from latolato.physics.pendulum import restoring_linear
 from latolato.sweeps import points
 from latolato.sweeps.chunk import RunPoints
@@ -121,7 +121,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
 def from_parameters(case: Case, system: Any, drive: Any, **given: Any) -> Case:
     """Return a case of `record_run` that Node.js begins from the run's parameters by itself."""
     (record,) = cases_of(
-        system, Exact(), follows_ledger=1,
+        system, ExactContact(), follows_ledger=1,
         follows_tension=system.restoring is not restoring_linear, **given,
     )  # fmt: skip
     numbers = {

@@ -1,6 +1,6 @@
 """Observables that tests of sweeps gather together, so that their kernels are compiled once."""
 
-from latolato.observables import FirstPassage, Stroboscope
+from latolato.observables import FirstPassage, PoincareSection
 
 # Without a drive there are no periods to sample.
 WITHOUT_PERIODS = (
@@ -16,10 +16,10 @@ WITHOUT_PERIODS = (
     "top_contacts",
     "impact_speed",
     "rest_fraction",
-    "works",
+    "energy_ledger",
     "final_angle",
     "final_angular_velocity",
 )
-IN_LANES = (*WITHOUT_PERIODS, Stroboscope(periods=4))
-# Slack is followed by single trajectories only: it keeps the others out of the lanes.
-ALL = (*IN_LANES, "slack_fraction")
+IN_LANES = (*WITHOUT_PERIODS, PoincareSection(periods=4))
+# Compression is followed by single trajectories only: it keeps the others out of the lanes.
+ALL = (*IN_LANES, "compression_fraction")

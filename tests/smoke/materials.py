@@ -99,12 +99,12 @@ def phone_export(path):
 def trials(path):
     folder = path.parent / "experiment"
     many_driven(folder)
-    write_trials(ll.gather_trials(folder), path)
+    write_trials(ll.collect_trials(folder), path)
 
 
 def pair_trials(path):
     path.write_text(
-        "drive_amplitude,drive_frequency,largest_angle,stabilised_angle,class\n"
+        "drive_amplitude,drive_frequency,largest_angle,largest_angle_after_transient,class\n"
         + "".join(
             f"0.02,{ratio * TOY.natural_frequency:.9g},{angle},{angle},{kind}\n"
             for ratio, angle, kind in (

@@ -15,23 +15,25 @@ from latolato.sweeps.plan import make_plan
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.16)
 DRIVE = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
-KICKS = ll.VelocityKicks(strength=0.3, seed=11, stream=5)
+KICKS = ll.VelocityKicks(noise_strength=0.3, noise_seed=11, noise_stream=5)
 FINAL = ["final_angle", "final_angular_velocity"]
 ASKED = {"initial_offset": 0.3, "duration": 2.0, "observables": FINAL}
 
 
 def kicks(**changed):
-    return kicks_of(ll.VelocityKicks(**({"strength": 1.0, "seed": 3} | changed)), TOY, 10.0)[1]
+    return kicks_of(
+        ll.VelocityKicks(**({"noise_strength": 1.0, "noise_seed": 3} | changed)), TOY, 10.0
+    )[1]
 
 
 class TestStreams:
     def test_the_kicks_of_a_seed_and_stream_are_those_of_philox(self):
         # From the published algorithm by hand: Philox4x64-10, then NumPy's own normal deviates.
         generator = np.random.Generator(np.random.Philox(key=3 + (2 << 64)))
-        count = kicks(stream=2).shape[1]
-        spacing = ll.VelocityKicks(strength=1.0).spacing(TOY)
+        count = kicks(noise_stream=2).shape[1]
+        spacing = ll.VelocityKicks(noise_strength=1.0).spacing(TOY)
         expected = generator.standard_normal(count) * math.sqrt(spacing)
-        np.testing.assert_array_equal(kicks(stream=2)[0], expected)
+        np.testing.assert_array_equal(kicks(noise_stream=2)[0], expected)
 
     def test_a_longer_run_begins_with_the_kicks_of_a_shorter_one(self):
         pair = ll.BallPair(
@@ -42,7 +44,11 @@ class TestStreams:
         np.testing.assert_array_equal(long[:, : short.shape[1]], short)
 
     def test_seeds_and_streams_are_uncorrelated(self):
-        columns = [kicks(seed=s, stream=k)[0] for s in (0, 1, 2**63 - 1) for k in (0, 1, 2**53 - 1)]
+        columns = [
+            kicks(noise_seed=s, noise_stream=k)[0]
+            for s in (0, 1, 2**63 - 1)
+            for k in (0, 1, 2**53 - 1)
+        ]
         found = np.corrcoef(columns)[np.triu_indices(len(columns), 1)]
         # 36 correlations of n = 250 numbers: standard deviation n^(-1/2) = 0.063, four of them
         assert np.abs(found).max() < 4.0 / math.sqrt(len(columns[0]))
@@ -82,7 +88,9 @@ class TestSweep:
                 initial_offset=AXES["initial_offset"][j],
                 times=[ASKED["duration"]],
                 tolerance=1e-6,
-                noise=ll.VelocityKicks(strength=0.3, seed=11, stream=first + number),
+                noise=ll.VelocityKicks(
+                    noise_strength=0.3, noise_seed=11, noise_stream=first + number
+                ),
             )
             assert run.attrs["noise_stream"] == first + number
             assert run.angle.item() == grid.final_angle.values[i, j]
@@ -105,7 +113,9 @@ class TestSweep:
 
     def test_strength_seed_and_interval_are_axes(self):
         grid = swept({"noise_strength": [0.0, 0.3], "noise_seed": [11, 12]}, noise=None)
-        still = swept({"gravity": [9.8]}, noise=ll.VelocityKicks(strength=0.0)).final_angle.item()
+        still = swept(
+            {"gravity": [9.8]}, noise=ll.VelocityKicks(noise_strength=0.0)
+        ).final_angle.item()
         np.testing.assert_array_equal(grid.final_angle[0], [still, still])
         assert grid.noise_strength.attrs["units"] == "rad/s^(3/2)"
         assert grid.final_angle[1, 0] != grid.final_angle[1, 1]
@@ -130,7 +140,7 @@ class TestSweep:
         ({"noise_stream": [1]}, {"noise": None}, "axis noise_stream needs noise: give Velocity"),
         (
             {"gravity": [9.8, 9.9]},
-            {"noise": ll.VelocityKicks(strength=0.1, stream=2**53 - 2)},
+            {"noise": ll.VelocityKicks(noise_strength=0.1, noise_stream=2**53 - 2)},
             "2 points need as many streams from 9007199254740990 on",
         ),
         ({"noise_streams": [1]}, {}, "did you mean 'noise_stream'?"),
@@ -144,7 +154,7 @@ def test_wrong_streams_are_refused(axes, changed, message):
 def test_thermal_kicks_give_each_square_half_of_the_heat():
     # Equipartition: <m l^2 th'^2/2> = k_B T/2 and, at small angles, <m g l th^2/2> = k_B T/2.
     heat = 1e-3  # J, so small an angle (0.01 rad) that the restoring force is linear
-    noise = ll.VelocityKicks.thermal(PENDULUM, temperature=heat / BOLTZMANN, seed=2)
+    noise = ll.VelocityKicks.thermal(PENDULUM, temperature=heat / BOLTZMANN, noise_seed=2)
     count = 1500
     found = ll.sweep(
         PENDULUM,
@@ -163,7 +173,7 @@ def test_thermal_kicks_give_each_square_half_of_the_heat():
 
 
 def test_scenarios_and_options_know_the_noise_axes():
-    for name in ("strength", "seed", "stream", "interval"):
-        assert f"noise_{name}" in known_quantities("pendulum", None)
+    for name in ("noise_strength", "noise_seed", "noise_stream", "noise_interval"):
+        assert name in known_quantities("pendulum", None)
     with pytest.raises(ValueError, match="noise_stream is given as a value and varied along axis"):
-        merged_axes({}, {"noise_stream": (0.0, 1.0)}, {"noise": {"stream": 3}})
+        merged_axes({}, {"noise_stream": (0.0, 1.0)}, {"noise": {"noise_stream": 3}})

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import latolato as ll
 from latolato.core.errors import InputError
-from latolato.observables import Crossings, MotionClass, Stroboscope
-from latolato.physics.contacts import Clamp
+from latolato.observables import Crossings, MotionClass, PoincareSection
+from latolato.physics.contacts import ClampContact
 from latolato.sweeps.axes import Axis
 from latolato.sweeps.plan import Plan, make_plan
 from latolato.sweeps.points import columns_of
@@ -61,12 +61,12 @@ CHANGES = {
     "tolerance": {"tolerance": 1e-7},
     "contact": {"contact": None},
     "clamp": {"contact": "clamp"},
-    "clamp_step": {"contact": Clamp(step=1e-4)},
+    "clamp_step": {"contact": ClampContact(clamp_step=1e-4)},
     "rest_speed": {"rest_speed": 1e-6},
     "contact_limit": {"contact_limit": 10},
-    "noise": {"noise": ll.VelocityKicks(strength=0.1, seed=1)},
-    "seed": {"noise": ll.VelocityKicks(strength=0.1, seed=2)},
-    "stream": {"noise": ll.VelocityKicks(strength=0.1, seed=1, stream=1)},
+    "noise": {"noise": ll.VelocityKicks(noise_strength=0.1, noise_seed=1)},
+    "seed": {"noise": ll.VelocityKicks(noise_strength=0.1, noise_seed=2)},
+    "stream": {"noise": ll.VelocityKicks(noise_strength=0.1, noise_seed=1, noise_stream=1)},
     "continuation": {"continuation": "drive_frequency"},
     "direction": {"continuation": "drive_frequency", "direction": "down"},
     "both": {"continuation": "drive_frequency", "direction": "both"},
@@ -258,7 +258,7 @@ MISTAKES = {
         "makes no sense",
     ),
     "continuation with noise": (
-        {"continuation": "drive_frequency", "noise": ll.VelocityKicks(strength=0.1)},
+        {"continuation": "drive_frequency", "noise": ll.VelocityKicks(noise_strength=0.1)},
         "continuation and noise exclude each other",
     ),
     "system": ({"system": "toy"}, "system must be one of"),
@@ -309,7 +309,7 @@ def test_a_drive_without_one_period_is_neither_followed_nor_sampled(drive):
     with pytest.raises(ValueError, match="continuation needs a drive that goes on"):
         planned(drive=drive, axes=axes, continuation="drive_amplitude")
     with pytest.raises(ValueError, match="no single period that a stroboscope could follow"):
-        planned(drive=drive, axes=axes, observables=[Stroboscope()])
+        planned(drive=drive, axes=axes, observables=[PoincareSection()])
 
 
 def test_values_are_taken_in_the_order_given():
@@ -320,7 +320,7 @@ def test_values_are_taken_in_the_order_given():
 
 def test_a_variable_stands_for_its_observable():
     names = [type(o).__name__ for o in planned(observables=["drive_work"]).observables]
-    assert names == ["Works"]
+    assert names == ["EnergyLedger"]
 
 
 def test_amplitude_and_frequency_need_no_drive():

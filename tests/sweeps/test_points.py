@@ -10,7 +10,7 @@ from latolato.core.errors import InputError
 from latolato.numerics.integrate import choose_step
 from latolato.numerics.prepare import cases_of, prepared_runs
 from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID, stretch_records
-from latolato.observables import Stroboscope
+from latolato.observables import PoincareSection
 from latolato.simulation.run import simulate
 from latolato.simulation.start import checked_start
 from latolato.sweeps.plan import make_plan
@@ -69,7 +69,7 @@ PLANS = {
                 "mass": [0.1, 2.0],
             },
             "initial_angle": -1.3,
-            "observables": ["slack_fraction"],
+            "observables": ["compression_fraction"],
         },
     ),
     "pivot at rest": (
@@ -88,7 +88,7 @@ PLANS = {
         {
             "axes": {"length": [0.4, 0.9], "drive_phase": [-1.0, 0.0, 9.0]},
             "initial_angle": 0.1,
-            "observables": ["slack_fraction"],
+            "observables": ["compression_fraction"],
         },
     ),
     "toy and offsets": (
@@ -118,7 +118,7 @@ PLANS = {
         {
             "axes": {"case": {"drive_frequency": [4.0, 6.0, 7.0], "length": [1.0, 0.8, 0.7]}},
             "initial_angle": 0.6,
-            "observables": [Stroboscope(periods=5), "slack_fraction"],
+            "observables": [PoincareSection(periods=5), "compression_fraction"],
             "transient": 1.0,
             "duration": 5.0,
         },

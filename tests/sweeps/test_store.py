@@ -35,7 +35,7 @@ SWEEP = {
     "axes": {"drive_amplitude": [0.0, 0.05], "radius": [0.05, 0.1, 0.2, 1.5]},
     "duration": 0.05,
     "initial_angle": 0.4,
-    "observables": ["largest_angle", "works"],
+    "observables": ["largest_angle", "energy_ledger"],
     "chunk_size": 2,
 }
 DRIVE = ll.Harmonic(drive_amplitude=0.0, drive_frequency=6.0)
@@ -156,7 +156,7 @@ def test_two_balls_samples_and_zipped_axes_come_back(tmp_path, direction):
         },
         initial_angle=(0.3, -0.3),
         duration=1.0,
-        observables=["works", "stroboscope", "final_angle"],
+        observables=["energy_ledger", "poincare_section", "final_angle"],
         continuation="case",
         direction=direction,
         chunk_size=3,
@@ -466,8 +466,14 @@ def test_the_store_of_another_sweep_is_refused_and_told_apart(whole):
             {"drive_amplitude": [0.0, 0.06], "radius": [0.05, 0.1, 0.2, 1.5]},
             r"axes\.drive_amplitude\.values is \[\[0\.0, 0\.05\]\], not \[\[0\.0, 0\.06\]\]",
         ),
-        "observables": (["works"], r'observables is \["largest_angle", "works"\], not \["works"\]'),
-        "contact": (ll.Clamp(step=1e-3), r'contact\.kind is "exact", not "clamp", contact\.step'),
+        "observables": (
+            ["energy_ledger"],
+            r'observables is \["largest_angle", "energy_ledger"\], not \["energy_ledger"\]',
+        ),
+        "contact": (
+            ll.ClampContact(clamp_step=1e-3),
+            r'contact\.kind is "exact", not "clamp", contact\.step',
+        ),
     }
     for name, (value, told) in changes.items():
         with pytest.raises(ValueError, match=f"holds another sweep: {told}.*; name another path"):
@@ -631,7 +637,7 @@ def test_the_status_tells_how_far_a_sweep_is(tmp_path):
         "plan_hash": PLAN.hash,
         "system": "latolato",
         "axes": {"drive_amplitude": 2, "radius": 4},
-        "observables": ["largest_angle", "works"],
+        "observables": ["largest_angle", "energy_ledger"],
         "chunks": 4,
         "chunks_done": 2,
         "points": 8,
@@ -721,7 +727,7 @@ def test_every_system_survives_its_description(make_system):
 
 @pytest.mark.parametrize("law", list(contact_laws))
 def test_every_contact_law_and_noise_survive_their_description(law):
-    noise = ll.VelocityKicks(strength=0.1, seed=2**60 + 1)
+    noise = ll.VelocityKicks(noise_strength=0.1, noise_seed=2**60 + 1)
     plan, found = described(contact=contact_laws[law](), noise=noise, direction="both")
     assert (found, found.hash) == (plan, plan.hash)
 

@@ -142,7 +142,7 @@ class TestDataset:
     def test_two_balls_have_a_dimension(self):
         found = self.pair()
         assert found.largest_angle.dims == ("left_mass", "ball")
-        assert found.stroboscopic_angle.dims == ("left_mass", "ball", "sample")
+        assert found.section_angle.dims == ("left_mass", "ball", "sample")
         assert found.drive_work.dims == found.status.dims == ("left_mass",)
         assert list(found.ball.values) == ["right", "left"]
 

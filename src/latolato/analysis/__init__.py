@@ -1,6 +1,5 @@
 """Exact solutions and tools that read more out of a motion than its samples."""
 
-from latolato.analysis.passage import activation_time
 from latolato.analysis.attractors import BasinEntropy, basin_entropy, basins
 from latolato.analysis.bifurcation import bifurcation_diagram
 from latolato.analysis.closed_forms import (
@@ -11,42 +10,42 @@ from latolato.analysis.closed_forms import (
     decay_rate,
     elastic_bounces,
     fall_time,
-    fold_angle,
     impact_angular_velocity,
     mathieu_growth_rate,
     mathieu_parameters,
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,
+    reflected_angle,
     undriven_motion,
     undriven_period,
     zeno_time,
 )
 from latolato.analysis.continuation import continue_orbit
-from latolato.analysis.push import first_push
-from latolato.analysis.multipliers import floquet
-from latolato.analysis.growth import growth_rate
 from latolato.analysis.frequency_sweeps import hysteresis
+from latolato.analysis.growth import growth_rate
 from latolato.analysis.impacts import impact_map
-from latolato.analysis.upright import inverted_limits
-from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.section import poincare_section
-from latolato.analysis.protocol import Protocol
-from latolato.analysis.registry import analyses
-from latolato.analysis.periods import response_period
-from latolato.analysis.period_map import response_period_map
 from latolato.analysis.lift_off import self_start
+from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.multipliers import floquet
+from latolato.analysis.passage import first_passage_time
+from latolato.analysis.period_map import response_period_map
+from latolato.analysis.periods import response_period
+from latolato.analysis.protocol import Protocol
 from latolato.analysis.protocol_search import shortest_protocol
-from latolato.analysis.stroboscopic import wilson
+from latolato.analysis.push import first_push
+from latolato.analysis.registry import analyses
+from latolato.analysis.section import poincare_section
+from latolato.analysis.stroboscopic import wilson_interval
+from latolato.analysis.subharmonic import time_crystal
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold import threshold_amplitude
-from latolato.analysis.subharmonic import time_crystal
 from latolato.analysis.tongues import tongue_edges
+from latolato.analysis.upright import inverted_limits
 
 __all__ = [
     "BasinEntropy",
     "MathieuParameters",
     "Protocol",
-    "activation_time",
     "analyses",
     "basin_entropy",
     "basins",
@@ -58,9 +57,9 @@ __all__ = [
     "decay_rate",
     "elastic_bounces",
     "fall_time",
+    "first_passage_time",
     "first_push",
     "floquet",
-    "fold_angle",
     "growth_rate",
     "hysteresis",
     "impact_angular_velocity",
@@ -73,6 +72,7 @@ __all__ = [
     "mathieu_tongue_edges",
     "pair_symmetry",
     "poincare_section",
+    "reflected_angle",
     "response_period",
     "response_period_map",
     "self_start",
@@ -82,6 +82,6 @@ __all__ = [
     "tongue_edges",
     "undriven_motion",
     "undriven_period",
-    "wilson",
+    "wilson_interval",
     "zeno_time",
 ]

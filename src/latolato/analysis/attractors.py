@@ -16,7 +16,7 @@ from latolato.analysis.stroboscopic import (
     checked_span,
     checked_transient,
     settled_motion,
-    wilson,
+    wilson_interval,
 )
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
@@ -125,7 +125,7 @@ def basins(
         ``status`` ("rest", "periodic", "grazing", "aperiodic"), ``response_period``,
         ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``, as in
         `response_period`, the ``basin_fraction`` [1] with the ends of its 95 % interval, and over
-        ``sample`` the ``stroboscopic_angle`` and ``stroboscopic_angular_velocity`` of one motion
+        ``sample`` the ``section_angle`` and ``section_angular_velocity`` of one motion
         on it. ``unresolved_fraction``, the share of starts without an attractor, of which
         ``not_settled_fraction`` were still on their way; ``basin_entropy``,
         ``boundary_basin_entropy`` [1].
@@ -260,7 +260,7 @@ def basins(
             stacklevel=2,
         )
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
-    share, low, high = wilson(counts, labels.size)
+    share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
     entropy = basin_entropy(table, entropy_size)
     ball = ("ball",) if system.angles == 2 else ()
@@ -279,10 +279,10 @@ def basins(
         "boundary_basin_entropy": entropy.boundary_basin_entropy,
         "boundary_share": entropy.boundary_share,
     }
-    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+    for name in ("section_angle", "section_angular_velocity"):
         values = np.asarray(grid[name].values)
         values = values.reshape(labels.size, *values.shape[2:])[examples]
-        values = wrapped(values) if name == "stroboscopic_angle" else values
+        values = wrapped(values) if name == "section_angle" else values
         variables[name] = (("attractor", *ball, "sample"), values)
     coordinates: dict[str, Any] = {
         "initial_angle": (("initial_angle",), angles),
@@ -447,7 +447,7 @@ def _samples(grid: xr.Dataset, balls: int, frequency: float) -> Floats:
     """Return the samples as angles, shape (start, sample, 2 per ball): angle, velocity over w."""
     parts = []
     for name, scale in (("angle", 1.0), ("angular_velocity", 1.0 / frequency)):
-        values = np.asarray(grid[f"stroboscopic_{name}"].values) * scale
+        values = np.asarray(grid[f"section_{name}"].values) * scale
         parts.append(values.reshape(-1, balls, values.shape[-1]))
     return np.concatenate(parts, axis=1).transpose(0, 2, 1)
 

@@ -22,7 +22,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 from latolato.sweeps.axes import parameters_of
@@ -89,7 +89,7 @@ def bifurcation_diagram(
     Returns
     -------
     xarray.Dataset
-        ``stroboscopic_angle``, modulo 2 pi in [-pi, pi), and ``stroboscopic_angular_velocity`` over
+        ``section_angle``, modulo 2 pi in [-pi, pi), and ``section_angular_velocity`` over
         (direction, the parameter, [ball,] sample); ``response_period``, ``rotation_number``,
         ``mirror_residual``, ``largest_angle_watched`` and ``status`` as in `response_period` over
         (direction, the parameter). ``is_hysteretic`` [1] over the parameter, if followed both
@@ -170,7 +170,7 @@ def bifurcation_diagram(
     dims = ("direction", parameter)
     ball = ("ball",) if system.angles == 2 else ()
     variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
-    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+    for name in ("section_angle", "section_angular_velocity"):
         samples = found[name] if ball else found[name][:, :, 0]
         variables[name] = ((*dims, *ball, "sample"), samples)
     if len(ways) == 2:
@@ -270,12 +270,12 @@ def _follow(
             **options,
         )
         of = [distinct.index(case) for case in cases]
-        for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+        for name in ("section_angle", "section_angular_velocity"):
             samples = np.asarray(grid[name].values)
             motion[name] = samples.reshape(len(distinct), system.angles, -1)
         for number, (place, case) in enumerate(zip(places, of, strict=True)):
-            angles = motion["stroboscopic_angle"][case, :, -1]
-            velocities = motion["stroboscopic_angular_velocity"][case, :, -1]
+            angles = motion["section_angle"][case, :, -1]
+            velocities = motion["section_angular_velocity"][case, :, -1]
             if np.isfinite(angles).all():  # a run that failed hands on its start
                 states[number] = (angles, velocities)
             for name, each in motion.items():
@@ -283,13 +283,13 @@ def _follow(
                 found.setdefault(name, np.empty(shape, dtype=each.dtype))[number, place] = each[
                     case
                 ]
-    found["stroboscopic_angle"] = wrapped(found["stroboscopic_angle"])
+    found["section_angle"] = wrapped(found["section_angle"])
     return found
 
 
 def _changed(system: System, parameter: str, value: float) -> System:
     """Return the system at a value of the parameter, itself if that is of the drive."""
-    path = parameters_of(system, Static())
+    path = parameters_of(system, FixedPivot())
     if parameter not in path or path[parameter].owner != "system":
         return system
     names = path[parameter].path

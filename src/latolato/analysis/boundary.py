@@ -25,7 +25,7 @@ FOOT, SHOULDER = 0.1, 0.9
 NEAR, FEWEST = 0.1, 5
 
 
-def boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
+def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     """Return where an observable of a 2-D map passes a level, and how wide both edges are.
 
     Answers the paper's "the left boundary is more distinct than the right boundary" (Fig. 3cd).
@@ -83,7 +83,7 @@ def boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     >>> hump = np.clip((x - 1.9) / 0.02, 0, 1) * np.clip((2.5 - x) / 0.2, 0, 1)
     >>> axes = {"drive_amplitude": y, "frequency_ratio": x}
     >>> grid = xr.Dataset({"mean_energy": (tuple(axes), np.array([hump, hump]))}, axes)
-    >>> edges = boundary(grid, "mean_energy", 0.5)
+    >>> edges = map_boundary(grid, "mean_energy", 0.5)
     >>> edges.left_width.values.round(3), edges.right_width.values.round(3)
     (array([0.016, 0.016]), array([0.112, 0.112]))
     """

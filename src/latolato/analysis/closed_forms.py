@@ -33,12 +33,12 @@ __all__ = [
     "decay_rate",
     "elastic_bounces",
     "fall_time",
-    "fold_angle",
     "impact_angular_velocity",
     "mathieu_growth_rate",
     "mathieu_parameters",
     "mathieu_threshold_amplitude",
     "mathieu_tongue_edges",
+    "reflected_angle",
     "undriven_motion",
     "undriven_period",
     "zeno_time",
@@ -293,7 +293,7 @@ def zeno_time(
     return total + 2.0 * tail / (low_sine * low_cosine * bounce.frequency)
 
 
-def fold_angle(free_angle: ArrayLike) -> Array:
+def reflected_angle(free_angle: ArrayLike) -> Array:
     """Return the angle [rad] of a colliding ball of radius 0, e = 1, from the free pendulum's.
 
     Mirror symmetry: reflecting at walls at 0 and pi is ``|wrap(angle)|``, for any drive and damping
@@ -311,7 +311,7 @@ def fold_angle(free_angle: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> print(fold_angle([-0.5, 4.0]).round(6))
+    >>> print(reflected_angle([-0.5, 4.0]).round(6))
     [0.5      2.283185]
     """
     free = np.asarray(free_angle, dtype=np.float64)

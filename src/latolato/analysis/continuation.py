@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
-from latolato.analysis.multipliers import smallest_period, told_of_period
 from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
+from latolato.analysis.multipliers import smallest_period, told_of_period
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError

@@ -10,7 +10,7 @@ from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def growth_rate(
     >>> print(f"{ll.analysis.growth_rate(toy, drive).growth_rate:.5f}")
     0.12505
     """
-    is_static = drive is None or isinstance(drive, Static)
+    is_static = drive is None or isinstance(drive, FixedPivot)
     problem = linearised(system, None if is_static else drive, position)
     checked_choice("method", method, METHODS)
     template: Any = problem.template
@@ -96,6 +96,6 @@ def growth_rate(
             "largest_multiplier": Quantity("1", r"|\rho|", "growth in one drive period"),
         },
         system=system,
-        drive=Static() if is_static else template,
+        drive=FixedPivot() if is_static else template,
         settings={"position": position, "method": method},
     )

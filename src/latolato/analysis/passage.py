@@ -33,14 +33,14 @@ _CONFIDENCE = 0.95
 
 _QUANTITIES = {
     "trajectory": Quantity("1", "k", "number of the trajectory, which is its random stream"),
-    "mean_activation_time": Quantity("s", r"\tau", "mean activation time"),
-    "mean_activation_time_error": Quantity(
+    "mean_first_passage_time": Quantity("s", r"\tau", "mean activation time"),
+    "mean_first_passage_time_error": Quantity(
         "s", r"\Delta\tau", "standard error of the mean activation time"
     ),
-    "mean_activation_time_low": Quantity("s", r"\tau_-", "lower end of its 95 % interval"),
-    "mean_activation_time_high": Quantity("s", r"\tau_+", "upper end of its 95 % interval"),
-    "activated_fraction": Quantity("1", "p", "fraction activated within the duration"),
-    "activated_fraction_error": Quantity("1", r"\Delta p", "its standard error"),
+    "mean_first_passage_time_low": Quantity("s", r"\tau_-", "lower end of its 95 % interval"),
+    "mean_first_passage_time_high": Quantity("s", r"\tau_+", "upper end of its 95 % interval"),
+    "passage_fraction": Quantity("1", "p", "fraction activated within the duration"),
+    "passage_fraction_error": Quantity("1", r"\Delta p", "its standard error"),
     "status": Quantity("1", "", "whether a mean can be told"),
 }
 
@@ -94,8 +94,8 @@ def censored_mean(waited: float, events: int) -> Lifetime:
     return Lifetime(mean, mean / math.sqrt(events), low, high, events)
 
 
-@analyses.register("activation_time")
-def activation_time(
+@analyses.register("first_passage_time")
+def first_passage_time(
     system: System,
     drive: Drive | None = None,
     *,
@@ -144,9 +144,9 @@ def activation_time(
     -------
     xarray.Dataset
         ``first_passage`` over ``trajectory`` (NaN where the threshold was not reached; trajectory k
-        is the run with ``VelocityKicks(..., stream=k)``), ``mean_activation_time`` with error and
-        95 % interval, ``activated_fraction`` with error, and ``status``: "activated"; "not
-        exponential" (no passage for so long at the beginning as exponential waiting times show
+        is the run with ``VelocityKicks(..., noise_stream=k)``), ``mean_first_passage_time``
+        with error and 95 % interval, ``passage_fraction`` with error, and ``status``: "activated";
+        "not exponential" (no passage for so long at the beginning as exponential waiting times show
         once in a thousand ensembles); "none activated" (the mean is NaN, only the lower end is
         known); "all at once" (every passage within 1 % of the same time: drift, not noise, and no
         mean waiting time).
@@ -170,19 +170,19 @@ def activation_time(
     --------
     >>> import latolato as ll
     >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = activation_time(
+    >>> found = first_passage_time(
     ...     pendulum, noise_strength=0.5, threshold_angle=0.6, duration=60.0, trajectories=50
     ... )
-    >>> found.sizes["trajectory"], bool(found.activated_fraction > 0.5)
+    >>> found.sizes["trajectory"], bool(found.passage_fraction > 0.5)
     (50, True)
     """
     system = checked_system(system)
     kicks = VelocityKicks(
-        strength=checked_number(
+        noise_strength=checked_number(
             "noise_strength", noise_strength, Range(0.0, open_low=True), "rad/s^(3/2)"
         ),
-        seed=noise_seed,
-        interval=noise_interval,
+        noise_seed=noise_seed,
+        noise_interval=noise_interval,
     )
     threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
     end = checked_number("duration", duration, POSITIVE, "s")
@@ -217,15 +217,15 @@ def activation_time(
             stacklevel=2,
         )
     return labelled(
-        "activation_time",
+        "first_passage_time",
         {"first_passage": ("trajectory", times)} | found,
         coordinates={"trajectory": ("trajectory", np.arange(count))},
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
         settings={
-            "noise_strength": kicks.strength,
-            "noise_seed": kicks.seed,
+            "noise_strength": kicks.noise_strength,
+            "noise_seed": kicks.noise_seed,
             "noise_interval": kicks.spacing(system),
             "threshold_angle": threshold,
             "duration": end,
@@ -251,11 +251,11 @@ def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
     if k > 1 and k == n and np.ptp(passed) <= 0.01 * passed.mean():
         status, mean = AT_ONCE, Lifetime(math.nan, math.nan, math.nan, math.nan, k)
     return {
-        "mean_activation_time": mean.mean,
-        "mean_activation_time_error": mean.error,
-        "mean_activation_time_low": mean.low,
-        "mean_activation_time_high": mean.high,
-        "activated_fraction": share,
-        "activated_fraction_error": spread,
+        "mean_first_passage_time": mean.mean,
+        "mean_first_passage_time_error": mean.error,
+        "mean_first_passage_time_low": mean.low,
+        "mean_first_passage_time_high": mean.high,
+        "passage_fraction": share,
+        "passage_fraction_error": spread,
         "status": status,
     }

@@ -16,7 +16,7 @@ from latolato.analysis.stroboscopic import (
     octaves,
     positive_values,
     settled_motion,
-    wilson,
+    wilson_interval,
 )
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
@@ -171,7 +171,9 @@ def shares_of(
     shares: dict[str, NDArray[Any]] = {"cells": cells}
     active = np.where(np.arange(len(cells)) == 0, 0, cells)
     for head, counts in (("", cells), ("active_", active)):
-        for end, values in zip(("", "_low", "_high"), wilson(counts, counts.sum()), strict=True):
+        for end, values in zip(
+            ("", "_low", "_high"), wilson_interval(counts, counts.sum()), strict=True
+        ):
             if head:
                 values[0] = np.nan  # rest is not active
             shares[f"{head}share{end}"] = values

@@ -74,8 +74,8 @@ def response_period(
         (the mirror image of a motion rotates the other way), and otherwise the swings per drive
         period, which have no sign. Of two balls it is that of the one that turns more.
         ``mirror_residual`` [rad] is the distance from the mirror image ``mirror_shift`` drive
-        periods later. ``stroboscopic_angle`` [rad], modulo 2 pi, and
-        ``stroboscopic_angular_velocity`` [rad/s] are the samples, over ([ball,] sample).
+        periods later. ``section_angle`` [rad], modulo 2 pi, and
+        ``section_angular_velocity`` [rad/s] are the samples, over ([ball,] sample).
 
     Raises
     ------
@@ -154,9 +154,9 @@ def response_period(
         "message": _message(variables, longest, transient_periods),
     }
     ball = ("ball",) if system.angles == 2 else ()
-    for name in ("stroboscopic_angle", "stroboscopic_angular_velocity"):
+    for name in ("section_angle", "section_angular_velocity"):
         samples = grid[name].values[0]
-        samples = wrapped(samples) if name == "stroboscopic_angle" else samples
+        samples = wrapped(samples) if name == "section_angle" else samples
         variables[name] = ((*ball, "sample"), samples)
     return labelled(
         "response_period",

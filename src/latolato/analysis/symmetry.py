@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
-from latolato.physics.contacts import Exact
+from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
@@ -115,7 +115,7 @@ def pair_symmetry(
     driven = checked_drive(drive)
     start = checked_start(
         system,
-        walls_of(system, Exact()),
+        walls_of(system, ExactContact()),
         initial_angle,
         initial_angular_velocity,
         initial_offset,

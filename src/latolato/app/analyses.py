@@ -183,7 +183,7 @@ class AnalysisRequest:
 
         own = options_of(self.function)
         unfit = set(unfit_options(self.function, own))
-        words = ["latolato", "analyse", self.name]
+        words = ["latolato", "analyse", self.name.replace("_", "-")]
         if self.asked.scenario:
             words.append(self.asked.scenario)
         laws = law_options()

@@ -22,7 +22,7 @@ from latolato.experiment.fits.restitution import fit_restitution
 from latolato.experiment.fits.result import Fit, quantity_of
 from latolato.experiment.table import balls_of
 from latolato.experiment.trials import trial_of
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum, System, systems
 from latolato.scenario.scenario import Scenario
 
@@ -67,7 +67,7 @@ def fit_of(
     """
     gravity = told.gravity or GRAVITY
     length = told.length or table.attrs.get("length")
-    drive: Drive = Static()
+    drive: Drive = FixedPivot()
     system: System | None = None
     model: list[Any] | None = None
     verdict = ""

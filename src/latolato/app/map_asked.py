@@ -131,7 +131,7 @@ class Map:
         along = {self.x.name: x[column].tolist(), self.y.name: y[row].tolist()}
         noise = self.scenario.run.get("noise")
         if noise is not None and not {"noise_seed", "noise_stream"} & along.keys():
-            along["noise_stream"] = (noise.stream + cells).tolist()
+            along["noise_stream"] = (noise.noise_stream + cells).tolist()
         return self._plan({_POINT: along}, chunk_size)
 
     def plan_at(self, x: float, y: float) -> Plan:

@@ -14,7 +14,7 @@ from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
 from latolato.numerics.prepare import choose_stepper
 from latolato.physics.contacts import contact_laws
-from latolato.physics.drives import Drive, Harmonic, Stages, Stretch
+from latolato.physics.drives import Drive, Harmonic, StagedHarmonic, Stretch
 from latolato.physics.pendulum import System
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.record import attributes_of, record_of
@@ -99,7 +99,7 @@ class Recording:
             self.by_hand = True
         rows += [(time - self.begun, a, w, ramp) for time, a, w, ramp in first]
         times, amplitudes, frequencies, ramps = zip(*rows, strict=True)
-        return Stages(
+        return StagedHarmonic(
             times=times,
             drive_amplitudes=amplitudes,
             drive_frequencies=frequencies,

@@ -8,7 +8,7 @@ from typing import Any
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Range
 from latolato.core.registry import checked_number
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 
 # What may be set: up to so many lengths and natural frequencies.
@@ -22,7 +22,9 @@ def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:
         found: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
         return float(found[0])
 
-    usual = 2.0 * system.natural_frequency if isinstance(drive, Static) else drive.fastest_frequency
+    usual = (
+        2.0 * system.natural_frequency if isinstance(drive, FixedPivot) else drive.fastest_frequency
+    )
     heights = getattr(drive, "pivot_heights", (0.0,))
     return (
         first("drive_amplitude", "drive_amplitudes", 0.5 * (max(heights) - min(heights))),

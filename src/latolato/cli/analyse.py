@@ -43,7 +43,7 @@ class AnalysisGroup(TyperGroup):
         """Return the names of all analyses."""
         from latolato.analysis import analyses
 
-        return sorted(analyses)
+        return sorted(name.replace("_", "-") for name in analyses)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return the command of an analysis, None for an unknown one."""
@@ -118,7 +118,7 @@ def make_command(name: str, function: Callable[..., Any]) -> Any:
     source = (inspect.getdoc(function) or "").split("\n\n")[1:2]
     app = typer.Typer(add_completion=False)
     app.command(
-        name,
+        name.replace("_", "-"),
         cls=EachOptionOnce,
         help="\n\n".join([summary_of(function), *map(plain_text, source)]),
     )(with_law_options(command, without=unfit_options(function, own)))

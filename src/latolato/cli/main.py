@@ -54,13 +54,15 @@ analyse_app = typer.Typer(
     help="Ask a system and its drive a question: periods, stability, thresholds, basins.",
 )
 app.add_typer(analyse_app, name="analyse")
+app.add_typer(analyse_app, name="analyze", hidden=True)
 app.add_typer(fit_command.fit_app, name="fit")
 app.command("import", cls=EachOptionOnce)(fit_command.import_)
 app.command("trials", cls=EachOptionOnce)(trials_command.trials)
 app.command("compare", cls=EachOptionOnce)(compare_command.command())
-app.command("synthesise", cls=EachOptionOnce)(
-    with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
-)
+for _spelling in ("synthesise", "synthesize"):
+    app.command(_spelling, cls=EachOptionOnce, hidden=_spelling == "synthesize")(
+        with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
+    )
 app.command("track", cls=EachOptionOnce)(video_commands.track)
 app.command("app", cls=EachOptionOnce)(app_command.app)
 

@@ -83,7 +83,7 @@ def trials(
     """
     from latolato.core.atomic import check_folder
     from latolato.experiment.trial_table import SUFFIXES, write_trials
-    from latolato.experiment.trials import gather_trials
+    from latolato.experiment.trials import collect_trials
     from latolato.io.files import check_suffix
     from latolato.scenario.units import to_si
 
@@ -103,7 +103,7 @@ def trials(
     with bar("trials") as progress, warnings.catch_warnings():
         # The summary tells of them.
         warnings.simplefilter("ignore", RuntimeWarning)
-        table = gather_trials(source, sets=sets, workers=workers, progress=progress, **given)
+        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **given)
     written = [write_trials(table, output)] if output is not None else []
     failed = [text for text in table.attrs["failed"].split(" | ") if text]
     if as_json:
@@ -152,7 +152,8 @@ def as_text(table: xr.Dataset, written: Sequence[Path]) -> str:
         note = f", {row['note']}" if row["note"] else ""
         lines.append(
             f"{row['set']:10} {1e3 * row['drive_amplitude']:9.3f} {row['frequency_ratio']:7.4f} "
-            f"{degrees(row['largest_angle']):8.1f}° {degrees(row['stabilised_angle']):8.1f}°  "
+            f"{degrees(row['largest_angle']):8.1f}° "
+            f"{degrees(row['largest_angle_after_transient']):8.1f}°  "
             f"{row['class']}{mark}  {row['source']}{note}"
         )
     classes = ", ".join(f"{count} {name}" for name, count in found["classes"].items())

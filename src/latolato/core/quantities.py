@@ -150,8 +150,8 @@ QUANTITIES: dict[str, Quantity] = {
     "lab_energy": Quantity("J", "E_L", "total energy in the laboratory frame"),
     "rod_power": Quantity("W", "P_{rod}", "power of the rod on the ball in the laboratory frame"),
     "tension": Quantity("N", "F_T", "tension of the rod"),
-    "slack_time": Quantity("s", "t_{slack}", "first time at which the rod is pushed"),
-    "slack_fraction": Quantity("1", "", "fraction of time in which the rod is pushed"),
+    "compression_time": Quantity("s", "t_{comp}", "first time at which the rod is pushed"),
+    "compression_fraction": Quantity("1", "", "fraction of time in which the rod is pushed"),
     # maps
     "crossings": Quantity("1", "N", "passages through the crossing angle"),
     "crossing_angle": Quantity("rad", r"\theta_x", "crossing angle"),
@@ -227,9 +227,11 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_angle_sigma": Quantity(
         "rad", r"\sigma_{max}", "standard deviation of the largest angle"
     ),
-    "stabilised_angle": Quantity("rad", r"\theta_{late}", "largest stabilised angle"),
-    "stabilised_angle_sigma": Quantity(
-        "rad", r"\sigma_{late}", "standard deviation of the largest stabilised angle"
+    "largest_angle_after_transient": Quantity(
+        "rad", r"\theta_{max,late}", "largest angle after the transient"
+    ),
+    "largest_angle_after_transient_sigma": Quantity(
+        "rad", r"\sigma_{late}", "standard deviation of the largest angle after the transient"
     ),
     "drive_amplitude_sigma": Quantity(
         "m", r"\sigma_{A_0}", "standard deviation of the driving amplitude"

@@ -21,7 +21,7 @@ from latolato.figures import style
 from latolato.figures.cases import Floats, quantity, variable
 from latolato.figures.claim import Limit, Statement
 from latolato.figures.fits import ABOVE, draw_curve, draw_residual, draw_turning_points
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import LatoLato, Pendulum
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Clip:
     """
 
     system: Pendulum | LatoLato
-    drive: Drive = field(default_factory=Static)
+    drive: Drive = field(default_factory=FixedPivot)
     start: tuple[tuple[str, float], ...]
     duration: float
     fps: float = 30.0

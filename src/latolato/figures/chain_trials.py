@@ -19,12 +19,12 @@ def gathered(
     clips: Sequence[chain.Clip], by_video: Collection[int], transient: float
 ) -> xr.Dataset:
     """Return the trial table of clips, those at the numbers `by_video` through a video."""
-    from latolato.experiment.trials import gather_trials
+    from latolato.experiment.trials import collect_trials
 
     tables = [
         chain.filmed(clip) if i in by_video else chain.sampled(clip) for i, clip in enumerate(clips)
     ]
-    return gather_trials(tables, transient=transient)
+    return collect_trials(tables, transient=transient)
 
 
 def marked(found: xr.Dataset, title: str, failed: str) -> xr.Dataset:

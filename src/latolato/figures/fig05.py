@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import grids, paper, style
 from latolato.figures.claim import Limit, Numbers, Statement
-from latolato.physics.contacts import Clamp
+from latolato.physics.contacts import ClampContact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -137,7 +137,7 @@ def data(quick: bool = False) -> xr.Dataset:
             duration=duration,
             initial_offset=offset,
             observables=grids.PAIR_OBSERVABLES,
-            contact=Clamp(step=step) if step else "exact",
+            contact=ClampContact(clamp_step=step) if step else "exact",
         )
 
     count, long = QUICK_POINTS if quick else POINTS, paper.SWEEP_DURATION
@@ -157,7 +157,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statements on the pair's maps need."""
-    from latolato.analysis.boundary import boundary
+    from latolato.analysis.boundary import map_boundary
 
     low = TOY.contact_angle_low
     below = grids.acceleration_ratio(dataset) < 1.0
@@ -172,7 +172,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         found[f"tip_{case}"], found[f"at_{case}"] = grids.smallest_amplitude(points)
         column = points.sel(frequency_ratio=4.0, method="nearest").values
         found[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
-        edge = boundary(chosen, "crossings", 1.0).left_edge
+        edge = map_boundary(chosen, "crossings", 1.0).left_edge
         for name, amplitude in (("_2", 0.2), ("", 0.3), ("_5", 0.5)):
             here = edge.sel(drive_amplitude=amplitude, method="nearest")
             found[f"left_{case}{name}"] = float(here)

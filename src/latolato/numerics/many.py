@@ -323,7 +323,7 @@ def make_steering(
                     state.damping_loss - begun.damping_loss,
                     state.impact_loss - begun.impact_loss,
                     state.capture_loss - begun.capture_loss,
-                    state.slack_time[ball] - begun.slack_time[ball], balls,
+                    state.compression_time[ball] - begun.compression_time[ball], balls,
                 )  # fmt: skip
                 on_finish(run, eyes, ball, outcome)
 

@@ -20,18 +20,20 @@ from latolato.observables.contacts import BottomContacts, ImpactSpeed, RestFract
 from latolato.observables.crossings import Crossings, Rotations
 from latolato.observables.energy import MeanEnergy
 from latolato.observables.final import (
+    CompressionFraction,
+    EnergyLedger,
     FinalAngle,
     FinalAngularVelocity,
-    SlackFraction,
-    Stroboscope,
-    Works,
+    PoincareSection,
 )
 from latolato.observables.passage import FirstPassage
 from latolato.observables.period import ResponsePeriod, ResponseSamples
 
 __all__ = [
     "BottomContacts",
+    "CompressionFraction",
     "Crossings",
+    "EnergyLedger",
     "FinalAngle",
     "FinalAngularVelocity",
     "FirstPassage",
@@ -42,16 +44,14 @@ __all__ = [
     "MotionClass",
     "Observable",
     "Outcome",
+    "PoincareSection",
     "ResponsePeriod",
     "ResponseSamples",
     "RestFraction",
     "Rotations",
     "Segment",
     "SelfStart",
-    "SlackFraction",
-    "Stroboscope",
     "TopContacts",
-    "Works",
     "observables",
 ]
 

@@ -52,9 +52,7 @@ class LargestAngleAfterTransient(Observable):
     """Largest absolute angle after the transient."""
 
     variables: ClassVar[Any] = {
-        "largest_angle_after_transient": Quantity(
-            "rad", r"\theta_{max,late}", "largest angle after the transient"
-        )
+        "largest_angle_after_transient": QUANTITIES["largest_angle_after_transient"]
     }
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})
     start: ClassVar[Any] = staticmethod(_start)

@@ -85,7 +85,7 @@ class Outcome(NamedTuple):
     damping_loss: float
     impact_loss: float
     capture_loss: float
-    slack_time: float  # time in which the rod was pushed [s]
+    compression_time: float  # time in which the rod was pushed [s]
     balls: int
 
 
@@ -100,7 +100,7 @@ class Observable:
         further dimension is long, for exponents always four.
     needs : set of str
         What costs extra: ``"energy"`` and ``"turn"`` of a `Segment`, which sweeps find faster if
-        they are named here, ``"works"``, ``"slack"``.
+        they are named here, ``"works"``, ``"compression"``.
     start : formula ``(acc, i, n, angle)``
         Before the run; all slots behind the parameters are zero.
     step : formula ``(acc, i, n, segment)``

@@ -1,4 +1,4 @@
-"""What is known at the end of a run: the final state, works and losses, slack, the last periods."""
+"""What is known at the end of a run: the final state, works, losses, compression, last periods."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ def _finish_works(acc: Any, i: int, n: int, end: Outcome) -> None:
     acc[i + 2 * n], acc[i + 3 * n] = end.impact_loss, end.capture_loss
 
 
-@observables.register("works")
+@observables.register("energy_ledger")
 @dataclass(frozen=True, kw_only=True)
-class Works(Observable):
+class EnergyLedger(Observable):
     """Work of the drive and the losses after the transient, each from its own quadrature.
 
     Of one ball, or of both balls of a `BallPair` together.
@@ -69,22 +69,22 @@ class Works(Observable):
 
 
 @formula
-def _finish_slack(acc: Any, i: int, n: int, end: Outcome) -> None:
-    """Write the time of slack over the observed time."""
-    acc[i] = end.slack_time / end.observed_time
+def _finish_compression(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the time of compression over the observed time."""
+    acc[i] = end.compression_time / end.observed_time
 
 
-@observables.register("slack_fraction")
+@observables.register("compression_fraction")
 @dataclass(frozen=True, kw_only=True)
-class SlackFraction(Observable):
+class CompressionFraction(Observable):
     """Share of the time after the transient in which the rod is pushed: a string would be slack."""
 
-    variables: ClassVar[Any] = {"slack_fraction": QUANTITIES["slack_fraction"]}
-    needs: ClassVar[frozenset[str]] = frozenset({"slack"})
-    finish: ClassVar[Any] = staticmethod(_finish_slack)
+    variables: ClassVar[Any] = {"compression_fraction": QUANTITIES["compression_fraction"]}
+    needs: ClassVar[frozenset[str]] = frozenset({"compression"})
+    finish: ClassVar[Any] = staticmethod(_finish_compression)
 
 
-# Slots of `Stroboscope`: how many drive periods, the angles at their ends, the velocities.
+# Slots of `PoincareSection`: how many drive periods, the angles at their ends, the velocities.
 @formula
 def _start(acc: Any, i: int, n: int, angle: float) -> None:
     """Note that there are no samples yet."""
@@ -99,9 +99,9 @@ def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocit
     acc[i + (number + 1 + int(acc[i])) * n] = velocity
 
 
-@observables.register("stroboscope")
+@observables.register("poincare_section")
 @dataclass(frozen=True, kw_only=True)
-class Stroboscope(Observable):
+class PoincareSection(Observable):
     """Angle and angular velocity at the end of each of the last `periods` drive periods.
 
     The instants are whole multiples of the drive period, the last not after the duration; a step
@@ -109,8 +109,8 @@ class Stroboscope(Observable):
     """
 
     variables: ClassVar[Any] = {
-        "stroboscopic_angle": Quantity("rad", r"\theta(kT)", "angle once per drive period"),
-        "stroboscopic_angular_velocity": Quantity(
+        "section_angle": Quantity("rad", r"\theta(kT)", "angle once per drive period"),
+        "section_angular_velocity": Quantity(
             "rad/s", r"\dot\theta(kT)", "angular velocity once per drive period"
         ),
     }

@@ -10,7 +10,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range, quantity_field
 from latolato.core.scalar import floor, formula
 from latolato.observables.base import Observable, Outcome, Segment, observables
-from latolato.observables.final import Stroboscope
+from latolato.observables.final import PoincareSection
 from latolato.physics.contacts import BOTTOM, TOP
 
 # What the values of `periodicity` mean.
@@ -313,9 +313,9 @@ class ResponsePeriod(_Period):
 class ResponseSamples(_Period):
     """What `ResponsePeriod` finds, with the samples it finds it from.
 
-    The samples are those of `Stroboscope`: the ends of ``3 longest`` drive periods.
+    The samples are those of `PoincareSection`: the ends of ``3 longest`` drive periods.
     """
 
-    variables: ClassVar[Any] = {**_VARIABLES, **Stroboscope.variables}
+    variables: ClassVar[Any] = {**_VARIABLES, **PoincareSection.variables}
     dimension: ClassVar[str] = "sample"
     plain: ClassVar[Any] = frozenset(_VARIABLES)

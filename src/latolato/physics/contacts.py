@@ -62,23 +62,23 @@ class ContactLaw:
 
 @contact_laws.register("exact")
 @dataclass(frozen=True)
-class Exact(ContactLaw):
+class ExactContact(ContactLaw):
     """Impact with restitution, resting contact and lift-off, located on the solution itself."""
 
 
 @contact_laws.register("clamp")
 @dataclass(frozen=True)
-class Clamp(ContactLaw):
+class ClampContact(ContactLaw):
     """The fixed-step artefact that the paper's pictures probably contain.
 
-    Classical Runge-Kutta steps of `step` seconds; a ball found beyond a wall is put back on it
-    with its velocity reflected. Its result depends on the step and breaks the energy ledger:
+    Classical Runge-Kutta steps of `clamp_step` seconds; a ball found beyond a wall is put back on
+    it with its velocity reflected. Its result depends on the step and breaks the energy ledger:
     use it to reproduce such pictures, never to learn about the toy.
     """
 
     motion: ClassVar[str] = "clamp"
 
-    step: float = quantity_field("clamp_step", POSITIVE, default=1e-3, suggested=(1e-4, 1e-2))
+    clamp_step: float = quantity_field("clamp_step", POSITIVE, default=1e-3, suggested=(1e-4, 1e-2))
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -86,7 +86,7 @@ class Clamp(ContactLaw):
     @property
     def fixed_step(self) -> float:
         """The step [s]."""
-        return self.step
+        return self.clamp_step
 
     def check_system(self, system: Any) -> None:
         """Raise InputError for two balls that move on their own."""
@@ -99,7 +99,7 @@ class Clamp(ContactLaw):
 
 @contact_laws.register("none")
 @dataclass(frozen=True)
-class NoContact(ContactLaw):
+class PassThrough(ContactLaw):
     """The balls pass through each other."""
 
     meets: ClassVar[bool] = False

@@ -14,39 +14,41 @@ BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
 LARGEST_SEED = 2**63 - 1  # the largest integer attribute of a NetCDF file
 LARGEST_STREAM = 2**53 - 1  # values along the axes of a sweep are floats
 # The whole numbers that say which random sequence is drawn, with the powers of 2 they lie below.
-KEY = {"seed": 63, "stream": 53}
+KEY = {"noise_seed": 63, "noise_stream": 53}
 
 
 @named
 @dataclass(frozen=True, kw_only=True)
 class VelocityKicks:
-    """Kicks of standard deviation ``strength sqrt(interval)``: white noise in the acceleration.
+    """White noise in the acceleration: kicks of deviation ``noise_strength sqrt(noise_interval)``.
 
     The kicks come at fixed instants whatever the step, so that a seed gives the same noise at
     every tolerance. They are drawn by a counter-based generator (Philox 4x64; Salmon et al., 2011,
-    *Parallel random numbers: as easy as 1, 2, 3*) with the key (seed, stream): every stream of
-    every seed is an independent sequence that needs no other one to be drawn first, and a longer
-    run begins with the kicks of a shorter one.
+    *Parallel random numbers: as easy as 1, 2, 3*) with the key
+    (noise_seed, noise_stream): every stream of every seed is an independent sequence that needs no
+    other one to be drawn first, and a longer run begins with the kicks of a shorter one.
 
     Parameters
     ----------
-    strength : float
-        Noise strength sigma [rad/s^(3/2)]; the velocity variance grows by sigma^2 per second.
-    seed : int
+    noise_strength : float
+        Strength sigma [rad/s^(3/2)]; the velocity variance grows by sigma^2 per second.
+    noise_seed : int
         First half of the generator's key, in [0, 2^63).
-    stream : int
+    noise_stream : int
         Second half, in [0, 2^53): which of a seed's independent sequences. A sweep gives its
-        point k the stream ``stream + k``.
-    interval : float, optional
+        point k the stream ``noise_stream + k``.
+    noise_interval : float, optional
         Time between kicks [s]; by default 1/50 of the natural period of the right ball.
     """
 
-    strength: float = quantity_field("noise_strength", NON_NEGATIVE)
-    seed: int = quantity_field("noise_seed", Range(0, LARGEST_SEED), default=0, suggested=(0, 100))
-    stream: int = quantity_field(
+    noise_strength: float = quantity_field("noise_strength", NON_NEGATIVE)
+    noise_seed: int = quantity_field(
+        "noise_seed", Range(0, LARGEST_SEED), default=0, suggested=(0, 100)
+    )
+    noise_stream: int = quantity_field(
         "noise_stream", Range(0, LARGEST_STREAM), default=0, suggested=(0, 100)
     )
-    interval: float | None = quantity_field(
+    noise_interval: float | None = quantity_field(
         "noise_interval", POSITIVE, default=None, suggested=(1e-3, 0.1)
     )
 
@@ -69,7 +71,7 @@ class VelocityKicks:
 
     @classmethod
     def thermal(
-        cls, system: System, *, temperature: float, seed: int = 0, stream: int = 0
+        cls, system: System, *, temperature: float, noise_seed: int = 0, noise_stream: int = 0
     ) -> VelocityKicks:
         """Return the noise that balances the right ball's linear damping at `temperature` [K].
 
@@ -81,9 +83,9 @@ class VelocityKicks:
         ball = system.balls[0]
         rate = ball.damping / (ball.mass * ball.length)
         inertia = ball.mass * ball.length**2
-        strength = math.sqrt(2.0 * rate * BOLTZMANN * temperature / inertia)
-        return cls(strength=strength, seed=seed, stream=stream)
+        noise_strength = math.sqrt(2.0 * rate * BOLTZMANN * temperature / inertia)
+        return cls(noise_strength=noise_strength, noise_seed=noise_seed, noise_stream=noise_stream)
 
     def spacing(self, system: System) -> float:
         """Return the time between kicks [s]."""
-        return self.interval or 2.0 * math.pi / system.natural_frequency / 50.0
+        return self.noise_interval or 2.0 * math.pi / system.natural_frequency / 50.0

@@ -54,7 +54,7 @@ class AnalysisCall:
             found["drive"] = drive
         run = dict(scenario.run)
         noise = run.get("noise")
-        kicks = {f"noise_{k}": v for k, v in describe(noise).items()} if noise is not None else {}
+        kicks = describe(noise) if noise is not None else {}
         if "times" in run:
             run.setdefault("duration", run["times"][-1])
         for name, option in self.own.items():
@@ -131,9 +131,9 @@ class AnalysisCall:
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""
-        from latolato.physics.contacts import Clamp
+        from latolato.physics.contacts import ClampContact
 
-        if isinstance(scenario.run.get("contact"), Clamp) and "contact" not in self.own:
+        if isinstance(scenario.run.get("contact"), ClampContact) and "contact" not in self.own:
             warnings.warn(
                 f"contact 'clamp' of the scenario is left out: {self.name} is of exact contact",
                 RuntimeWarning,
@@ -149,9 +149,9 @@ class AnalysisCall:
 
 def _moving(scenario: Scenario) -> Any:
     """Return the drive of a scenario, None for a pivot at rest."""
-    from latolato.physics.drives import Static
+    from latolato.physics.drives import FixedPivot
 
-    return None if isinstance(scenario.drive, Static) else scenario.drive
+    return None if isinstance(scenario.drive, FixedPivot) else scenario.drive
 
 
 def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:

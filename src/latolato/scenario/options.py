@@ -67,7 +67,7 @@ def _options_of(law: type, table: str) -> Iterator[LawOption]:
             continue
         quantity: Quantity | None = field.metadata.get("quantity")
         # A drive's `times` are not the instants of the samples.
-        is_taken = table == "noise" or field.name in RUN_OPTIONS
+        is_taken = field.name in RUN_OPTIONS
         name = f"{table}_{field.name}" if is_taken else field.name
         several = bool(field.metadata.get("array"))
         kind = hints[field.name] if quantity is None or hints[field.name] is int else str

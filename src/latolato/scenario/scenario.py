@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import describe, suggest
-from latolato.physics.contacts import Clamp
-from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.contacts import ClampContact
+from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.scenario.tables import (
@@ -76,7 +76,7 @@ class Scenario:
     """
 
     system: System
-    drive: Drive = field(default_factory=Static)
+    drive: Drive = field(default_factory=FixedPivot)
     run: Mapping[str, Any] = field(default_factory=dict)
     varied: Mapping[str, Any] = field(default_factory=dict)
     name: str = ""
@@ -114,7 +114,7 @@ class Scenario:
         if "sweep" in tables:
             tables, varied = with_sweep(tables, folder)
         system = law_from(tables["system"], systems, "system", folder)
-        drive: Drive = Static()
+        drive: Drive = FixedPivot()
         if "drive" in tables:
             plain = without_ratios(checked_table(tables["drive"], "drive"), system)
             with said_as({name: f"drive_{name}" for name in RUN_OPTIONS}):
@@ -122,8 +122,7 @@ class Scenario:
         run = run_arguments(checked_table(tables.get("run", {}), "run"), folder)
         if "noise" in tables:
             table = checked_table(tables["noise"], "noise")
-            with said_as({f.name: f"noise_{f.name}" for f in fields(VelocityKicks)}):
-                run["noise"] = build_from(VelocityKicks, table, folder)
+            run["noise"] = build_from(VelocityKicks, table, folder)
         texts = {name: tables[name].strip() for name in ("name", *_TEXTS) if name in tables}
         return cls(system=system, drive=drive, run=run, varied=varied, **texts)
 
@@ -131,8 +130,8 @@ class Scenario:
         """Return the tables of this scenario as plain SI numbers, for JSON or TOML."""
         run = {k: list(v) if isinstance(v, tuple) else v for k, v in self.run.items()}
         noise, law = run.pop("noise", None), run.get("contact")
-        if isinstance(law, Clamp):
-            run.update(contact="clamp", clamp_step=law.step)
+        if isinstance(law, ClampContact):
+            run.update(contact="clamp", clamp_step=law.clamp_step)
         tables: Tables = {
             "system": systems.described(self.system),
             "drive": drives.described(self.drive),
@@ -221,7 +220,7 @@ class Scenario:
             if "times" not in self.run:
                 raise InputError("a sweep needs a duration [s]")
             run["duration"] = self.run["times"][-1]
-        drive = None if isinstance(self.drive, Static) else self.drive
+        drive = None if isinstance(self.drive, FixedPivot) else self.drive
         return {"system": self.system, "drive": drive, **run, **self.varied}
 
 
@@ -350,6 +349,6 @@ def changed_tables(
         )
     if tables is None:
         tables = read_tables(path) if path else {}
-    if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
+    if "drive" in changed and tables.get("drive", {}).get("kind", "fixed_pivot") == "fixed_pivot":
         changed["drive"].setdefault("kind", "harmonic")
     return overridden(dict(tables), changed), path.parent if path else None

@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number, suggest, types_of
 from latolato.observables import Observable, observables
-from latolato.physics.contacts import Clamp, contact_laws
+from latolato.physics.contacts import ClampContact, contact_laws
 from latolato.physics.pendulum import System
 from latolato.scenario.units import to_si, to_si_list
 from latolato.scenario.variation import known_quantities, read_axes, with_placeholders
@@ -185,8 +185,7 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if "clamp_step" in plain:
         if plain.get("contact") != "clamp":
             raise InputError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
-        with said_as({"step": "clamp_step"}):
-            plain["contact"] = Clamp(step=plain.pop("clamp_step"))
+        plain["contact"] = ClampContact(clamp_step=plain.pop("clamp_step"))
     if "samples" in plain:
         plain["times"] = _even_times(plain.pop("samples"), plain)
     return plain

@@ -50,7 +50,7 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
             if is_dataclass(hints[field.name]):
                 inner = number_fields(hints[field.name])
                 found |= {f"{field.name}_{f.name}": f.metadata["quantity"] for f in inner}
-    kind = "harmonic" if drive in (None, "static") else drive
+    kind = "harmonic" if drive in (None, "fixed_pivot") else drive
     laws += [drives[kind]] if kind in drives else list(drives.values())
     for law in laws:
         found |= {f.name: f.metadata["quantity"] for f in number_fields(law)}
@@ -60,7 +60,7 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
             found[name + side] = QUANTITIES[name]
     if system != "ballpair":
         found["initial_offset"] = QUANTITIES["initial_offset"]
-    return found | {f"noise_{f.name}": f.metadata["quantity"] for f in number_fields(VelocityKicks)}
+    return found | {f.name: f.metadata["quantity"] for f in number_fields(VelocityKicks)}
 
 
 def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[str, Any]:
@@ -283,7 +283,7 @@ def _changed(changes: Mapping[str, Mapping[str, Any]]) -> list[str]:
         for name, value in changes.get(part, {}).items():
             nested = isinstance(value, Mapping)
             found += [f"{name}_{inner}" for inner in value] if nested else [name]
-    found += [f"noise_{name}" for name in changes.get("noise", {})]
+    found += changes.get("noise", {})
     return found + [name + side for name in found for side in _SIDES if name in QUANTITIES]
 
 
@@ -308,7 +308,7 @@ def with_placeholders(
             system.setdefault(name, first)
         elif side in own and isinstance(system.get(side, {}), Mapping):
             system[side] = {inner: first, **system.get(side, {})}
-        elif drive is not None and drive.get("kind", "static") != "static":
+        elif drive is not None and drive.get("kind", "fixed_pivot") != "fixed_pivot":
             law: Any = drives.get(drive["kind"])
             target = DERIVED.get(name, name)
             ratio = next((d for d, t in DERIVED.items() if t == target and d in drive), None)
@@ -324,7 +324,7 @@ def tables_of_plan(plan: Plan) -> dict[str, Any]:
     run = {k: described[k] for k in ("duration", "tolerance", "rest_speed", "contact_limit")}
     run["contact"] = described["contact"]["kind"]
     if "step" in described["contact"]:
-        run["clamp_step"] = described["contact"]["step"]
+        run["clamp_step"] = described["contact"]["clamp_step"]
     if plan.system.angles == 1:
         run |= start
     else:

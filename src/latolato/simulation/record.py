@@ -15,7 +15,7 @@ from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
-from latolato.physics.contacts import CONTACT_KINDS, Clamp, ContactLaw, contact_laws
+from latolato.physics.contacts import CONTACT_KINDS, ClampContact, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
@@ -164,8 +164,8 @@ def attributes_of(
             **run,
         },
     }
-    if isinstance(law, Clamp):
-        scenario["run"]["clamp_step"] = law.step
+    if isinstance(law, ClampContact):
+        scenario["run"]["clamp_step"] = law.clamp_step
     if noise is not None:
         scenario["noise"] = describe(noise)
     attributes: dict[str, Any] = {
@@ -189,10 +189,10 @@ def attributes_of(
         attributes["contact_separation"] = system.contact_separation
     if noise is not None:
         attributes.update(
-            noise_strength=noise.strength,
+            noise_strength=noise.noise_strength,
             noise_interval=noise.spacing(system),
-            noise_seed=noise.seed,
-            noise_stream=noise.stream,
+            noise_seed=noise.noise_seed,
+            noise_stream=noise.noise_stream,
         )
     attributes["scenario"] = json.dumps(scenario)
     return attributes

@@ -12,8 +12,8 @@ from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
-from latolato.physics.contacts import ContactLaw, NoContact, contact_laws
-from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.contacts import ContactLaw, PassThrough, contact_laws
+from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System
 
@@ -25,7 +25,7 @@ MOST_KICKS = 20_000_000
 def checked_drive(drive: Drive | None) -> Drive:
     """Return a drive, a pivot at rest for None."""
     if drive is None:
-        return Static()
+        return FixedPivot()
     if not isinstance(drive, Drive):
         raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
     return drive
@@ -34,12 +34,12 @@ def checked_drive(drive: Drive | None) -> Drive:
 def checked_contact(contact: Any, system: System) -> ContactLaw:
     """Return the contact law; systems that never meet a wall have none."""
     if contact is None:
-        return NoContact()
+        return PassThrough()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
     if not isinstance(law, ContactLaw):
         raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
     if not system.has_contacts:
-        return NoContact()
+        return PassThrough()
     law.check_system(system)
     return law
 
@@ -131,7 +131,7 @@ def kicks_of(
     count = int(end / spacing)
     instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)
     generator = np.random.Generator(
-        np.random.Philox(key=np.array([noise.seed, noise.stream], dtype=np.uint64))
+        np.random.Philox(key=np.array([noise.noise_seed, noise.noise_stream], dtype=np.uint64))
     )
     normal = generator.standard_normal((count, system.angles)).T
-    return instants, np.ascontiguousarray(normal * noise.strength * math.sqrt(spacing))
+    return instants, np.ascontiguousarray(normal * noise.noise_strength * math.sqrt(spacing))

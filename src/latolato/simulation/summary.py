@@ -19,15 +19,15 @@ _COPIED = (
     "tolerance",
     "status",
     "energy_residual",
-    "slack_time",
-    "slack_fraction",
+    "compression_time",
+    "compression_fraction",
 )
 
 
 def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
-    """Return a run's largest angle, contacts by kind, energy residual, slack time and status.
+    """Return a run's largest angle, contacts by kind, energy residual, compression time and status.
 
-    Values are as JSON knows them: None for a slack time that never came, lists for two balls.
+    Values are as JSON knows them: None for a compression time that never came, lists for two balls.
 
     Examples
     --------

@@ -75,9 +75,10 @@ def sweep(
         Aimed-at error of the angle over a few hundred periods of regular motion [rad].
     contact, rest_speed, contact_limit, noise
         As for `latolato.simulate`. Point k (in C order over the axes) sees the stream
-        ``noise.stream + k``: a run with ``VelocityKicks(..., stream=...)`` of that number sees the
-        same kicks. Strength, interval, seed and stream may be axes, ``noise_strength`` and so on;
-        where seed or stream is one, points that differ in other parameters see equal kicks.
+        ``noise.noise_stream + k``: a run with ``VelocityKicks(..., noise_stream=...)`` of that
+        number sees the same kicks. Each field of the noise may be an axis; where
+        ``noise_seed`` or ``noise_stream`` is one, points that differ in other parameters see
+        equal kicks.
     continuation : str, optional
         Name of an axis along which every point starts where its neighbour ended, with the phase
         of the drive going on: hysteresis.

@@ -82,7 +82,7 @@ def parameters_of(
             if field.name in KEY:
                 # Floats hold every whole number up to here, also of seeds.
                 parameter = replace(parameter, allowed=Range(0, LARGEST_STREAM), whole=True)
-            found[f"noise_{field.name}"] = parameter
+            found[field.name] = parameter
     return found
 
 

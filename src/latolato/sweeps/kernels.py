@@ -152,8 +152,8 @@ def run_fastest(
 def has_lanes(plan: Plan) -> bool:
     """Return whether the plan's points can run in SIMD lanes.
 
-    One ball with linear drag under a drive whose phase rotates, without noise; slack is followed
-    by single trajectories only.
+    One ball with linear drag under a drive whose phase rotates, without noise; compression
+    is followed by single trajectories only.
     """
     return (
         plan.system.angles == 1
@@ -161,5 +161,5 @@ def has_lanes(plan: Plan) -> bool:
         and is_smooth(plan)
         and plan.drive.rotation is not None
         and plan.contact.motion == "exact"
-        and not any("slack" in o.needs for o in plan.observables)
+        and not any("compression" in o.needs for o in plan.observables)
     )

@@ -24,8 +24,8 @@ from latolato.core.registry import (
 )
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
-from latolato.physics.contacts import ContactLaw, Exact, contact_laws
-from latolato.physics.drives import CrankSlider, Drive, Harmonic, Static, drives
+from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
+from latolato.physics.drives import CrankSlider, Drive, FixedPivot, Harmonic, drives
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
@@ -59,7 +59,7 @@ class Plan:
     transient: float = 0.0
     transient_periods: float = 0.0
     tolerance: float = 1e-6
-    contact: ContactLaw = field(default_factory=Exact)
+    contact: ContactLaw = field(default_factory=ExactContact)
     rest_speed: float = DEFAULT_REST_SPEED
     contact_limit: int = 1_000_000
     noise: VelocityKicks | None = None
@@ -90,7 +90,7 @@ class Plan:
 
         Where an axis says seed or stream, points that differ in other parameters see equal kicks.
         """
-        return self.noise is not None and not self.varied & {f"noise_{name}" for name in KEY}
+        return self.noise is not None and not self.varied & set(KEY)
 
     @property
     def size(self) -> int:
@@ -318,10 +318,10 @@ def make_plan(
         direction=direction,
         chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
     )
-    if noise is not None and plan.own_streams and noise.stream + plan.size > LARGEST_STREAM:
+    if noise is not None and plan.own_streams and noise.noise_stream + plan.size > LARGEST_STREAM:
         raise InputError(
-            f"{plan.size} points need as many streams from {noise.stream} on, but streams lie in "
-            "[0, 2^53): begin with a smaller one"
+            f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
+            "lie in [0, 2^53): begin with a smaller one"
         )
     if chunk_size is None:
         # Small enough for several workers and for progress, large enough to fill SIMD lanes.
@@ -344,14 +344,15 @@ def _names_in(axes: Any) -> set[str]:
 
 def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
     """Return the noise, some of it if there is none but the axes vary its strength."""
-    kicks = VelocityKicks(strength=0.0)
-    asked = sorted(varied & {f"noise_{f.name}" for f in number_fields(kicks)})
+    kicks = VelocityKicks(noise_strength=0.0)
+    asked = sorted(varied & {f.name for f in number_fields(kicks)})
     if noise is not None or not asked:
         return noise
     if "noise_strength" in asked:
         return kicks
     raise InputError(
-        f"axis {asked[0]} needs noise: give VelocityKicks(strength=...) or an axis noise_strength"
+        f"axis {asked[0]} needs noise: give VelocityKicks(noise_strength=...) or an axis "
+        "noise_strength"
     )
 
 
@@ -474,7 +475,7 @@ def _check_continuation(
             f"continuation along {starts[0]} makes no sense: each point starts where the one "
             "before ended"
         )
-    if not isinstance(drive, (Harmonic, CrankSlider, Static)):
+    if not isinstance(drive, (Harmonic, CrankSlider, FixedPivot)):
         raise InputError(
             f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
             f"got {drives.name_of(drive)}"

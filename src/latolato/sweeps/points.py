@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import is_computable
+from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.engine.record import STATE
 from latolato.numerics.integrate import Start
@@ -32,7 +33,7 @@ from latolato.numerics.prepare import (
 from latolato.numerics.records import BALL, BODY, SETTINGS
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE
-from latolato.physics.drives import Drive, Harmonic, Static
+from latolato.physics.drives import Drive, FixedPivot, Harmonic
 from latolato.physics.drives.stretch import COSINE
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System, restoring_linear
@@ -107,7 +108,7 @@ def columns_of(plan: Plan, index: NDArray[np.int64]) -> Columns:
     columns |= {name: np.full(len(index), value) for name, value in plan.start}
     if plan.own_streams:
         assert plan.noise is not None
-        columns["noise_stream"] = (plan.noise.stream + index).astype(np.float64)
+        columns["noise_stream"] = (plan.noise.noise_stream + index).astype(np.float64)
     place = dict(zip(plan.dims, np.unravel_index(index, plan.shape), strict=True))
     for axis in plan.axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
@@ -225,7 +226,7 @@ def _stretches(
     columns turn into stretches where each point has one cosine.
     """
     count = len(cases)
-    if isinstance(plan.drive, (Harmonic, Static)):
+    if isinstance(plan.drive, (Harmonic, FixedPivot)):
         stretches = np.zeros(count, dtype=records.stretch_dtype())
         if isinstance(plan.drive, Harmonic):
             stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
@@ -276,10 +277,10 @@ def _noise(plan: Plan, columns: Columns, k: int) -> VelocityKicks | None:
     if plan.noise is None:
         return None
     values: dict[str, Any] = {}
-    for field in ("strength", "interval", *KEY):
-        if f"noise_{field}" in columns:
-            value = columns[f"noise_{field}"][k]
-            values[field] = int(value) if field in KEY else float(value)
+    for field in number_fields(plan.noise):
+        if field.name in columns:
+            value = columns[field.name][k]
+            values[field.name] = int(value) if field.name in KEY else float(value)
     return replace(plan.noise, **values)
 
 
@@ -331,8 +332,8 @@ def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> 
 
 
 def _follows_tension(plan: Plan) -> bool:
-    """Return whether an observable asks for the time of slack."""
-    asked = any("slack" in o.needs for o in plan.observables)
+    """Return whether an observable asks for the time of compression."""
+    asked = any("compression" in o.needs for o in plan.observables)
     return asked and plan.system.restoring is not restoring_linear
 
 

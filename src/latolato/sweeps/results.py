@@ -129,9 +129,7 @@ def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:
         flat[name] = described[name]
     flat["contact"] = described["contact"]["kind"]
     if plan.noise is not None:
-        for name, value in described["noise"].items():
-            if value is not None:
-                flat[f"noise_{name}"] = value
+        flat |= {k: v for k, v in described["noise"].items() if v is not None}
         if plan.own_streams:
             flat["noise_streams"] = "noise_stream + number of the point in C order"
     if plan.continuation:

@@ -94,9 +94,9 @@ def is_shaken(system: Any, drive: Any) -> str | None:
 
 def is_even(system: Any, drive: Any) -> str | None:
     """Say whether the pivot rests or repeats the same movement."""
-    from latolato.physics.drives import Static
+    from latolato.physics.drives import FixedPivot
 
-    return None if isinstance(drive, Static) else is_shaken(system, drive)
+    return None if isinstance(drive, FixedPivot) else is_shaken(system, drive)
 
 
 def is_harmonic(system: Any, drive: Any) -> str | None:
@@ -127,7 +127,7 @@ def is_toy(system: Any, drive: Any) -> str | None:
 def _is_free(position: str) -> Condition:
     def check(system: Any, drive: Any) -> str | None:
         from latolato.analysis.linear import linearised
-        from latolato.physics.drives import Static
+        from latolato.physics.drives import FixedPivot
         from latolato.physics.pendulum import Mathieu
 
         if system.has_contacts:
@@ -136,7 +136,7 @@ def _is_free(position: str) -> Condition:
         if position == "inverted" and isinstance(system, Mathieu):
             return "The Mathieu equation knows no upright position: choose a pendulum."
         try:
-            linearised(system, None if isinstance(drive, Static) else drive, position)
+            linearised(system, None if isinstance(drive, FixedPivot) else drive, position)
         except InputError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return None

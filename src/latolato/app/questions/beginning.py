@@ -193,7 +193,7 @@ def hysteresis(found: xr.Dataset) -> str:
 
 
 @asked(
-    "activation_time",
+    "first_passage_time",
     group=BEGINNING,
     title="How long until random jiggling sets it off?",
     term="noise activation, first passage",
@@ -202,15 +202,15 @@ def hysteresis(found: xr.Dataset) -> str:
     first=("noise_strength", "threshold_angle", "trajectories", "duration"),
     quick={"noise_strength": "0.5", "trajectories": "100", "duration": "300"},
 )
-def activation_time(found: xr.Dataset) -> str:
+def first_passage_time(found: xr.Dataset) -> str:
     """Tell the mean time with its error, or why there is none."""
-    status, share = str(found["status"].item()), float(found["activated_fraction"])
+    status, share = str(found["status"].item()), float(found["passage_fraction"])
     angle = degrees(found.attrs["threshold_angle"])
-    mean = float(found["mean_activation_time"])
+    mean = float(found["mean_first_passage_time"])
     if status == "none activated":
         return (
             f"None reached {angle}: on average it takes more than "
-            f"{number(float(found['mean_activation_time_low']))} s."
+            f"{number(float(found['mean_first_passage_time_low']))} s."
         )
     text = f"{percent(share)} reached {angle}"
     if status == "all at once":
@@ -218,5 +218,5 @@ def activation_time(found: xr.Dataset) -> str:
     if status == "not exponential":
         tail = "but not by pure chance: first the motion must grow"
         return f"{text}, after some {number(mean)} s, {tail}."
-    told = plus_minus(mean, float(found["mean_activation_time_error"]))
+    told = plus_minus(mean, float(found["mean_first_passage_time_error"]))
     return f"{text}, by chance, after {told} s on average."

@@ -10,7 +10,7 @@ from latolato.numerics.bounce import hop
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import GAP, RATE, Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
-from latolato.numerics.engine.held import Held, add_slack
+from latolato.numerics.engine.held import Held, add_compression
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
@@ -212,18 +212,18 @@ def make_flight(
             run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
 
     @part
-    def note_slack(run: Any, i: int) -> None:
-        """Add the slack of one ball's rod; zeros of the tension are located, one in each half."""
+    def note_compression(run: Any, i: int) -> None:
+        """Add the compression of a rod; zeros of the tension are located, one in each half."""
         begin, end = run.now[i], run.end[i]
         b, gravity, state = run.bodies[i], run.settings.gravity, run.state
         if begin.sign == 0.0:
-            held.note_slack(run, i, begin.angle)
+            held.note_compression(run, i, begin.angle)
             return
         strongest = (gravity + run.settings.pivot_bound) * b.coupling
         margin = begin.velocity * begin.velocity + end.velocity * end.velocity + strongest
         margin *= run.settings.sag
         if max(begin.tension, end.tension) < -margin:
-            add_slack(state, i, begin.tension, end.tension, run.t, run.t_end)
+            add_compression(state, i, begin.tension, end.tension, run.t, run.t_end)
             return
         if min(begin.tension, end.tension) >= margin:
             return
@@ -234,10 +234,10 @@ def make_flight(
             s0 = half * piece
             if (left < 0.0) != (right < 0.0):
                 root = zero_of_tension(run, i, s0, s0 + half, left, right)
-                add_slack(state, i, left, math.copysign(0.0, left), run.t + s0, run.t + root)
-                add_slack(state, i, right, right, run.t + root, run.t + s0 + half)
+                add_compression(state, i, left, math.copysign(0.0, left), run.t + s0, run.t + root)
+                add_compression(state, i, right, right, run.t + root, run.t + s0 + half)
             else:
-                add_slack(state, i, left, right, run.t + s0, run.t + s0 + half)
+                add_compression(state, i, left, right, run.t + s0, run.t + s0 + half)
             left, right = middle, end.tension
 
     @part
@@ -255,14 +255,14 @@ def make_flight(
         run: Any, i: int, low: float, high: float, left: float, right: float
     ) -> float:
         """Return where the tension changes its sign; regula falsi, kept ends halved (Illinois)."""
-        begins_slack, kept, root = left < 0.0, 0, high
+        begins_compression, kept, root = left < 0.0, 0, high
         for _ in range(MOST_TRIALS):
             s = (low * right - high * left) / (right - left)
             if not low < s < high:
                 break
             now = tension_after(run, i, s)
             moved, root = abs(s - root), s
-            if (now < 0.0) == begins_slack:
+            if (now < 0.0) == begins_compression:
                 low, left = s, now
                 right, kept = (0.5 * right if kept == 1 else right), 1
             else:
@@ -274,10 +274,10 @@ def make_flight(
 
     @inlined(part)
     def note(run: Any, eyes: Eyes) -> None:
-        """Note slack, and show the observables the step and its matrix."""
+        """Note compression, and show the observables the step and its matrix."""
         for i in range(count):
             if run.settings.follows_tension != 0:
-                note_slack(run, i)
+                note_compression(run, i)
             a0, a1 = slowed(run.now[i], run.bodies[i]), slowed(run.end[i], run.bodies[i])
             look.step(run, eyes, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)
         if look.sees_matrices(run):

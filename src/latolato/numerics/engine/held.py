@@ -21,11 +21,11 @@ class Held(NamedTuple):
     """The functions of a ball without motion; see `make_held`."""
 
     release_time: Callable[..., float]
-    note_slack: Callable[..., None]
+    note_compression: Callable[..., None]
 
 
 @formula
-def slack_share(left: float, right: float) -> float:
+def compression_share(left: float, right: float) -> float:
     """Return the share of a short interval in which a nearly linear tension is negative."""
     if left < 0.0 and right < 0.0:
         return 1.0
@@ -35,12 +35,12 @@ def slack_share(left: float, right: float) -> float:
 
 
 @formula
-def add_slack(state: Any, ball: int, left: float, right: float, t: float, end: float) -> None:
-    """Add the slack of an interval in which the tension is nearly linear."""
-    share = slack_share(left, right)
-    state.slack_time[ball] += share * (end - t)
-    if share > 0.0 and math.isnan(state.slack_start[ball]):
-        state.slack_start[ball] = t if left < 0.0 else end - share * (end - t)
+def add_compression(state: Any, ball: int, left: float, right: float, t: float, end: float) -> None:
+    """Add the compression in an interval in which the tension is nearly linear."""
+    share = compression_share(left, right)
+    state.compression_time[ball] += share * (end - t)
+    if share > 0.0 and math.isnan(state.compression_start[ball]):
+        state.compression_start[ball] = t if left < 0.0 else end - share * (end - t)
 
 
 def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
@@ -108,8 +108,8 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         return math.inf
 
     @part
-    def note_slack(run: Any, ball: int, angle: float) -> None:
-        """Add the slack of a step without motion.
+    def note_compression(run: Any, ball: int, angle: float) -> None:
+        """Add the compression in a step without motion.
 
         On a wall and where friction holds the ball, the tension has the sign of
         ``(g + y0'') cos(angle)``; it is sampled four times a step.
@@ -122,7 +122,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         for i in range(math.ceil((run.t_end - run.t) / dt)):
             begin, end = run.t + i * dt, min(run.t + (i + 1) * dt, run.t_end)
             right = (gravity + pivot_acceleration(end, run.stretch)) * side
-            add_slack(run.state, ball, left, right, begin, end)
+            add_compression(run.state, ball, left, right, begin, end)
             left = right
 
-    return Held(release_time, note_slack)
+    return Held(release_time, note_compression)

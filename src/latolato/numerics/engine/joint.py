@@ -12,7 +12,7 @@ from typing import Any
 from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.held import add_slack
+from latolato.numerics.engine.held import add_compression
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
@@ -176,7 +176,7 @@ def make_joint(
 
     @part
     def note(run: Any, eyes: Eyes) -> None:
-        """Note slack, and show the observables the step of each ball and the common matrix."""
+        """Note compression; show the observables the step of each ball and the common matrix."""
         body = body_of(run)
         begin, end = run.now[JOINT_ROW], run.end[JOINT_ROW]
         if run.settings.follows_tension != 0:
@@ -185,7 +185,7 @@ def make_joint(
         for i in range(2):
             if run.settings.follows_tension != 0:
                 left, right = run.now[i].tension, run.end[i].tension
-                add_slack(run.state, i, left, right, run.t, run.t_end)
+                add_compression(run.state, i, left, right, run.t, run.t_end)
             a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])
             look.step(run, eyes, i, a0, a1, 1.0)
         if look.sees_matrices(run):

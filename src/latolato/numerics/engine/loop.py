@@ -173,9 +173,9 @@ def make_engine(
         state.mode = FLIGHT
         if settings.follows_ledger != 0:
             state.first_energy = state.largest_energy = balls.energy(run)
-        gap, slack = balls.gap(run.now), _TOUCH if two else 0.0
-        if gap <= settings.low + slack or gap >= settings.high - slack:
-            state.touch = state.side = -1.0 if gap <= settings.low + slack else 1.0
+        gap, margin = balls.gap(run.now), _TOUCH if two else 0.0
+        if gap <= settings.low + margin or gap >= settings.high - margin:
+            state.touch = state.side = -1.0 if gap <= settings.low + margin else 1.0
             if balls.gap_rate(run.now) * state.side >= 0.0:
                 run.side = state.side
                 meet(run, output, eyes)

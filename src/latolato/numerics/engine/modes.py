@@ -18,7 +18,7 @@ class Mode(NamedTuple):
     look_inside : callable ``(run, length)``
         Fill ``run.inside``, with works and losses, for that part of the planned step [s].
     note : callable ``(run, eyes)``
-        Note slack, and show the observables the step and its matrix.
+        Note compression, and show the observables the step and its matrix.
     """
 
     number: int

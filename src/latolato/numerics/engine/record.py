@@ -47,8 +47,8 @@ STATE = np.dtype(
         ("impact_loss", "f8"),
         ("capture_loss", "f8"),
         ("noise_work", "f8"),
-        ("slack_start", "f8", (2,)),  # s, NaN before
-        ("slack_time", "f8", (2,)),  # s
+        ("compression_start", "f8", (2,)),  # s, NaN before
+        ("compression_time", "f8", (2,)),  # s
         ("first_energy", "f8"),  # J; these three tell how well the ledger closes
         ("largest_energy", "f8"),
         ("ledger_error", "f8"),

@@ -20,7 +20,7 @@ from latolato.physics.drives.stretch import COSINE, write_change, write_stretch
 
 @formula
 def write_stages(out: Any, drive: Any) -> int:
-    """Write the stretches of `Stages`, changes and what lies between them; return their number."""
+    """Write the stretches of a `StagedHarmonic` and of its changes; return their number."""
     amplitude, frequency = drive.drive_amplitudes[0], drive.drive_frequencies[0]
     write_stretch(out[0], 0.0, COSINE, drive.drive_phase, frequency, 0.0, amplitude)
     n = 1
@@ -34,9 +34,9 @@ def write_stages(out: Any, drive: Any) -> int:
     return n
 
 
-@drives.register("stages")
+@drives.register("staged_harmonic")
 @dataclass(frozen=True, kw_only=True)
-class Stages(Drive):
+class StagedHarmonic(Drive):
     """Stages of constant amplitude and frequency, with a smooth change at the start of each.
 
     Stage k begins at ``times[k]`` (the first at 0, without a change); within ``ramps[k]`` seconds

@@ -42,7 +42,7 @@ export class Form {
     const { system, drive } = options;
     return {
       system: system in systems ? system : this.resolved.system ?? "latolato",
-      drive: drive in drives ? drive : this.resolved.drive ?? "static",
+      drive: drive in drives ? drive : this.resolved.drive ?? "fixed_pivot",
     };
   }
 

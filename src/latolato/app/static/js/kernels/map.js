@@ -70,7 +70,7 @@ function computed(kernels, question) {
   const { is_linear = 0, meets = 0 } = question.parameters;
   const needs = new Set(observers.flatMap(({ about }) => about.needs));
   const isRough = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
-  const followsTension = needs.has("slack") && !is_linear;
+  const followsTension = needs.has("compression") && !is_linear;
   const { stretches, firsts } = stretchesOf(kernels, count, drive);
   const cases = kernels.take("case", count);
   const parameters = { ...ABSENT, ...question.parameters, duration, angles: 1,
@@ -102,7 +102,7 @@ function computed(kernels, question) {
   }
   const order = longestFirst(kernels, points.settings, problems);
   if (order.shape[0]) {
-    const inLanes = layout.rotating_drives.includes(drive.kind) && !isRough && !needs.has("slack");
+    const inLanes = layout.rotating_drives.includes(drive.kind) && !isRough && !needs.has("compression");
     const { kicks, drifts, nodes } = layout.steppers[isRough ? "rough" : "smooth"];
     const stepper = { kicks: kernels.copy(kicks), drifts: kernels.copy(drifts),
       nodes: kernels.copy(nodes) };

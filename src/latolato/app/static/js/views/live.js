@@ -136,7 +136,7 @@ export class LiveView {
       options = { ...FIRST_OPTIONS, ...options };
     }
     if (scenario && options.system)
-      options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
+      options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     this.preset.show(scenario);
     return { scenario, options, controls: this.controls, state: this.last };
   }

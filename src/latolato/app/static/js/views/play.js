@@ -96,7 +96,7 @@ export class PlayView {
     if (!scenario && !options.system) scenario = FIRST;
     if (scenario && options.system) {
       // A scenario's own values do not fit another system.
-      options = withLaws(registry, options, {}, options.system, options.drive ?? "static");
+      options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
     this.presets.show(scenario);
     // The form is made while the server computes.

@@ -30,7 +30,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     share = np.concatenate([[0.0], np.arange(1, known.size + 1), [known.size]]) / count
     smooth = np.linspace(0.0, end, 400)
     mean, low, high = (
-        float(dataset[f"mean_activation_time{tail}"]) for tail in ("", "_low", "_high")
+        float(dataset[f"mean_first_passage_time{tail}"]) for tail in ("", "_low", "_high")
     )
     for axis, letter, title in zip(
         panels[0], "ab", ("activated", "not yet activated"), strict=True
