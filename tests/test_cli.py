@@ -168,11 +168,11 @@ BAD_INPUT = [
     ([*TOY, "--json", "--json"], "option --json must be given once, it was given 2 times"),
     (
         but(TOY, "--left-mass", "2"),
-        "left_mass belongs to system ballpair, not to latolato: use mass or change the system",
+        "left_mass belongs to system ballpair, not to latolato; use mass or change the system",
     ),
     (
         but(TOY, "--connecting-rod-length", "1"),
-        "connecting_rod_length belongs to drive crank_slider, not to harmonic: leave it out or",
+        "connecting_rod_length belongs to drive crank_slider, not to harmonic; leave it out or",
     ),
     (but(PAIR, "--length", "1"), "BallPair has no 'length' of its own"),
     ([*PAIR[:8], *PAIR[10:]], "Ball needs 'left_mass' [kg]"),

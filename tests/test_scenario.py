@@ -286,7 +286,7 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
         ({"drive": {"kind": "measured_pivot"}}, "MeasuredPivot needs 'drive_times' [s]"),
         (
             {"system": {**PENDULUM, "left": {"mass": 1}}},
-            "left_mass belongs to system ballpair, not to pendulum: use mass or change the system",
+            "left_mass belongs to system ballpair, not to pendulum; use mass or change the system",
         ),
         (
             {"system": {"kind": "ballpair", "right": {"length": 1, "mass": -1}}},

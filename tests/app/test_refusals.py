@@ -63,6 +63,7 @@ def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path)
     answers = []
     worker.run({"job": "analyse", "given": {}, "folder": str(tmp_path)}, answers.append)
     (answer,) = answers
-    assert answer["error"].startswith(said)
+    text = InputError(answer["error"], parameter=answer.get("parameter"))
+    assert str(text).startswith(said)
     if "internal" in said:
         Path(answer["error"].split("'")[1]).unlink()

@@ -186,8 +186,9 @@ def basins(
     )
     if entropy_size > min(shape):
         raise InputError(
-            f"entropy_box must be at most the points of either axis, {min(shape)}, got "
-            f"{entropy_size}; take a smaller box or more points"
+            f"must be at most the points of either axis, {min(shape)}, got {entropy_size}",
+            parameter="entropy_box",
+            way_out="take a smaller box or more points",
         )
     if math.prod(shape) > _MOST_STARTS:
         raise InputError(
@@ -590,10 +591,16 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
     table = np.asarray(labels)
     size = checked_count("box", box)
     if table.ndim != 2 or table.dtype.kind not in "iu":
-        raise InputError(f"labels must be whole numbers in two dimensions, got shape {table.shape}")
+        raise InputError(
+            f"must be whole numbers in two dimensions, got shape {table.shape}", parameter="labels"
+        )
     rows, columns = (n // size for n in table.shape)
     if not rows * columns:
-        raise InputError(f"box must fit into the map of {table.shape}, got {size}; take a smaller")
+        raise InputError(
+            f"must fit into the map of {table.shape}, got {size}",
+            parameter="box",
+            way_out="take a smaller",
+        )
     whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)
     boxes = whole.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
     entropy = np.zeros(len(boxes))

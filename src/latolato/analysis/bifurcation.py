@@ -140,9 +140,9 @@ def bifurcation_diagram(
         checked_number(parameter, value, about.allowed, about.quantity.unit)
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
-        raise InputError(f"points must be from 2 to {_MOST_POINTS}, got {count}")
+        raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")
     if direction not in DIRECTIONS:
-        raise InputError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)
     start: dict[str, Any] = {

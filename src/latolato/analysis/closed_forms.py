@@ -189,7 +189,7 @@ def collision_times(
     ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
     """
     if count != int(count) or count < 0:
-        raise InputError(f"count must be a whole number, at least 0, got {count}")
+        raise InputError(f"must be a whole number, at least 0, got {count}", parameter="count")
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
     return np.asarray((2.0 * np.arange(1, int(count) + 1) - 1.0) * tau, dtype=np.float64)
 
@@ -275,7 +275,9 @@ def zeno_time(
     system = LatoLato(length=length, mass=1.0, radius=radius, restitution=restitution)
     e = system.restitution
     if e == 1.0:
-        raise InputError("restitution must lie in [0, 1) for impacts to accumulate, got 1")
+        raise InputError(
+            "must lie in [0, 1) for impacts to accumulate, got 1", parameter="restitution"
+        )
     total = _fall_time(bounce)
     if e == 0.0:
         return total
@@ -316,7 +318,11 @@ def reflected_angle(free_angle: ArrayLike) -> Array:
     """
     free = np.asarray(free_angle, dtype=np.float64)
     if not np.all(np.isfinite(free)):
-        raise InputError("free_angle must be finite, got nan or inf; drop such samples first")
+        raise InputError(
+            "must be finite, got nan or inf",
+            parameter="free_angle",
+            way_out="drop such samples first",
+        )
     return np.asarray(np.abs(free - 2.0 * math.pi * np.rint(free / (2.0 * math.pi))))
 
 
@@ -336,8 +342,10 @@ def _bounce(length: float, radius: float, initial_angle: float, gravity: float) 
     top = checked_number("initial_angle", initial_angle, ANY, "rad")
     if not low < top <= high:
         raise InputError(
-            f"initial_angle must lie above the low wall {low:.6g} rad and not above the high one "
-            f"{high:.6g} rad, got {top:.6g}; a ball at rest on the low wall stays there"
+            f"must lie above the low wall {low:.6g} rad and not above the high one "
+            f"{high:.6g} rad, got {top:.6g}",
+            parameter="initial_angle",
+            way_out="a ball at rest on the low wall stays there",
         )
     # sin^2(top/2) - sin^2(low/2) as a product, which keeps its digits.
     speed = math.sqrt(math.sin(0.5 * (top - low)) * math.sin(0.5 * (top + low)))

@@ -132,7 +132,7 @@ def continue_orbit(
             f"[{low:g}, {high:g}]"
         )
     if direction not in ("up", "down"):
-        raise InputError(f"direction must be 'up' or 'down', got {direction!r}")
+        raise InputError("must be 'up' or 'down'", parameter="direction", value=direction)
     count = checked_period(period)
     most = checked_count("points", points)
     flow = Flow(

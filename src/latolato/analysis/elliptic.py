@@ -224,5 +224,9 @@ def checked_times(times: ArrayLike) -> Array:
     """Return the instants as float64, all finite."""
     instants = np.asarray(times, dtype=np.float64)
     if not np.all(np.isfinite(instants)):
-        raise InputError("times must be finite seconds, got nan or inf; drop such samples first")
+        raise InputError(
+            "must be finite seconds, got nan or inf",
+            parameter="times",
+            way_out="drop such samples first",
+        )
     return instants

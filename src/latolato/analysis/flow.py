@@ -97,8 +97,9 @@ class Flow:
         law = checked_contact(self.contact, self.system)
         if law.fixed_step is not None:
             raise InputError(
-                "contact must be exact or none here: a clamped motion depends on its step, so "
-                "small deviations have no meaning"
+                "must be exact or none here: a clamped motion depends on its step, so small "
+                "deviations have no meaning",
+                parameter="contact",
             )
         object.__setattr__(self, "contact", law)
 
@@ -182,8 +183,9 @@ def periodic_drive(system: System, drive: Any) -> Drive:
     ratio = math.tau / drive_period(found) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(
-            f"drive_frequency must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, "
-            f"got {ratio:.3g}; raise drive_frequency"
+            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, got {ratio:.3g}",
+            parameter="drive_frequency",
+            way_out="raise drive_frequency",
         )
     return found
 

@@ -143,7 +143,11 @@ def hysteresis(
         raise InputError(f"{name} drive has no frequency to sweep: give a Harmonic one")
     ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise InputError("frequency_ratio must be two or more values that increase; sort them")
+        raise InputError(
+            "must be two or more values that increase",
+            parameter="frequency_ratio",
+            way_out="sort them",
+        )
     amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
     held = checked_number("duration", duration, POSITIVE, "s")
     jump = checked_number("least_jump", least_jump, POSITIVE, "rad")

@@ -138,7 +138,7 @@ def self_start(
 def _resting_angles(system: System) -> tuple[float, ...]:
     """Return the angles of the balls at rest against each other [rad]."""
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     if isinstance(system, LatoLato):
         angles: tuple[float, ...] = (system.contact_angle_low,)
     elif isinstance(system, BallPair):

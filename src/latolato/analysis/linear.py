@@ -186,12 +186,15 @@ def checked_template(drive: Drive | None) -> Drive:
     if drive is None:
         return Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     if not isinstance(drive, Drive):
-        raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+        raise InputError(
+            f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
+        )
     names = {field.name for field in fields(drive)}
     if not set(_SOUGHT) <= names or len(drive.stretches(math.inf)) != 1:
         raise InputError(
-            f"drive must be periodic with one amplitude and one frequency, got "
-            f"{drives.name_of(drive)}; use Harmonic or CrankSlider"
+            f"must be periodic with one amplitude and one frequency, got {drives.name_of(drive)}",
+            parameter="drive",
+            way_out="use Harmonic or CrankSlider",
         )
     return drive
 
@@ -199,7 +202,7 @@ def checked_template(drive: Drive | None) -> Drive:
 def checked_choice(name: str, value: str, choices: tuple[str, ...]) -> str:
     """Return one of the choices."""
     if value not in choices:
-        raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)
     return value
 
 
@@ -207,7 +210,9 @@ def checked_ratio(frequency_ratio: float) -> float:
     """Return a frequency ratio that is not too slow."""
     ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
     if ratio < SLOWEST:
-        raise InputError(f"frequency_ratio must be at least {SLOWEST:g}, got {ratio:g}")
+        raise InputError(
+            f"must be at least {SLOWEST:g}, got {ratio:g}", parameter="frequency_ratio"
+        )
     return ratio
 
 
@@ -220,7 +225,7 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
         Where there is no linear stability: a wall or friction at the position.
     """
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     checked_choice("position", position, POSITIONS)
     if position == "inverted" and isinstance(system, Mathieu):
         raise InputError(
@@ -230,9 +235,10 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     for ball in system.balls:
         if ball.coulomb_damping > 0.0:
             raise InputError(
-                f"coulomb_damping must be 0, got {ball.coulomb_damping:g}: dry friction holds the "
-                "ball near the position, whose stability is then no linear question; simulate "
-                "with a push instead"
+                f"must be 0, got {ball.coulomb_damping:g}: dry friction holds the ball near "
+                "the position, whose stability is then no linear question",
+                parameter="coulomb_damping",
+                way_out="simulate with a push instead",
             )
     ball = system.balls[0]
     if isinstance(system, (LatoLato, BallPair)):
@@ -262,8 +268,10 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
         )
     if system.restitution < 1.0:
         raise InputError(
-            f"restitution must be 1, got {system.restitution:g}: balls that meet at each passage "
-            f"lose energy there, which no linear equation tells; {way_out}"
+            f"must be 1, got {system.restitution:g}: balls that meet at each passage lose "
+            "energy there, which no linear equation tells",
+            parameter="restitution",
+            way_out=f"{way_out}",
         )
     rates = {each.damping / each.mass for each in system.balls}
     if len(rates) > 1:

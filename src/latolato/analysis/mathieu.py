@@ -192,11 +192,12 @@ def mathieu_tongue_edges(
     system, zeta = _checked_system(length, mass, damping, gravity)
     q = 2.0 * checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m") / system.length
     if order != int(order) or not 1 <= order <= LARGEST_CHARACTERISTIC_ROOT / 2:
-        raise InputError(f"order must be a whole number from 1 to 100, got {order}")
+        raise InputError(f"must be a whole number from 1 to 100, got {order}", parameter="order")
     if zeta >= 1.0:
         raise InputError(
-            f"damping must be below 2 m l w0 for a tongue to exist, got {damping} "
-            f"({zeta:.3g} times that); use mathieu_growth_rate for overdamped cases"
+            f"must be below 2 m l w0 for a tongue to exist, got {damping} ({zeta:.3g} times that)",
+            parameter="damping",
+            way_out="use mathieu_growth_rate for overdamped cases",
         )
     _require_range(np.asarray(0.0), np.asarray(q))
     swing = math.sqrt(1.0 - zeta**2)
@@ -302,7 +303,9 @@ def _checked_system(
 ) -> tuple[Mathieu, float]:
     """Return the checked system and its damping ratio C/(2 m l w0) [1]."""
     if mass is None and damping != 0.0:
-        raise InputError(f"mass must be given with damping {damping}: the drag rate is C/(m l)")
+        raise InputError(
+            f"must be given with damping {damping}: the drag rate is C/(m l)", parameter="mass"
+        )
     # Without damping the mass drops out of eq14.
     m = 1.0 if mass is None else mass
     system = Mathieu(length=length, mass=m, damping=damping, gravity=gravity)
@@ -320,8 +323,9 @@ def _require_range(a: Array, q: Array) -> None:
         )
     if q.size and np.max(q) > LARGEST_MATHIEU_Q:
         raise InputError(
-            f"drive_amplitude must be at most {LARGEST_MATHIEU_Q / 2:g} length, "
-            f"got {np.max(q) / 2:g} length; lower drive_amplitude"
+            f"must be at most {LARGEST_MATHIEU_Q / 2:g} length, got {np.max(q) / 2:g} length",
+            parameter="drive_amplitude",
+            way_out="lower drive_amplitude",
         )
 
 

@@ -93,7 +93,9 @@ def checked_period(period: Any) -> int:
     """Return how many drive periods an orbit lasts."""
     number = checked_number("period", period, Range(1, LONGEST), "1")
     if number != int(number):
-        raise InputError(f"period must be a whole number of drive periods, got {period}")
+        raise InputError(
+            f"must be a whole number of drive periods, got {period}", parameter="period"
+        )
     return int(number)
 
 
@@ -103,8 +105,9 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
     if angle is None and offset is None:
         if system.has_contacts and math.isfinite(flow.walls[0]):
             raise InputError(
-                "initial_angle is needed [rad]: a motion between walls has no natural first guess "
-                "(a start on the attractor, from a run, will do)"
+                "is needed [rad]: a motion between walls has no natural first guess (a start "
+                "on the attractor, from a run, will do)",
+                parameter="initial_angle",
             )
         angle = 0.0 if system.angles == 1 else (0.0, 0.0)
     begun = checked_start(system, flow.walls, angle, velocity, offset)

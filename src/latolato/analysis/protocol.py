@@ -57,8 +57,9 @@ class Protocol:
         )
         if not stages or len(dwells) != len(stages) - 1:
             raise InputError(
-                f"dwells must be one fewer than drive_frequencies, got {len(dwells)} and "
-                f"{len(stages)}; the last stage goes on"
+                f"must be one fewer than drive_frequencies, got {len(dwells)} and {len(stages)}",
+                parameter="dwells",
+                way_out="the last stage goes on",
             )
         object.__setattr__(self, "drive_frequencies", stages)
         object.__setattr__(self, "dwells", dwells)

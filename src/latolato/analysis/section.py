@@ -94,7 +94,11 @@ def poincare_section(
     phase = checked_number("section_phase", section_phase, ANY, "rad")
     count = checked_count("periods", periods)
     if count > _MOST_PERIODS:
-        raise InputError(f"periods must be at most {_MOST_PERIODS}, got {count}; take fewer")
+        raise InputError(
+            f"must be at most {_MOST_PERIODS}, got {count}",
+            parameter="periods",
+            way_out="take fewer",
+        )
     start: dict[str, Any] = {
         "initial_angle": initial_angle,
         "initial_angular_velocity": initial_angular_velocity,

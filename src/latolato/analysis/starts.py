@@ -13,7 +13,7 @@ from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 def checked_system(system: Any) -> System:
     """Return a system, or raise with what is known."""
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     return system
 
 

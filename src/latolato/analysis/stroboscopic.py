@@ -64,16 +64,20 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
     checked_system(system)
     if isinstance(system, Mathieu):
         raise InputError(
-            f"{what} needs motion that settles, but the linearised Mathieu only grows or decays; "
-            "use Pendulum, or mathieu_growth_rate"
+            "needs motion that settles, but the linearised Mathieu only grows or decays",
+            parameter=what,
+            way_out="use Pendulum, or mathieu_growth_rate",
         )
     checked_drive(drive)
     if drive is None:
-        raise InputError(f"{what} needs a drive with a period, got None; give Harmonic")
+        raise InputError(
+            "needs a drive with a period, got None", parameter=what, way_out="give Harmonic"
+        )
     if not isinstance(drive, (Harmonic, CrankSlider)):
         raise InputError(
-            f"{what} needs a drive with a single period, harmonic or crank_slider, got "
-            f"{drives.name_of(drive)}"
+            "needs a drive with a single period, harmonic or crank_slider, got "
+            f"{drives.name_of(drive)}",
+            parameter=what,
         )
     checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
     return drive
@@ -88,7 +92,11 @@ def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, floa
     """Return two limits of which the second is larger."""
     first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
     if not first < last:
-        raise InputError(f"{name} must go from low to high, got {first:g} to {last:g}; swap them")
+        raise InputError(
+            f"must go from low to high, got {first:g} to {last:g}",
+            parameter=name,
+            way_out="swap them",
+        )
     return first, last
 
 
@@ -355,6 +363,6 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
 def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
     """Return numbers along an axis, each of them checked; one number is an axis of one."""
     if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise InputError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
     several = values if np.ndim(values) else [values]
     return np.array([checked_number(name, value, allowed, unit) for value in several])

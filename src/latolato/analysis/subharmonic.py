@@ -270,7 +270,11 @@ def time_crystal(
     if ratios is None:
         ratios = [drive.drive_frequency / system.natural_frequency]
     if min(ratios) <= 0.0:
-        raise InputError(f"frequency_ratio must be positive, got {min(ratios):g}; leave it out")
+        raise InputError(
+            f"must be positive, got {min(ratios):g}",
+            parameter="frequency_ratio",
+            way_out="leave it out",
+        )
     amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
     strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
     count = checked_count("trajectories", trajectories)
@@ -280,7 +284,7 @@ def time_crystal(
         )
     seen = checked_count("periods", periods)
     if seen < 16:
-        raise InputError(f"periods must be at least 16 to tell a line, got {seen}")
+        raise InputError(f"must be at least 16 to tell a line, got {seen}", parameter="periods")
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     noise = (

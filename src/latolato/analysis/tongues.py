@@ -90,11 +90,13 @@ def tongue_edges(
     checked_choice("method", method, METHODS)
     order = 0 if order == 0 and position == "inverted" else checked_count("order", order)
     if order > _LARGEST_ORDER:
-        raise InputError(f"order must be at most {_LARGEST_ORDER}, got {order}")
+        raise InputError(f"must be at most {_LARGEST_ORDER}, got {order}", parameter="order")
     if position == "hanging" and problem.damping_ratio >= 1.0:
         raise InputError(
-            f"damping must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
-            f"({problem.damping_ratio:.3g} times that); use growth_rate for overdamped cases"
+            f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
+            f"({problem.damping_ratio:.3g} times that)",
+            parameter="damping",
+            way_out="use growth_rate for overdamped cases",
         )
     if problem.is_plain and method == "determinant":
         low, high = mathieu_tongue_edges(

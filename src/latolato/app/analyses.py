@@ -116,11 +116,13 @@ class AnalysisRequest:
             raise InputError(f"analysis must be a name, got {name!r:.80}")
         function = analyses[name]
         if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
-            raise InputError("given must be an object of texts")
+            raise InputError("must be an object of texts", parameter="given")
         own, _ = own_options(function)
         for option in given:
             if option not in own:
-                raise InputError(f"{name} has no option '{option}': {suggest(option, list(own))}")
+                raise InputError(
+                    f"has no option '{option}': {suggest(option, list(own))}", parameter=name
+                )
         return cls(name, asked, {n: v.strip() for n, v in given.items() if v.strip()})
 
     @property

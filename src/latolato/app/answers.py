@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -20,8 +19,6 @@ from latolato.core.errors import InputError, refusal_of, said_of
 MOST_BODY = 2_000_000  # bytes
 # Runs that are computed at the same time; others wait.
 _WORKERS = 2
-# Names of options: those of one word are words of other sentences too, but not as "... must be".
-_NAMES = re.compile(r"('?)\b([a-z]+(?:_[a-z]+)+)\b\1|^()([a-z]+)(?= must )")
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
@@ -82,39 +79,28 @@ def refusal(status: int, error: Exception) -> JSONResponse:
 
 
 def message_of(error: Exception) -> dict[str, Any]:
-    """Return the message of an error for a page, and the option that it is about."""
-    return {"error": in_words(said_of(error)), "field": field_of(error)}
+    """Return the message of an error for a page, and the option that it is about.
 
-
-def in_words(text: str) -> str:
-    """Return a line for a page: what the page calls them stands for the names of options.
+    The message calls the option what the page calls it.
 
     Examples
     --------
-    >>> in_words("drive_amplitude must be given in m, got 'x'")
-    "“driving amplitude” must be given in m, got 'x'"
-    >>> in_words("Harmonic needs 'drive_amplitude' [m]")
-    'Harmonic needs “driving amplitude” [m]'
+    >>> message_of(InputError("must be given in m", parameter="drive_amplitude", value="x"))
+    {'error': "“driving amplitude” must be given in m, got 'x'", 'field': 'drive_amplitude'}
     """
     from latolato.app.forms import label_of
-    from latolato.scenario.options import law_options
 
-    def label(found: re.Match[str]) -> str:
-        name = found[2] or found[4]
-        return f"“{label_of(name)}”" if name in law_options() else found[0]
-
-    return _NAMES.sub(label, text)
+    field = field_of(error)
+    if not isinstance(error, InputError) or field is None:
+        return {"error": said_of(error), "field": None}
+    return {"error": error.worded(f"“{label_of(field)}”"), "field": field}
 
 
 def field_of(error: Exception) -> str | None:
-    """Return the option that an error is about: its parameter, or what its text names first."""
+    """Return the option that an error is about."""
     from latolato.scenario.options import law_options
 
-    if not isinstance(error, InputError):
+    if not isinstance(error, InputError) or error.parameter is None:
         return None
-    known = law_options()
-    if error.parameter is not None:
-        name = error.parameter.partition("[")[0]  # of initial_angle[1]
-        return name if name in known else None
-    words = str(error).replace("'", " ").replace("[", " ").replace(":", " ").split()
-    return next((word for word in words if word in known), None)
+    name = error.parameter.partition("[")[0]  # of initial_angle[1]
+    return name if name in law_options() else None

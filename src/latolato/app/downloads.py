@@ -129,7 +129,9 @@ def simulate_for_file(scenario: Scenario) -> xr.Dataset:
     usual = math.ceil(SAMPLES_PER_PERIOD * end * fastest / (2.0 * math.pi)) + 1
     times = scenario.run.get("times")
     if times is not None and len(times) > MOST_SAMPLES:
-        raise TooLargeError(f"samples must not exceed {MOST_SAMPLES} here, got {len(times)}")
+        raise TooLargeError(
+            f"must not exceed {MOST_SAMPLES} here, got {len(times)}", parameter="samples"
+        )
     if times is None and usual > MOST_SAMPLES:
         return scenario.simulate(times=np.linspace(0.0, end, MOST_SAMPLES))
     return scenario.simulate()

@@ -89,7 +89,7 @@ def fit_of(
             fit = fit_restitution(table, length=length, radius=told.radius, gravity=gravity)
         else:
             if not length:
-                raise InputError("length must be known: it is the scale of the motion")
+                raise InputError("must be known: it is the scale of the motion", parameter="length")
             guess = _guess(table, told, length, gravity)
             fit = fit_model(table, guess)
             system = _system_of(fit)

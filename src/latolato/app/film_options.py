@@ -63,13 +63,13 @@ class Told:
                 raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
         balls = given.get("balls") or ()
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
-            raise InputError("balls must be one place or two")
+            raise InputError("must be one place or two", parameter="balls")
         found: dict[str, Any] = {
             name: number(name, given.get(name)) for name in (*SHARED, *CAMERA) if given.get(name)
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
             if name in found and not found[name] > 0.0:
-                raise InputError(f"{name} must be positive, got {found[name]:g}")
+                raise InputError(f"must be positive, got {found[name]:g}", parameter=name)
         return cls(
             pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
             balls=tuple(place("balls", ball) for ball in balls),
@@ -88,10 +88,10 @@ def number(name: str, value: Any) -> float:
     """
     unit = CAMERA[name][0] if name in CAMERA else registry()["options"][name]["unit"]
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise InputError(f"{name} must be a text or a number, got {value!r}")
+        raise InputError("must be a text or a number", parameter=name, value=value)
     found = to_si(name, value, unit)
     if not isinstance(found, float) or not math.isfinite(found):
-        raise InputError(f"{name} must be a finite number, got {value!r}")
+        raise InputError("must be a finite number", parameter=name, value=value)
     return found
 
 
@@ -103,7 +103,7 @@ def place(name: str, value: Any) -> tuple[float, float]:
         or len(value) != 2
         or not all(isinstance(v, (int, float)) and math.isfinite(v) for v in value)
     ):
-        raise InputError(f"{name} must be a column and a row in pixels, got {value!r}")
+        raise InputError("must be a column and a row in pixels", parameter=name, value=value)
     return float(value[0]), float(value[1])
 
 

@@ -364,5 +364,5 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
 def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
     """Return a word that is one of those known."""
     if not isinstance(value, str) or value not in known:
-        raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+        raise InputError(f"must be one of {', '.join(known)}", parameter=name, value=value)
     return value

@@ -53,9 +53,9 @@ class Asked:
             raise InputError(f"a request must be an object, got {value!r}")
         name, options = value.get("scenario"), value.get("options") or {}
         if name is not None and not isinstance(name, str):
-            raise InputError(f"scenario must be a text, got {name!r}")
+            raise InputError("must be a text", parameter="scenario", value=name)
         if not isinstance(options, Mapping):
-            raise InputError(f"options must be an object, got {options!r}")
+            raise InputError("must be an object", parameter="options", value=options)
         return cls(name or None, options)
 
     def to_scenario(self) -> Scenario:
@@ -95,10 +95,10 @@ def option_value(option: LawOption, value: Any) -> Any:
         if len(value) > MOST_LISTED:
             raise TooLargeError(f"{name} holds {len(value)} values, the limit is {MOST_LISTED}")
         if not all(isinstance(part, (str, int, float)) for part in value):
-            raise InputError(f"{name} must be a list of quantities")
+            raise InputError("must be a list of quantities", parameter=name)
         return list(value)
     if value is not None and not isinstance(value, (str, int, float, bool)):
-        raise InputError(f"{name} must be a text or a number, got {value!r}")
+        raise InputError("must be a text or a number", parameter=name, value=value)
     return value
 
 
@@ -129,7 +129,9 @@ def check_size(scenario: Scenario) -> None:
         raise TooLargeError(f"a run here has at most {MOST_SAMPLES} samples, got {len(times)}")
     end = float(run.get("duration") or (times[-1] if times else 0.0))
     if end > MOST_SECONDS:
-        raise TooLargeError(f"duration must not exceed {MOST_SECONDS:g} s here, got {end:g}")
+        raise TooLargeError(
+            f"must not exceed {MOST_SECONDS:g} s here, got {end:g}", parameter="duration"
+        )
     system, drive = scenario.system, scenario.drive
     walls = walls_of(system, checked_contact(run.get("contact", "exact"), system))
     start = checked_start(

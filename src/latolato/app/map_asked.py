@@ -78,13 +78,17 @@ class MapAsked:
                 found[which] = Span.from_json(which, given[which])
         if "observable" in given:
             if not isinstance(given["observable"], str):
-                raise InputError(f"observable must be a text, got {given['observable']!r}")
+                raise InputError(
+                    "must be a text", parameter="observable", value=given["observable"]
+                )
             found["observable"] = given["observable"]
         for name in ("width", "height"):
             if name in given:
                 found[name] = checked_count(name, given[name])
                 if found[name] > MOST_ALONG:
-                    raise TooLargeError(f"{name} must not exceed {MOST_ALONG}, got {found[name]}")
+                    raise TooLargeError(
+                        f"must not exceed {MOST_ALONG}, got {found[name]}", parameter=name
+                    )
         for name, unit in (("duration", "s"), ("transient", "s"), ("tolerance", "rad")):
             if name in given:
                 found[name] = checked_number(name, given[name], ANY, unit)

@@ -65,7 +65,7 @@ def scenario_at(given: Any, find: Find) -> Scenario:
 def _pair(name: str, value: Any) -> tuple[float, float]:
     """Return two numbers."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise InputError(f"{name} must be two numbers, got {value!r}")
+        raise InputError("must be two numbers", parameter=name, value=value)
     x, y = (checked_number(name, v, ANY, "SI") for v in value)
     return x, y
 

@@ -173,7 +173,7 @@ def arguments_at(path: Path, x: tuple[str, float], y: tuple[str, float], select:
 def _checked(select: Any) -> dict[str, int]:
     """Return which value of further dimensions is taken."""
     if not isinstance(select, Mapping):
-        raise InputError(f"select must be an object, got {select!r}")
+        raise InputError("must be an object", parameter="select", value=select)
     for name, value in select.items():
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             raise InputError(f"select.{name} must be a whole number from 0, got {value!r}")

@@ -118,7 +118,7 @@ class Worker:
                 found: dict[str, Any] = message["done"]
                 return found
             if "error" in message:
-                raise JobError(message["error"])
+                raise JobError(message["error"], parameter=message.get("parameter"))
             self.is_ready = True
             hear(message)
         raise EndedError(self.process.wait())

@@ -93,7 +93,7 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
     if "samples" in wanted:
         samples = option_value(law_options()["samples"], wanted.pop("samples"))
     if samples is not None and checked_count("samples", samples) > MOST_SAMPLES:
-        raise TooLargeError(f"samples must not exceed {MOST_SAMPLES}, got {samples}")
+        raise TooLargeError(f"must not exceed {MOST_SAMPLES}, got {samples}", parameter="samples")
     scenario = Asked(asked.scenario, wanted).to_scenario()
     return scenario, simulate_shown(scenario, samples)
 

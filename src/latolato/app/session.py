@@ -191,21 +191,21 @@ def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
 def checked_object(name: str, value: Any) -> Mapping[str, Any]:
     """Return a JSON object, or raise InputError."""
     if not isinstance(value, Mapping):
-        raise InputError(f"{name} must be an object, got {shown(value)}")
+        raise InputError(f"must be an object, got {shown(value)}", parameter=name)
     return value
 
 
 def _count(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InputError(f"{name} must be a number, got {shown(value)}")
+        raise InputError(f"must be a number, got {shown(value)}", parameter=name)
     if not 0 <= value <= 2**53:
-        raise InputError(f"{name} must lie in [0, 2^53], got {shown(value)}")
+        raise InputError(f"must lie in [0, 2^53], got {shown(value)}", parameter=name)
     return float(value)
 
 
 def _switch(name: str, value: Any) -> bool:
     if not isinstance(value, bool):
-        raise InputError(f"{name} must be true or false, got {shown(value)}")
+        raise InputError(f"must be true or false, got {shown(value)}", parameter=name)
     return value
 
 

@@ -57,7 +57,7 @@ def checked_state(was: Mapping[str, Any], angles: int) -> tuple[Any, ...]:
     for name in ("angles", "velocities"):
         values = was.get(name)
         if not isinstance(values, list) or len(values) < angles:
-            raise InputError(f"{name} must be a list of {angles} numbers, got {values!r}")
+            raise InputError(f"must be a list of {angles} numbers", parameter=name, value=values)
         numbers = [checked_number(name, value, anything, "") for value in values[:angles]]
         lists.append(numbers if angles == 2 else numbers[0])
     drive = [

@@ -108,7 +108,7 @@ class Toy:
             self._check({"drive_amplitude": amplitude, "drive_frequency": frequency})
         start = checked_start(system, self.walls, angles, velocities, offset)
         if max(map(abs, start.velocities)) > 100.0 * system.natural_frequency:
-            raise InputError("initial_angular_velocity is too fast for Live")
+            raise InputError("is too fast for Live", parameter="initial_angular_velocity")
 
         self._stepper = choose_stepper(system)
         drive_laws = pivot_height, pivot_velocity, pivot_acceleration
@@ -193,9 +193,9 @@ class Toy:
     def hold(self, ball: Any, angle: Any) -> None:
         """Lead a ball to an angle [rad] from now on, as a hand would."""
         if isinstance(ball, bool) or not isinstance(ball, int):
-            raise InputError(f"ball must be a whole number, got {ball!r}")
+            raise InputError("must be a whole number", parameter="ball", value=ball)
         if not 0 <= ball < self.system.angles:
-            raise InputError(f"ball must lie in [0, {self.system.angles}), got {ball}")
+            raise InputError(f"must lie in [0, {self.system.angles}), got {ball}", parameter="ball")
         turns = Range(-1e4, 1e4)
         target = checked_number("angle", angle, turns, "rad")
         if self.system.angles == 1:
@@ -299,7 +299,7 @@ class Toy:
                 raise InputError(f"unknown control '{name}': {suggest(name, list(self.controls))}")
             low, high = self.limits[name]
             if not isinstance(value, (int, float)) or isinstance(value, bool):
-                raise InputError(f"{name} must be a number, got {value!r}")
+                raise InputError("must be a number", parameter=name, value=value)
             found[name] = checked_number(name, value, Range(low, high), QUANTITIES[name].unit)
         return found
 

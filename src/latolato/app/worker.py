@@ -3,8 +3,8 @@
 A job is one line of JSON, ``{"job": name, "given": {...}, "folder": path}``; its files go to the
 folder. Answers are lines of JSON as well: ``{"ready": true}`` once, then for each job any number of
 ``{"progress": share}`` and ``{"compiling": true}``, and at last ``{"done": {...}}`` or
-``{"error": text}``. The process ends when its input does, in the middle of a job too: whoever
-wanted the answer is gone.
+``{"error": text, "parameter": name}``. The process ends when its input does, in the middle of a job
+too: whoever wanted the answer is gone.
 
 A process that gets limits as its argument, ``{"memory": bytes, "cpu_time": s, "file_size": bytes,
 "files": number}``, keeps them and imports nothing before its job is there. Limits are for all that
@@ -25,7 +25,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
-from latolato.core.errors import said_of
+from latolato.core.errors import InputError, said_of
 from latolato.io.progress import compiling
 from latolato.simulation.summary import plain
 
@@ -62,7 +62,10 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             warnings.simplefilter("always", RuntimeWarning)
             found = function(job["given"], Path(job["folder"]), progress)
     except Exception as error:
-        tell({"error": said_of(error)})
+        if isinstance(error, InputError):
+            tell({"error": error.sentence, "parameter": error.parameter})
+        else:
+            tell({"error": said_of(error)})
     else:
         told = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
         tell({"done": {**found, "warnings": list(dict.fromkeys(told))}})

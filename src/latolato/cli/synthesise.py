@@ -10,7 +10,6 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.cli import simulate as run_command
 from latolato.cli.options import named_values
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
@@ -63,20 +62,6 @@ def run(
         "wall_time": round(time.perf_counter() - begun, 3),
         "files": files,
     }
-
-
-def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
-    """Return the scenario to film as the command line names it."""
-    try:
-        return run_command.scenario_of(source, rerun, given)
-    except InputError as error:
-        if str(error).startswith("radius belongs to system"):
-            radius = given["radius"]
-            raise InputError(
-                "radius is none of this system's numbers: the ball is drawn with "
-                f'--scene "ball_radius = {radius}"'
-            ) from None
-        raise
 
 
 def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:

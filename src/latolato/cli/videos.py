@@ -63,10 +63,11 @@ def synthesise(
 
     Options replace what the scenario says. Existing files are replaced.
     """
+    from latolato.cli import simulate as run_command
     from latolato.cli import synthesise as synthesise_command
 
     found = synthesise_command.run(
-        synthesise_command.scenario_of(scenario, rerun, given),
+        run_command.scenario_of(scenario, rerun, given),
         output,
         truth,
         condition=condition,

@@ -11,6 +11,8 @@ import traceback
 from typing import Any
 
 _NOT_GIVEN: Any = object()
+# Where a rule names the parameter.
+_NAME = "{parameter}"
 
 
 class InputError(ValueError):
@@ -22,8 +24,9 @@ class InputError(ValueError):
     Parameters
     ----------
     rule : str
-        What must hold, as the rest of a sentence that begins with the parameter's name; a whole
-        sentence if no single parameter is at fault.
+        What must hold, as the rest of a sentence that begins with the parameter's name, or a
+        whole sentence in which ``{parameter}`` stands for that name; just a sentence if no single
+        parameter is at fault.
     parameter : str, optional
         Name of the parameter at fault.
     value : object, optional
@@ -38,6 +41,8 @@ class InputError(ValueError):
     restitution must lie in [0, 1], got 2; give 1
     >>> error.parameter
     'restitution'
+    >>> print(InputError("Pendulum needs '{parameter}' [m]", parameter="length"))
+    Pendulum needs 'length' [m]
     """
 
     def __init__(
@@ -55,12 +60,23 @@ class InputError(ValueError):
         self.has_value = value is not _NOT_GIVEN
         self.way_out = way_out
 
-    def __str__(self) -> str:
-        text = self.rule if self.parameter is None else f"{self.parameter} {self.rule}"
+    @property
+    def sentence(self) -> str:
+        """The whole text, with ``{parameter}`` in place of the parameter's name."""
+        is_whole = self.parameter is None or _NAME in self.rule
+        text = self.rule if is_whole else f"{_NAME} {self.rule}"
         if self.has_value:
-            shown = f"{self.value:.9g}" if isinstance(self.value, float) else repr(self.value)
-            text += f", got {shown}"
+            value = f"{self.value:.9g}" if isinstance(self.value, float) else repr(self.value)
+            text += f", got {value}"
         return text if self.way_out is None else f"{text}; {self.way_out}"
+
+    def worded(self, name: str | None) -> str:
+        """Return the whole text on one line, with another name for the parameter."""
+        text = self.sentence if name is None else self.sentence.replace(_NAME, name)
+        return " ".join(text.split())
+
+    def __str__(self) -> str:
+        return self.worded(self.parameter)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Exceptions are rebuilt from `args` alone; one that comes from a worker keeps its parts.

@@ -262,7 +262,9 @@ def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
     for name in parameters:
         if name not in known:
             raise InputError(
-                f"unknown parameter '{name}' of {kind.__name__}: {suggest(name, list(known))}"
+                f"unknown parameter '{{parameter}}' of {kind.__name__}: "
+                f"{suggest(name, list(known))}",
+                parameter=name,
             )
     missing = [
         name
@@ -273,7 +275,7 @@ def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
         name = missing[0]
         quantity = known[name].metadata.get("quantity")
         unit = f" [{quantity.unit}]" if quantity else ""
-        raise InputError(f"{kind.__name__} needs '{name}'{unit}")
+        raise InputError(f"{kind.__name__} needs '{{parameter}}'{unit}", parameter=name)
 
 
 def rebuild(kind: type, described: Mapping[str, Any]) -> Any:

@@ -34,7 +34,7 @@ def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
     """Return the suffix of a file name in lower case, or raise InputError naming what is known."""
     suffix = Path(path).suffix.lower()
     if suffix not in known:
-        raise InputError(f"{what} must end in {', '.join(known)}, got '{Path(path).name}'")
+        raise InputError(f"must end in {', '.join(known)}, got '{Path(path).name}'", parameter=what)
     return suffix
 
 

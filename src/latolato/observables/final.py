@@ -124,7 +124,7 @@ class PoincareSection(Observable):
         super().__post_init__()
         count: object = self.periods
         if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= 100_000:
-            raise InputError(f"periods must be an integer in [1, 100000], got {count!r}")
+            raise InputError("must be an integer in [1, 100000]", parameter="periods", value=count)
 
     @property
     def marks(self) -> int:

@@ -272,7 +272,9 @@ class _Period(Observable):
         super().__post_init__()
         count: object = self.longest
         if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= _LONGEST:
-            raise InputError(f"longest must be an integer in [1, {_LONGEST}], got {count!r}")
+            raise InputError(
+                f"must be an integer in [1, {_LONGEST}]", parameter="longest", value=count
+            )
 
     @property
     def marks(self) -> int:

@@ -108,7 +108,9 @@ class PassThrough(ContactLaw):
 def check_radius(radius: float, length: float) -> None:
     """Raise InputError unless 0 <= radius < length."""
     if not 0.0 <= radius < length:
-        raise InputError(f"radius must lie in [0, length), got {radius:g} for length {length:g}")
+        raise InputError(
+            f"must lie in [0, length), got {radius:g} for length {length:g}", parameter="radius"
+        )
 
 
 # What can be wrong with two balls.

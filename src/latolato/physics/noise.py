@@ -56,10 +56,12 @@ class VelocityKicks:
         for name, power in KEY.items():
             number: object = getattr(self, name)  # callers may hand over anything
             if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise InputError(f"{name} must be a non-negative integer, got {number!r}")
+                raise InputError("must be a non-negative integer", parameter=name, value=number)
             if number >= 2**power:
                 raise InputError(
-                    f"{name} must lie in [0, 2^{power}), got {number}; files hold no larger one"
+                    f"must lie in [0, 2^{power}), got {number}",
+                    parameter=name,
+                    way_out="files hold no larger one",
                 )
         for field in number_fields(self):
             value = getattr(self, field.name)
@@ -78,7 +80,7 @@ class VelocityKicks:
         Fluctuation-dissipation: ``sigma^2 = 2 gamma k_B T/(m l^2)``, ``gamma = C/(m l)``.
         """
         if not isinstance(system, System):
-            raise InputError(f"system must be a system such as LatoLato, got {system!r}")
+            raise InputError("must be a system such as LatoLato", parameter="system", value=system)
         temperature = checked_number("temperature", temperature, NON_NEGATIVE, "K")
         ball = system.balls[0]
         rate = ball.damping / (ball.mass * ball.length)

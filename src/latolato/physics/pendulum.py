@@ -200,7 +200,7 @@ class BallPair(System):
         super().__post_init__()
         for name in ("right", "left"):
             if not isinstance(getattr(self, name), Ball):
-                raise InputError(f"{name} must be a Ball, got {getattr(self, name)!r}")
+                raise InputError("must be a Ball", parameter=name, value=getattr(self, name))
         contacts.contact_separation(self.right, self.left)  # refuses what cannot be described
 
     @property

@@ -110,7 +110,9 @@ class AnalysisCall:
                 pass
         unit = f" [{option.unit}]" if option.unit not in (None, "1") else ""
         example = ' "0 : 1 : 11"' if option.is_sequence else ""
-        raise InputError(f"{self.name} needs {option.name}{unit}: give {option.flag}{example}")
+        raise InputError(
+            f"needs {option.name}{unit}: give {option.flag}{example}", parameter=self.name
+        )
 
     def _unit(self, option: AnalysisOption, given: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""

@@ -76,7 +76,7 @@ class AnalysisOption:
         if self.kind is not int:
             return list(values)
         if any(number != int(number) for number in values):
-            raise InputError(f"{self.name} must be whole numbers, got {given!r}")
+            raise InputError("must be whole numbers", parameter=self.name, value=given)
         return [int(number) for number in values]
 
     def help(self) -> str:

@@ -28,8 +28,8 @@ from latolato.scenario.tables import (
     checked_table,
     law_from,
     plain_sweep,
+    renamed,
     run_arguments,
-    said_as,
     with_sweep,
     without_ratios,
 )
@@ -106,7 +106,7 @@ class Scenario:
             if name not in known:
                 raise InputError(f"unknown entry '{name}': {suggest(name, known)}")
             if name not in _TABLES and not isinstance(value, str):
-                raise InputError(f"{name} must be a text, got {value!r}")
+                raise InputError("must be a text", parameter=name, value=value)
         if "system" not in tables:
             raise InputError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
         folder = folder or Path()
@@ -117,7 +117,7 @@ class Scenario:
         drive: Drive = FixedPivot()
         if "drive" in tables:
             plain = without_ratios(checked_table(tables["drive"], "drive"), system)
-            with said_as({name: f"drive_{name}" for name in RUN_OPTIONS}):
+            with renamed({name: f"drive_{name}" for name in RUN_OPTIONS}):
                 drive = law_from(plain, drives, "drive", folder)
         run = run_arguments(checked_table(tables.get("run", {}), "run"), folder)
         if "noise" in tables:
@@ -176,8 +176,9 @@ class Scenario:
         if self.varied:
             name = self.name or "this scenario"
             raise InputError(
-                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
-                f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python"
+                f"is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
+                f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python",
+                parameter=name,
             )
         return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
 

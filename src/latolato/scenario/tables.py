@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
@@ -62,8 +61,6 @@ SWEEP_OPTIONS = {
 }
 # Entries of ``[run]`` that may as well stand in ``[sweep]``.
 _OF_RUN = ("duration", "tolerance")
-# The field that a message is about: its first word, or what is missing.
-_FIELD = re.compile(r"^\w+(?= |:|\[)|(?<= needs ')\w+")
 
 Tables = dict[str, Any]
 
@@ -71,7 +68,7 @@ Tables = dict[str, Any]
 def checked_table(value: Any, name: str) -> Mapping[str, Any]:
     """Return a table, or raise if it is something else."""
     if not isinstance(value, Mapping):
-        raise InputError(f"{name} must be a table of names and values, got {value!r}")
+        raise InputError("must be a table of names and values", parameter=name, value=value)
     for key in value:
         if not isinstance(key, str):
             raise InputError(f"the names in {name} must be texts, got {key!r}")
@@ -101,19 +98,20 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
         return
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
     raise InputError(
-        f"{f'{name}_{inner}' if inner else name} belongs to {part} {' or '.join(owners)}, not to "
-        f"{kind}: {f'use {inner}' if inner in own else 'leave it out'} or change the {part}"
+        f"belongs to {part} {' or '.join(owners)}, not to {kind}",
+        parameter=f"{name}_{inner}" if inner else name,
+        way_out=f"{f'use {inner}' if inner in own else 'leave it out'} or change the {part}",
     )
 
 
 @contextmanager
-def said_as(names: Mapping[str, str]) -> Iterator[None]:
-    """Name a law's fields in messages as options and attributes of a run do, e.g. clamp_step."""
+def renamed(names: Mapping[str, str]) -> Iterator[None]:
+    """Name a law's fields in errors as options and attributes of a run do, e.g. right_length."""
     try:
         yield
     except InputError as error:
-        said = _FIELD.sub(lambda found: names.get(found[0], found[0]), str(error))
-        raise InputError(said) from None
+        error.parameter = names.get(error.parameter or "", error.parameter)
+        raise
 
 
 def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
@@ -124,19 +122,22 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
     plain: dict[str, Any] = {}
     for name, value in table.items():
         if name in parts:
-            with said_as({f.name: f"{name}_{f.name}" for f in fields(hints[name])}):
+            with renamed({f.name: f"{name}_{f.name}" for f in fields(hints[name])}):
                 plain[name] = build_from(hints[name], checked_table(value, name), folder)
         elif name not in known:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
-                raise InputError(f"{law.__name__} has no '{name}' of its own: give {each}")
+                raise InputError(
+                    f"{law.__name__} has no '{{parameter}}' of its own: give {each}",
+                    parameter=name,
+                )
             plain[name] = value  # the law names it together with the closest known one
         elif "quantity" in known[name].metadata:
             convert = to_si_list if known[name].metadata.get("array") else to_si
             where = {"folder": folder} if known[name].metadata.get("array") else {}
             plain[name] = convert(name, value, known[name].metadata["quantity"].unit, **where)
         elif hints[name] is bool and not isinstance(value, bool):
-            raise InputError(f"{name} must be true or false, got {value!r}")
+            raise InputError("must be true or false", parameter=name, value=value)
         else:
             plain[name] = value
     return law(**plain)
@@ -149,12 +150,12 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         if ratio not in plain:
             continue
         if name in plain:
-            raise InputError(f"give either {name} or {ratio}, got both")
+            raise InputError(f"give either {name} or {{parameter}}, got both", parameter=ratio)
         value = plain.pop(ratio)
         several = name == "drive_frequencies"
         ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
         if not isinstance(ratios, list):
-            raise InputError(f"{ratio} must be a sequence of numbers, got {value!r}")
+            raise InputError("must be a sequence of numbers", parameter=ratio, value=value)
         found = [
             checked_number(ratio, number, NON_NEGATIVE, "times the natural frequency")
             * system.natural_frequency
@@ -169,7 +170,10 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     plain: dict[str, Any] = {}
     for name, value in table.items():
         if name not in RUN_OPTIONS:
-            raise InputError(f"unknown entry '{name}' of [run]: {suggest(name, list(RUN_OPTIONS))}")
+            raise InputError(
+                f"unknown entry '{{parameter}}' of [run]: {suggest(name, list(RUN_OPTIONS))}",
+                parameter=name,
+            )
         option = RUN_OPTIONS[name]
         if value is None or not option.unit:
             plain[name] = value
@@ -184,7 +188,9 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         contact_laws[plain["contact"]]  # names unknown ones, also where no contact can be
     if "clamp_step" in plain:
         if plain.get("contact") != "clamp":
-            raise InputError(f"clamp_step needs contact 'clamp', got {plain.get('contact')!r}")
+            raise InputError(
+                "needs contact 'clamp'", parameter="clamp_step", value=plain.get("contact")
+            )
         plain["contact"] = ClampContact(clamp_step=plain.pop("clamp_step"))
     if "samples" in plain:
         plain["times"] = _even_times(plain.pop("samples"), plain)
@@ -198,7 +204,7 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
     for name in _OF_RUN:
         if name in table:
             if name in run:
-                raise InputError(f"give {name} either in [run] or in [sweep], got both")
+                raise InputError("give {parameter} either in [run] or in [sweep]", parameter=name)
             run[name] = table.pop(name)
     parts = {part: checked_table(tables.get(part, {}), part) for part in ("system", "drive")}
     kinds = {part: parts[part].get("kind") for part in parts}
@@ -217,7 +223,10 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
             varied[name] = to_si(name, value, unit) if unit else value
         else:
             known_names = ["axes", "observables", *SWEEP_OPTIONS, *_OF_RUN]
-            raise InputError(f"unknown entry '{name}' of [sweep]: {suggest(name, known_names)}")
+            raise InputError(
+                f"unknown entry '{{parameter}}' of [sweep]: {suggest(name, known_names)}",
+                parameter=name,
+            )
     system, drive = with_placeholders({**tables, **parts}, varied.get("axes", {}))
     shared = {**tables, "system": system, "run": run}
     return (shared | {"drive": drive} if "drive" in tables else shared), varied
@@ -259,12 +268,14 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
     from latolato.simulation.run import MOST_DEFAULT_SAMPLES
 
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
-        raise InputError(f"samples must be a whole number of at least 2, got {samples!r}")
+        raise InputError("must be a whole number of at least 2", parameter="samples", value=samples)
     if samples > MOST_DEFAULT_SAMPLES:
-        raise InputError(f"samples must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}")
+        raise InputError(
+            f"must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}", parameter="samples"
+        )
     if "times" in run:
-        raise InputError("give either times or samples, got both")
+        raise InputError("give either times or {parameter}, got both", parameter="samples")
     if "duration" not in run:
-        raise InputError("samples needs a duration")
+        raise InputError("needs a duration", parameter="samples")
     duration = checked_number("duration", run["duration"], POSITIVE, "s")
     return tuple(np.linspace(0.0, duration, samples).tolist())

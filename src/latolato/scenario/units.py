@@ -167,7 +167,9 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         parts = [part.strip() for part in value.strip().rstrip(",").split(",")]
         plain = [_plain_number(part) for part in parts]
         if None in plain and any(plain):  # a 0 needs no unit
-            raise InputError(f"{name} must carry a unit on every value or on none, got {value!r}")
+            raise InputError(
+                "must carry a unit on every value or on none", parameter=name, value=value
+            )
         return [to_si(name, part, unit) for part in parts]
     path, column = _file_and_column(value, folder or Path())
     if path.is_file():

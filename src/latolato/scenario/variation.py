@@ -83,7 +83,7 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
         For unknown names, with the closest known one, and for wrong units, counts and ends.
     """
     if not isinstance(axes, Mapping):
-        raise InputError(f"axes must be a table of names and values, got {axes!r}")
+        raise InputError("must be a table of names and values", parameter="axes", value=axes)
     found: dict[str, Any] = {}
     for name, given in axes.items():
         if isinstance(given, Mapping) and not (set(_RANGE) & given.keys() or name in known):

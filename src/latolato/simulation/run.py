@@ -188,7 +188,7 @@ def _recorded(
     """Return the record of a run; arguments as of `simulate`."""
     drive = checked_drive(drive)
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     law = checked_contact(contact, system)
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
@@ -196,7 +196,7 @@ def _recorded(
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
     if frame not in ("pivot", "both"):
-        raise InputError(f"frame must be 'pivot' or 'both', got {frame!r}")
+        raise InputError("must be 'pivot' or 'both'", parameter="frame", value=frame)
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
@@ -204,8 +204,9 @@ def _recorded(
 
     if law.fixed_step is not None and law.fixed_step > end:
         raise InputError(
-            f"clamp_step must not exceed the duration {end:g} s, got {law.fixed_step:g}; a "
-            "thousandth of a second is usual"
+            f"must not exceed the duration {end:g} s, got {law.fixed_step:g}",
+            parameter="clamp_step",
+            way_out="a thousandth of a second is usual",
         )
     stepper = choose_stepper(system)
     clamped = law.fixed_step is not None
@@ -294,7 +295,9 @@ def _checked_times(
     """Return the sample instants and the end of the run [s]."""
     if times is None:
         if duration is None:
-            raise InputError("duration is needed: give the end of the run in s, or times")
+            raise InputError(
+                "is needed: give the end of the run in s, or times", parameter="duration"
+            )
         end = checked_number("duration", duration, POSITIVE, "s")
         fastest = max(system.natural_frequency, drive.fastest_frequency)
         periods = end * fastest / (2.0 * math.pi)
@@ -308,28 +311,39 @@ def _checked_times(
     try:
         instants = np.ascontiguousarray(times, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"times must be a sequence of numbers in s, got {times!r}") from None
+        raise InputError(
+            "must be a sequence of numbers in s", parameter="times", value=times
+        ) from None
     if instants.ndim != 1 or instants.size == 0:
-        raise InputError(f"times must be a non-empty sequence, got shape {instants.shape}")
+        raise InputError(
+            f"must be a non-empty sequence, got shape {instants.shape}", parameter="times"
+        )
     if not np.all(np.isfinite(instants)):
         bad = int(np.argmin(np.isfinite(instants)))
-        raise InputError(f"times must be finite, got {instants[bad]} at position {bad}")
+        raise InputError(
+            f"must be finite, got {instants[bad]} at position {bad}", parameter="times"
+        )
     falls = np.flatnonzero(np.diff(instants) <= 0.0)
     if falls.size:
         i = int(falls[0])
         raise InputError(
-            f"times must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
-            f"position {i + 1}; sort them and remove repeats"
+            f"must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
+            f"position {i + 1}",
+            parameter="times",
+            way_out="sort them and remove repeats",
         )
     if duration is None and instants[-1] <= 0.0:
         raise InputError(
-            f"times must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last; "
-            "add a later instant or give duration"
+            f"must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last",
+            parameter="times",
+            way_out="add a later instant or give duration",
         )
     end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
-        raise InputError(f"times must lie in [0, duration = {end:g}] s, got {outside:g}")
+        raise InputError(
+            f"must lie in [0, duration = {end:g}] s, got {outside:g}", parameter="times"
+        )
     return instants, end
 
 

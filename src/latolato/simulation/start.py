@@ -27,7 +27,9 @@ def checked_drive(drive: Drive | None) -> Drive:
     if drive is None:
         return FixedPivot()
     if not isinstance(drive, Drive):
-        raise InputError(f"drive must be None or one of {', '.join(drives)}, got {drive!r}")
+        raise InputError(
+            f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
+        )
     return drive
 
 
@@ -37,7 +39,9 @@ def checked_contact(contact: Any, system: System) -> ContactLaw:
         return PassThrough()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
     if not isinstance(law, ContactLaw):
-        raise InputError(f"contact must be one of {', '.join(contact_laws)}, got {contact!r}")
+        raise InputError(
+            f"must be one of {', '.join(contact_laws)}", parameter="contact", value=contact
+        )
     if not system.has_contacts:
         return PassThrough()
     law.check_system(system)
@@ -59,12 +63,16 @@ def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
     unit = QUANTITIES[name].unit
     if count == 1:
         if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
-            raise InputError(f"{name} must be one number in {unit} for one angle, got {value!r}")
+            raise InputError(
+                f"must be one number in {unit} for one angle", parameter=name, value=value
+            )
         return (checked_number(name, value, ANY, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise InputError(f"{name} of a BallPair must be two numbers (right, left), got {value!r}")
+        raise InputError(
+            "of a BallPair must be two numbers (right, left)", parameter=name, value=value
+        )
     return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
 
 
@@ -75,15 +83,19 @@ def checked_start(
     low, high = walls
     if angle is None and offset is None:
         raise InputError(
-            "initial_angle is needed [rad] (for a LatoLato initial_offset may stand instead)"
+            "is needed [rad] (for a LatoLato initial_offset may stand instead)",
+            parameter="initial_angle",
         )
     if angle is not None and offset is not None:
-        raise InputError("give only one of initial_angle and initial_offset")
+        raise InputError(
+            "give only one of {parameter} and initial_offset", parameter="initial_angle"
+        )
     if offset is not None:
         if not isinstance(system, LatoLato):
             raise InputError(
-                "initial_offset counts from the low contact angle of a LatoLato; "
-                "use initial_angle for other systems"
+                "counts from the low contact angle of a LatoLato",
+                parameter="initial_offset",
+                way_out="use initial_angle for other systems",
             )
         above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
         angle = system.contact_angle_low + above
@@ -94,14 +106,17 @@ def checked_start(
     else:
         if np.isscalar(angle):
             raise InputError(
-                f"initial_angle of a BallPair must be two numbers (right, left), got {angle!r}"
+                "of a BallPair must be two numbers (right, left)",
+                parameter="initial_angle",
+                value=angle,
             )
         right, left = _numbers("initial_angle", angle, 2)
         what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(
-            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
-            f"{gap:.9g}: the balls would overlap"
+            f"must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
+            f"{gap:.9g}: the balls would overlap",
+            parameter=what,
         )
     shift = 0.0
     if abs(gap - low) <= ON_WALL:
@@ -121,7 +136,7 @@ def kicks_of(
     if noise is None:
         return None, None
     if not isinstance(noise, VelocityKicks):
-        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
+        raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
     spacing = noise.spacing(system)
     if end / spacing > MOST_KICKS:
         raise InputError(

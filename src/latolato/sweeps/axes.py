@@ -107,9 +107,9 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
         not finite or out of range.
     """
     if not isinstance(axes, Mapping):
-        raise InputError(f"axes must map names of parameters to values, got {axes!r}")
+        raise InputError("must map names of parameters to values", parameter="axes", value=axes)
     if not axes:
-        raise InputError("axes must name at least one parameter to vary")
+        raise InputError("must name at least one parameter to vary", parameter="axes")
     found = []
     for name, values in axes.items():
         together = values if isinstance(values, Mapping) else {name: values}
@@ -151,7 +151,7 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
     numbers = tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
     for number in numbers:
         if parameter.whole and not number.is_integer():
-            raise InputError(f"{name} must be a whole number, got {number:g}")
+            raise InputError(f"must be a whole number, got {number:g}", parameter=name)
     return numbers
 
 

@@ -244,9 +244,9 @@ def make_plan(
 ) -> Plan:
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     if noise is not None and not isinstance(noise, VelocityKicks):
-        raise InputError(f"noise must be VelocityKicks or None, got {noise!r}")
+        raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
     asked = _names_in(axes)
     noise = _noise_for(noise, asked)
     drive = _drive_for(system, drive, asked, noise)
@@ -258,7 +258,8 @@ def make_plan(
     periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
     if transient >= length:
         raise InputError(
-            f"transient must be shorter than the duration {length:g} s, got {transient:g}"
+            f"must be shorter than the duration {length:g} s, got {transient:g}",
+            parameter="transient",
         )
     watched = tuple(checked_observable(o) for o in _listed(observables))
     for observable in watched:
@@ -293,7 +294,7 @@ def make_plan(
             "deviations have no meaning there"
         )
     if direction not in DIRECTIONS:
-        raise InputError(f"direction must be 'up', 'down' or 'both', got {direction!r}")
+        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
@@ -417,11 +418,14 @@ def _start(
     if offset is not None:
         if "initial_offset" not in known:
             raise InputError(
-                "initial_offset counts from the low contact angle of a LatoLato; "
-                "use initial_angle for other systems"
+                "counts from the low contact angle of a LatoLato",
+                parameter="initial_offset",
+                way_out="use initial_angle for other systems",
             )
         if angle is not None:
-            raise InputError("give only one of initial_angle and initial_offset")
+            raise InputError(
+                "give only one of {parameter} and initial_offset", parameter="initial_angle"
+            )
         given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
     for name, value in pairs.items():
         if value is None:
@@ -432,14 +436,16 @@ def _start(
                 value = (0.0, 0.0)
             if np.shape(value) != (2,):
                 raise InputError(
-                    f"{name} of a BallPair must be two numbers (right, left), got {value!r}"
+                    "of a BallPair must be two numbers (right, left)", parameter=name, value=value
                 )
             values = tuple(value)
         for side, number in zip(sides, values, strict=True):
             unit = QUANTITIES[name].unit
             given[name + side] = checked_number(name + side, number, ANY, unit)
     if "initial_offset" in varied and angle is not None:
-        raise InputError("give only one of initial_angle and an axis initial_offset")
+        raise InputError(
+            "give only one of {parameter} and an axis initial_offset", parameter="initial_angle"
+        )
     if varied & {"initial_angle", "initial_offset"}:
         given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]

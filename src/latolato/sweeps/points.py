@@ -461,8 +461,9 @@ def _check_mirrored(system: System, start: Start) -> None:
     images = all(a == -b for a, b in (start.angles, start.velocities))
     if right != left or not images:
         raise InputError(
-            "transverse_exponent belongs to two equal balls that begin as mirror images: give both "
-            "the same properties, and the left one the opposite angle and angular velocity"
+            "belongs to two equal balls that begin as mirror images: give both the same "
+            "properties, and the left one the opposite angle and angular velocity",
+            parameter="transverse_exponent",
         )
 
 

@@ -68,8 +68,9 @@ def as_table(dataset: xr.Dataset) -> xr.Dataset:
             columns[name] = (("ball", POINT), values.reshape(size, -1).T, variable.attrs)
         else:
             raise InputError(
-                f"{name} has several numbers for each point, over {', '.join(rest)}: it fits no "
-                "table; use .nc"
+                f"has several numbers for each point, over {', '.join(rest)}: it fits no table",
+                parameter=name,
+                way_out="use .nc",
             )
     coords = {"ball": dataset["ball"]} if "ball" in dataset.dims else {}
     return xr.Dataset(columns, coords=coords, attrs=dataset.attrs)

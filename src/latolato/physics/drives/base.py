@@ -95,10 +95,12 @@ def checked_array(
     """Return a tuple of checked floats."""
     unit = QUANTITIES[quantity or name].unit
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
-        raise InputError(f"{name} must be a sequence of numbers in {unit}, got {values!r}")
+        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
     numbers = tuple(checked_number(name, v, allowed, unit) for v in values)
     if len(numbers) < at_least:
-        raise InputError(f"{name} must hold at least {at_least} values, got {len(numbers)}")
+        raise InputError(
+            f"must hold at least {at_least} values, got {len(numbers)}", parameter=name
+        )
     return numbers
 
 
@@ -107,6 +109,7 @@ def check_increasing(name: str, values: tuple[float, ...]) -> None:
     for i, (a, b) in enumerate(pairwise(values)):
         if not b > a:
             raise InputError(
-                f"{name} must increase strictly, got {b:g} after {a:g} at position {i + 1}; "
-                "sort them and remove repeats"
+                f"must increase strictly, got {b:g} after {a:g} at position {i + 1}",
+                parameter=name,
+                way_out="sort them and remove repeats",
             )

@@ -45,11 +45,12 @@ class CrankSlider(Drive):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.guide not in ("below", "above"):
-            raise InputError(f"guide must be 'below' or 'above', got {self.guide!r}")
+            raise InputError("must be 'below' or 'above'", parameter="guide", value=self.guide)
         if not self.drive_amplitude < self.connecting_rod_length:
             raise InputError(
-                f"drive_amplitude must be less than connecting_rod_length "
-                f"{self.connecting_rod_length:g}, got {self.drive_amplitude:g}: the crank would jam"
+                f"must be less than connecting_rod_length {self.connecting_rod_length:g}, got "
+                f"{self.drive_amplitude:g}: the crank would jam",
+                parameter="drive_amplitude",
             )
 
     @property

@@ -93,14 +93,21 @@ class FrequencySchedule(Drive):
                 f"{len(rates)}"
             )
         if not isinstance(self.step_impulse, bool):
-            raise InputError(f"step_impulse must be True or False, got {self.step_impulse!r}")
+            raise InputError(
+                "must be True or False", parameter="step_impulse", value=self.step_impulse
+            )
         if times[0] != 0.0:
-            raise InputError(f"times must begin with 0, got {times[0]:g}; the first stage is there")
+            raise InputError(
+                f"must begin with 0, got {times[0]:g}",
+                parameter="times",
+                way_out="the first stage is there",
+            )
         check_increasing("times", times)
         gaps = [b - a for a, b in pairwise(times)]
         if gaps and self.ramp > min(gaps) * (1.0 + _ROUNDING):
             raise InputError(
-                f"ramp must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}"
+                f"must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}",
+                parameter="ramp",
             )
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "drive_frequencies", rates)

@@ -77,7 +77,9 @@ class StagedHarmonic(Drive):
             raise InputError(f"{', '.join(columns)} must be of one length, got {found}")
         if columns["times"][0] != 0.0:
             raise InputError(
-                f"times must begin with 0, got {columns['times'][0]:g}; the first stage is there"
+                f"must begin with 0, got {columns['times'][0]:g}",
+                parameter="times",
+                way_out="the first stage is there",
             )
         check_increasing("times", columns["times"])
         for name, column in columns.items():

@@ -67,10 +67,14 @@ def _connect(client: Any, opened: ExitStack) -> Any:
     """Return the given client, or one for the given address."""
     if isinstance(client, distributed.Client):
         if client.asynchronous:
-            raise InputError("client must be synchronous: create it without asynchronous=True")
+            raise InputError(
+                "must be synchronous: create it without asynchronous=True", parameter="client"
+            )
         return client
     if not isinstance(client, str):
-        raise InputError(f"client must be a distributed.Client or an address, got {client!r}")
+        raise InputError(
+            "must be a distributed.Client or an address", parameter="client", value=client
+        )
     try:
         # In a thread: the caller may have an event loop, as notebooks do.
         with ThreadPoolExecutor(1) as thread:
