@@ -445,7 +445,7 @@ def test_all_shipped_scenarios_are_listed_and_shown():
 
 
 def test_every_parameter_of_every_law_is_an_option():
-    paths = {option.path for option in law_options().values()}
+    paths = {(option.owner, *option.path) for option in law_options().values()}
     for part, registry in (("system", systems), ("drive", drives)):
         for law in registry.values():
             for field in dataclasses.fields(law):

@@ -108,6 +108,16 @@ def height_of(drive, t):
     return drive.height(t, stretch)
 
 
+def test_an_option_is_described_by_its_own_parameter_and_no_namesake():
+    options = registry()["options"]
+    # A quantity of the tracker and a field of some drives bear the same names.
+    assert (options["frame"]["label"], options["frame"]["unit"]) == ("frame", "")
+    assert options["drive_times"]["several"]
+    assert options["drive_times"]["description"] == "stage starts"
+    assert options["noise_seed"]["default"] == 0
+    assert options["noise_seed"]["high"] == 2**63 - 1
+
+
 def test_a_strobe_stands_wherever_the_drive_begins_a_period():
     schedule = FrequencySchedule(
         drive_amplitude=0.01, times=(0.0, 3.0), drive_frequencies=(5.0, 8.0), ramp=1.0

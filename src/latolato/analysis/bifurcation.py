@@ -135,9 +135,9 @@ def bifurcation_diagram(
     if parameter not in known:
         raise InputError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
     about = known[parameter]
-    first, last = checked_span(parameter, low, high, about.quantity.unit)
+    first, last = checked_span(parameter, low, high, about.unit)
     for value in (first, last):
-        checked_number(parameter, value, about.allowed, about.quantity.unit)
+        checked_number(parameter, value, about.allowed, about.unit)
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
         raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")

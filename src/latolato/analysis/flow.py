@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start, choose_step, integrate
@@ -21,7 +22,7 @@ from latolato.physics.contacts import REST
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
-from latolato.sweeps.axes import DERIVED, Parameter, parameters_of
+from latolato.sweeps.axes import DERIVED, parameters_of
 
 Floats = NDArray[np.float64]
 
@@ -199,7 +200,7 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
         For an unknown parameter, with the closest known one, and a value out of range.
     """
     parameter = _parameter(system, drive, name)
-    checked_number(name, value, parameter.allowed, parameter.quantity.unit)
+    checked_number(name, value, parameter.allowed, parameter.unit)
     target = value * (_unit_of(system, drive, name) if name in DERIVED else 1.0)
     if parameter.owner == "drive":
         return system, replace(drive, **{parameter.path[0]: target})

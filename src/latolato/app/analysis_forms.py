@@ -274,7 +274,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
             value = float(value_of(scenario.system, scenario.drive, name))
         except InputError:
             continue
-        unit = parameter.quantity.unit
+        unit = parameter.unit
         allowed = parameter.allowed
         ends = (min(max(share * value, allowed.low), allowed.high) for share in _AROUND)
         low, high = (f"{end:.4g}" for end in ends)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.registry import suggest
 from latolato.numerics.integrate import choose_step
-from latolato.scenario.options import LawOption, changes, law_options
+from latolato.scenario.options import changes, law_options
 from latolato.scenario.scenario import Scenario, changed_tables, shipped
 from latolato.simulation.start import checked_contact, checked_start, walls_of
 
@@ -82,7 +83,7 @@ class Asked:
         return Scenario.from_dict(tables, folder=folder)
 
 
-def option_value(option: LawOption, value: Any) -> Any:
+def option_value(option: Parameter, value: Any) -> Any:
     """Return the value of an option; a list stays one, so that a text never names a file."""
     name = option.name
     if isinstance(value, str) and option.kind is bool:
@@ -108,7 +109,7 @@ def options_of(scenario: Scenario) -> dict[str, Any]:
     found = {}
     for name, option in law_options().items():
         place: Any = tables
-        for part in option.path:
+        for part in (option.owner, *option.path):
             place = place.get(part) if isinstance(place, Mapping) else None
         if place is not None:
             found[name] = place

@@ -10,16 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.app.forms import SUGGESTED, units_of
+from latolato.app.forms import units_of
 from latolato.app.given import options_of
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.quantities import ANY, Range
 from latolato.core.registry import checked_number, suggest
 from latolato.figures.sides import is_geometric
 from latolato.observables import Observable, observables
 from latolato.physics.drives import Drive, FixedPivot, Harmonic
+from latolato.scenario.options import law_options
 from latolato.scenario.scenario import Scenario
-from latolato.sweeps.axes import DERIVED, Parameter
+from latolato.sweeps.axes import DERIVED
 from latolato.sweeps.plan import DEFAULT_OBSERVABLES, checked_observable
 
 # A logarithmic axis begins at this share of its end where nothing else is known.
@@ -178,7 +180,7 @@ def rule_of(name: str, parameter: Parameter) -> str:
 
 def in_words(name: str, value: float, parameter: Parameter) -> str:
     """Return a value in the unit in which pages show it."""
-    unit = units_of(name, parameter.path[-1], parameter.quantity.unit)[0]
+    unit = units_of(parameter.quantity)[0]
     tail = "" if unit["name"] == "1" else f" {unit['name']}"
     return f"{value / unit['size']:.6g}{tail}"
 
@@ -195,8 +197,9 @@ def suggested_range(
         return 0.0, 0.5 * scenario.system.balls[0].length
     if name == "amplitude_ratio":
         return 0.0, 0.5
-    if name in SUGGESTED:
-        low, high = SUGGESTED[name]
+    option = law_options().get(name)
+    if option is not None and option.suggested and (option.owner == "run" or name in DERIVED):
+        low, high = option.suggested
     else:
         low, high = _around(options_of(scenario).get(name))
     return _inside(low, high, allowed)
@@ -229,7 +232,7 @@ def about_axis(name: str, parameter: Parameter, suggested: tuple[float, float]) 
         "label": named(name, parameter),
         "symbol": quantity.symbol,
         "unit": quantity.unit,
-        "units": units_of(name, parameter.path[-1], quantity.unit),
+        "units": units_of(quantity),
         "allowed": [v if math.isfinite(v) else None for v in limits],
         "suggested": list(suggested),
     }

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.app.blocks import pack
-from latolato.app.forms import units_of
+from latolato.app.forms import quantity_of, units_of
 from latolato.app.map_asked import Map
 from latolato.app.map_cells import Maps, known_of, values_of
 from latolato.app.map_choices import mappable
@@ -187,7 +187,7 @@ def about_variable(name: str, about: dict[str, Any], ball: int | None) -> dict[s
         "label": about["long_name"],
         "symbol": about["symbol"],
         "unit": about["units"],
-        "units": units_of(name, name, about["units"]),
+        "units": units_of(quantity_of(name, about["units"])),
         "classes": [list(entry) for entry in CLASSES.get(name, {}).items()],
     }
 

@@ -12,7 +12,7 @@ from latolato.app.map_asked import Map
 from latolato.app.map_choices import Span
 from latolato.observables import Observable, observables
 from latolato.physics.drives import FixedPivot
-from latolato.scenario.variation import TARGETS
+from latolato.sweeps.axes import TARGETS
 
 # Arguments of `latolato.sweep` that a scenario's run may have.
 _OF_RUN = (

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.forms import units_of
+from latolato.app.forms import quantity_of, units_of
 from latolato.app.map_cells import Maps, known_of
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
@@ -51,7 +51,7 @@ class Shown:
     def unit(self) -> tuple[str, float]:
         """The unit in which pages show the variable, and how many SI units it is."""
         name = self.drawing.name
-        found = units_of(name, name, str(self.drawing.data.attrs.get("units", "1")))
+        found = units_of(quantity_of(name, str(self.drawing.data.attrs.get("units", "1"))))
         return (found[0]["name"], found[0]["size"]) if found else ("", 1.0)
 
 

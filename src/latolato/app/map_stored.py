@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.forms import units_of
+from latolato.app.forms import quantity_of, units_of
 from latolato.app.given import TooLargeError
 from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
@@ -93,7 +93,7 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
             "label": str(given.get("long_name", side.name)),
             "symbol": str(given.get("symbol", "")),
             "unit": unit,
-            "units": units_of(side.name, side.name, unit),
+            "units": units_of(quantity_of(side.name, unit)),
             "log": side.is_log,
         }
     attributes = drawing.data.attrs

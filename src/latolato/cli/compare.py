@@ -159,7 +159,7 @@ def command() -> Callable[..., None]:
     left = [
         o.name
         for o in law_options().values()
-        if o.path[0] == "noise" or (o.path[0] == "run" and o.name not in kept)
+        if o.owner == "noise" or (o.owner == "run" and o.name not in kept)
     ]
     return with_law_options(compare, without=left)
 

@@ -191,7 +191,7 @@ def model_command() -> Callable[..., None]:
     """Return the command `model` with an option for each parameter of systems and drives."""
     from latolato.scenario.options import law_options
 
-    of_runs = [o.name for o in law_options().values() if o.path[0] in ("run", "noise")]
+    of_runs = [o.name for o in law_options().values() if o.owner in ("run", "noise")]
     return with_law_options(model, without=of_runs)
 
 

@@ -76,11 +76,12 @@ def with_law_options(
         if option.name in without:
             continue
         flag = "--" + option.name.replace("_", "-")
+        typed: Any = option.kind if option.kind in (bool, int) else str
         unit = f", in {option.unit}" if option.unit not in ("", "1") else ""
         about = typer.Option(
             flag,
-            help=f"{option.description}{unit}",
-            rich_help_panel=panels[option.path[0]],
+            help=f"{option.help}{unit}",
+            rich_help_panel=panels[option.owner],
             show_default=False,
             metavar=None if option.kind is bool else "VALUES" if option.several else "VALUE",
         )
@@ -89,7 +90,7 @@ def with_law_options(
                 option.name,
                 inspect.Parameter.KEYWORD_ONLY,
                 default=None,
-                annotation=Annotated[option.kind | None, about],
+                annotation=Annotated[typed | None, about],
             )
         )
 

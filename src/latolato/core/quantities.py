@@ -12,11 +12,17 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity's SI unit (as xarray and pint read it), its TeX symbol and what it is."""
+    """A quantity's SI unit (as xarray and pint read it), its TeX symbol and what it is.
+
+    `usual` is what a form begins with where a law has no default, the toy in the hand [SI], and
+    `first_unit` the unit in which it is shown, "" for the usual one of its kind.
+    """
 
     unit: str
     symbol: str
     long_name: str
+    usual: Any = None
+    first_unit: str = ""
 
     @property
     def label(self) -> str:
@@ -80,15 +86,16 @@ QUANTITIES: dict[str, Quantity] = {
     "time": Quantity("s", "t", "time"),
     "angle": Quantity("rad", r"\theta", "angle from the downward vertical"),
     "angular_velocity": Quantity("rad/s", r"\dot\theta", "angular velocity"),
-    "initial_angle": Quantity("rad", r"\theta_0", "initial angle"),
+    "initial_angle": Quantity("rad", r"\theta_0", "initial angle", usual=0.35),
     "initial_angular_velocity": Quantity("rad/s", r"\dot\theta_0", "initial angular velocity"),
     "initial_offset": Quantity("rad", r"\delta_0", "initial angle above the low contact angle"),
-    "duration": Quantity("s", "t_{end}", "duration"),
+    "duration": Quantity("s", "t_{end}", "duration", usual=20.0),
+    "tolerance": Quantity("rad", r"\varepsilon", "tolerance", first_unit="rad"),
     "largest_angle": Quantity("rad", r"\theta_{max}", "largest angle"),
     # body
-    "length": Quantity("m", "l", "pivot to ball centre"),
-    "mass": Quantity("kg", "m", "mass of one ball"),
-    "radius": Quantity("m", "r", "radius of one ball"),
+    "length": Quantity("m", "l", "pivot to ball centre", usual=0.245),
+    "mass": Quantity("kg", "m", "mass of one ball", usual=0.1),
+    "radius": Quantity("m", "r", "radius of one ball", usual=0.02, first_unit="mm"),
     "gravity": Quantity("m/s^2", "g", "gravitational acceleration"),
     "damping": Quantity("kg*m/s", "C", "linear damping coefficient"),
     "quadratic_damping": Quantity("kg*m", "C_2", "quadratic damping coefficient"),
@@ -103,17 +110,23 @@ QUANTITIES: dict[str, Quantity] = {
     "clamp_step": Quantity("s", "h", "fixed step of contact 'clamp'"),
     "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
     # drive
-    "drive_amplitude": Quantity("m", "A_0", "driving amplitude"),
-    "drive_frequency": Quantity("rad/s", r"\omega", "angular driving frequency"),
-    "drive_frequency_final": Quantity("rad/s", r"\omega_1", "angular driving frequency at the end"),
-    "drive_frequencies": Quantity("rad/s", r"\omega_k", "angular driving frequency of each stage"),
-    "drive_amplitudes": Quantity("m", "A_k", "driving amplitude of each stage"),
+    "drive_amplitude": Quantity("m", "A_0", "driving amplitude", usual=0.02, first_unit="mm"),
+    "drive_frequency": Quantity("rad/s", r"\omega", "angular driving frequency", usual=15.1),
+    "drive_frequency_final": Quantity(
+        "rad/s", r"\omega_1", "angular driving frequency at the end", usual=20.0
+    ),
+    "drive_frequencies": Quantity(
+        "rad/s", r"\omega_k", "angular driving frequency of each stage", usual=(19.8, 15.1)
+    ),
+    "drive_amplitudes": Quantity(
+        "m", "A_k", "driving amplitude of each stage", usual=(0.034, 0.034)
+    ),
     "drive_phase": Quantity("rad", r"\varphi", "driving phase at time zero"),
-    "times": Quantity("s", "t_k", "instants"),
+    "times": Quantity("s", "t_k", "instants", usual=(0.0, 4.0)),
     "ramp": Quantity("s", r"\tau", "time in which the frequency moves to a new stage"),
-    "ramps": Quantity("s", r"\tau_k", "time of the change into each stage"),
-    "sweep_time": Quantity("s", "t_s", "time in which the frequency sweeps"),
-    "connecting_rod_length": Quantity("m", "L", "length of the connecting rod"),
+    "ramps": Quantity("s", r"\tau_k", "time of the change into each stage", usual=(0.1, 0.5)),
+    "sweep_time": Quantity("s", "t_s", "time in which the frequency sweeps", usual=30.0),
+    "connecting_rod_length": Quantity("m", "L", "length of the connecting rod", usual=0.1),
     "pivot_height": Quantity("m", "y_0", "height of the pivot"),
     "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
     "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),

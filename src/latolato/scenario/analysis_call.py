@@ -28,8 +28,8 @@ def unfit_options(function: Callable[..., Any], own: Mapping[str, Any]) -> list[
         option.name
         for option in law_options().values()
         if option.name in own
-        or option.path[0] in ("run", "noise")
-        or (option.path[0] == "drive" and not has_drive)
+        or option.owner in ("run", "noise")
+        or (option.owner == "drive" and not has_drive)
     ]
 
 
@@ -168,9 +168,9 @@ def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:
     from latolato.scenario.tables import RATIOS
 
     law = law_options().get(option.name)
-    if law is None or len(law.path) != 2 or law.path[0] not in ("system", "drive"):
+    if law is None or len(law.path) != 1 or law.owner not in ("system", "drive"):
         return
-    part = law.path[0]
+    part = law.owner
     kind = tables.get(part, {}).get("kind")
     registry: Any = systems if part == "system" else drives
     target = RATIOS.get(option.name, option.name)

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE
+from latolato.core.parameters import Parameter
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_number, suggest, types_of
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import ClampContact, contact_laws
 from latolato.physics.pendulum import System
 from latolato.scenario.units import to_si, to_si_list
 from latolato.scenario.variation import known_quantities, read_axes, with_placeholders
+from latolato.simulation.run import simulate
 
 # Drive parameters that may be given as multiples of the natural frequency.
 RATIOS = {
@@ -25,31 +29,43 @@ RATIOS = {
 }
 
 
-@dataclass(frozen=True)
-class RunOption:
-    """One entry of ``[run]``: its unit, what it does, and whether it holds several values."""
-
-    unit: str
-    description: str
-    several: bool = False
+def _of_run(name: str, description: str, kind: type = float, **more: Any) -> Parameter:
+    """Return an entry of ``[run]``, with the default of `latolato.simulate`."""
+    known = signature(simulate).parameters.get(name)
+    default = None if known is None or known.default is known.empty else known.default
+    quantity = QUANTITIES[name] if kind is float else Quantity("", "", name.replace("_", " "))
+    return Parameter(
+        name=name, owner="run", path=(name,), kind=kind, description=description,
+        quantity=quantity, default=default, **more,
+    )  # fmt: skip
 
 
 RUN_OPTIONS = {
-    "initial_angle": RunOption("rad", "angle at the start; of a ballpair right, left", True),
-    "initial_angular_velocity": RunOption(
-        "rad/s", "angular velocity at the start; of a ballpair right, left", True
-    ),
-    "initial_offset": RunOption("rad", "start this far above the low contact angle instead"),
-    "duration": RunOption("s", "end of the run"),
-    "times": RunOption("s", "instants of the samples, or a file that holds them", True),
-    "samples": RunOption("", "number of evenly spaced samples instead of times"),
-    "tolerance": RunOption("rad", "aimed-at error of the angle"),
-    "contact": RunOption("", f"contact law: {', '.join(contact_laws)}"),
-    "clamp_step": RunOption("s", "fixed step of contact 'clamp'"),
-    "rest_speed": RunOption("rad/s", "impacts up to this speed begin rest"),
-    "frame": RunOption("", "'both' adds the energy in the laboratory frame"),
-    "contact_limit": RunOption("", "contacts after which the run stops"),
-}
+    parameter.name: parameter
+    for parameter in (
+        _of_run(
+            "initial_angle", "angle at the start; of a ballpair right, left",
+            for_each_ball=True, suggested=(-math.pi, math.pi),
+        ),
+        _of_run(
+            "initial_angular_velocity", "angular velocity at the start; of a ballpair right, left",
+            for_each_ball=True, suggested=(-20.0, 20.0),
+        ),
+        _of_run(
+            "initial_offset", "start this far above the low contact angle instead",
+            suggested=(0.0, 1.5),
+        ),
+        _of_run("duration", "end of the run", suggested=(1.0, 300.0)),
+        _of_run("times", "instants of the samples, or a file that holds them", several=True),
+        _of_run("samples", "number of evenly spaced samples instead of times", int),
+        _of_run("tolerance", "aimed-at error of the angle"),
+        _of_run("contact", f"contact law: {', '.join(contact_laws)}", str),
+        _of_run("clamp_step", "fixed step of contact 'clamp'"),
+        _of_run("rest_speed", "impacts up to this speed begin rest"),
+        _of_run("frame", "'both' adds the energy in the laboratory frame", str),
+        _of_run("contact_limit", "contacts after which the run stops", int),
+    )
+}  # fmt: skip
 
 # Entries of ``[sweep]`` beside `axes`, `observables` and those of ``[run]``, with their units.
 SWEEP_OPTIONS = {
@@ -180,7 +196,7 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         elif name == "times":
             instants = to_si_list(name, value, option.unit, folder)
             plain[name] = tuple(instants) if isinstance(instants, list) else instants
-        elif option.several and (isinstance(value, list) or "," in str(value)):
+        elif option.for_each_ball and (isinstance(value, list) or "," in str(value)):
             plain[name] = tuple(to_si_list(name, value, option.unit))
         else:
             plain[name] = to_si(name, value, option.unit)

@@ -7,24 +7,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, QUANTITIES, Quantity
-from latolato.core.registry import checked_number, describe, number_fields, suggest, types_of
+from latolato.core.registry import checked_number, describe, suggest
 from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.scenario.units import to_si, to_si_list
-from latolato.sweeps.axes import DERIVED
+from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
 
 if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
 
-# Parameters that set the same thing.
-TARGETS = {**DERIVED, "initial_offset": "initial_angle"}
 # More values than this along one axis are a slip of the pen.
 MOST_VALUES = 10_000_000
 _RANGE = ("low", "high", "count", "spacing")
@@ -42,25 +40,15 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
     An unknown kind stands for all of its registry, and a static or missing drive for a harmonic
     one, which a sweep makes of it.
     """
-    found: dict[str, Quantity] = {}
-    laws = [systems[system]] if system in systems else list(systems.values())
-    for law in laws:
-        hints = types_of(law)
-        for field in fields(law):
-            if is_dataclass(hints[field.name]):
-                inner = number_fields(hints[field.name])
-                found |= {f"{field.name}_{f.name}": f.metadata["quantity"] for f in inner}
     kind = "harmonic" if drive in (None, "fixed_pivot") else drive
-    laws += [drives[kind]] if kind in drives else list(drives.values())
-    for law in laws:
-        found |= {f.name: f.metadata["quantity"] for f in number_fields(law)}
-    found |= {name: QUANTITIES[name] for name, target in DERIVED.items() if target in found}
-    for name in ("initial_angle", "initial_angular_velocity"):
-        for side in _SIDES if system == "ballpair" else ("",):
-            found[name + side] = QUANTITIES[name]
-    if system != "ballpair":
-        found["initial_offset"] = QUANTITIES["initial_offset"]
-    return found | {f.name: f.metadata["quantity"] for f in number_fields(VelocityKicks)}
+    moving = [systems[system]] if system in systems else list(systems.values())
+    driving = [drives[kind]] if kind in drives else list(drives.values())
+    found: dict[str, Quantity] = {}
+    for law in moving:
+        for each in driving:
+            known = parameters_of(law, each, VelocityKicks)
+            found |= {name: p.quantity for name, p in known.items()}
+    return found
 
 
 def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[str, Any]:
@@ -323,7 +311,7 @@ def tables_of_plan(plan: Plan) -> dict[str, Any]:
     start = described["start"]
     run = {k: described[k] for k in ("duration", "tolerance", "rest_speed", "contact_limit")}
     run["contact"] = described["contact"]["kind"]
-    if "step" in described["contact"]:
+    if "clamp_step" in described["contact"]:
         run["clamp_step"] = described["contact"]["clamp_step"]
     if plan.system.angles == 1:
         run |= start

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES, Quantity, Range
-from latolato.core.registry import checked_number, number_fields, suggest, types_of
-from latolato.physics.drives import Drive
-from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
-from latolato.physics.pendulum import LatoLato, System
+from latolato.core.parameters import Parameter, law_parameters
+from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES, Range
+from latolato.core.registry import checked_number, suggest
+from latolato.physics.noise import KEY, LARGEST_STREAM
 
 # Parameters that stand for another one, which is set from them.
 DERIVED = {
@@ -21,17 +20,8 @@ DERIVED = {
     "amplitude_ratio": "drive_amplitude",
     "drive_acceleration_ratio": "drive_amplitude",
 }
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One thing that can be varied: what it is, where it may lie, and whom it belongs to."""
-
-    quantity: Quantity
-    allowed: Range
-    owner: str  # system, drive, noise or run
-    path: tuple[str, ...]  # where its value stands below the owner
-    whole: bool = False  # only whole numbers
+# Parameters that set the same thing.
+TARGETS = {**DERIVED, "initial_offset": "initial_angle"}
 
 
 @dataclass(frozen=True)
@@ -52,43 +42,46 @@ class Axis:
         return len(self.values[0])
 
 
-def parameters_of(
-    system: System, drive: Drive, noise: VelocityKicks | None = None
-) -> dict[str, Parameter]:
-    """Return everything that a sweep of this system, drive and noise can vary, by name."""
-    found: dict[str, Parameter] = {}
-    hints = types_of(type(system))
-    for field in fields(system):
-        if is_dataclass(hints[field.name]):
-            for inner in number_fields(hints[field.name]):
-                path = (field.name, inner.name)
-                found["_".join(path)] = _of_field(inner, "system", path)
-    for owner, law in (("system", system), ("drive", drive)):
-        for field in number_fields(law):
-            found[field.name] = _of_field(field, owner, (field.name,))
-    for derived, target in DERIVED.items():
+def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Parameter]:
+    """Return everything that a sweep can vary, by name.
+
+    Parameters
+    ----------
+    system : System, or its class
+    drive : Drive, or its class
+    noise : VelocityKicks, or its class, optional
+    """
+    laws = {"system": system, "drive": drive} | ({"noise": noise} if noise is not None else {})
+    found = {
+        parameter.name: parameter
+        for owner, law in laws.items()
+        for parameter in law_parameters(law, owner)
+        if parameter.is_number
+    }
+    for name, target in DERIVED.items():
         if target in found:
-            found[derived] = Parameter(QUANTITIES[derived], NON_NEGATIVE, "drive", (target,))
+            found[name] = replace(
+                found[target], name=name, kind=float, quantity=QUANTITIES[name],
+                allowed=NON_NEGATIVE,
+            )  # fmt: skip
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     for name in ("initial_angle", "initial_angular_velocity"):
-        for side in sides:
-            found[name + side] = Parameter(QUANTITIES[name], ANY, "run", (name + side,))
-    if isinstance(system, LatoLato):
-        offset = QUANTITIES["initial_offset"]
-        found["initial_offset"] = Parameter(offset, NON_NEGATIVE, "run", ("initial_offset",))
-    if noise is not None:
-        for field in number_fields(noise):
-            parameter = _of_field(field, "noise", (field.name,))
-            if field.name in KEY:
-                # Floats hold every whole number up to here, also of seeds.
-                parameter = replace(parameter, allowed=Range(0, LARGEST_STREAM), whole=True)
-            found[field.name] = parameter
+        found |= {name + side: _of_start(name, name + side, ANY) for side in sides}
+    if system.has_contacts and system.angles == 1:
+        found["initial_offset"] = _of_start("initial_offset", "initial_offset", NON_NEGATIVE)
+    for name in found.keys() & KEY.keys():
+        # Floats hold every whole number up to here, also of seeds.
+        found[name] = replace(found[name], allowed=Range(0, LARGEST_STREAM))
     return found
 
 
-def _of_field(field: Any, owner: str, path: tuple[str, ...]) -> Parameter:
-    """Return the parameter that a law's field is."""
-    return Parameter(field.metadata["quantity"], field.metadata["range"], owner, path)
+def _of_start(quantity: str, name: str, allowed: Range) -> Parameter:
+    """Return a number of the start that can vary."""
+    about = QUANTITIES[quantity]
+    return Parameter(
+        name=name, owner="run", path=(name,), kind=float, description=about.long_name,
+        quantity=about, allowed=allowed,
+    )  # fmt: skip
 
 
 def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
@@ -139,7 +132,7 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
     if name not in known:
         raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     parameter = known[name]
-    unit = parameter.quantity.unit
+    unit = parameter.unit
     single = isinstance(values, np.ndarray) and values.ndim == 0
     if isinstance(values, (str, bytes)) or single or not isinstance(values, Iterable):
         raise InputError(f"axis {name} must hold numbers in {unit}, got {values!r}")
@@ -150,7 +143,7 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
         raise InputError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
     numbers = tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
     for number in numbers:
-        if parameter.whole and not number.is_integer():
+        if parameter.kind is int and not number.is_integer():
             raise InputError(f"must be a whole number, got {number:g}", parameter=name)
     return numbers
 
@@ -158,10 +151,9 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
 def _check_conflicts(axes: list[Axis]) -> None:
     """Raise InputError if two axes set the same thing or bear the same name."""
     setters: dict[str, str] = {}
-    alternatives = {**DERIVED, "initial_offset": "initial_angle"}
     for axis in axes:
         for name in axis.parameters:
-            target = alternatives.get(name, name)
+            target = TARGETS.get(name, name)
             if target in setters:
                 raise InputError(f"axes {setters[target]} and {name} both set {target}: drop one")
             setters[target] = name

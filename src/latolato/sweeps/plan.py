@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import (
     checked_count,
@@ -29,7 +30,7 @@ from latolato.physics.drives import CrankSlider, Drive, FixedPivot, Harmonic, dr
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
-from latolato.sweeps.axes import Axis, Parameter, checked_axes, parameters_of
+from latolato.sweeps.axes import Axis, checked_axes, parameters_of
 
 DIRECTIONS = ("up", "down", "both")
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")

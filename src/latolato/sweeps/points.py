@@ -174,7 +174,7 @@ def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
     known = parameters_of(plan.system, plan.drive, plan.noise)
     valid = np.ones(len(columns["gravity"]), dtype=bool)
     for name in columns.keys() & known.keys():
-        allowed, unit = known[name].allowed, known[name].quantity.unit
+        allowed, unit = known[name].allowed, known[name].unit
         valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
     return valid
 
