@@ -55,8 +55,8 @@ def remove_leftovers(path: Path) -> None:
     ours = re.compile(rf"\.{stem}\.{_machine()}\.(\d{{1,9}})\.[0-9a-f]{{6}}{suffix}")
     with suppress(OSError):  # a folder that may be written but not read
         for name in os.listdir(path.parent):
-            found = ours.fullmatch(name)
-            if found and not _is_alive(int(found[1])):
+            match = ours.fullmatch(name)
+            if match and not _is_alive(int(match[1])):
                 with suppress(OSError):
                     path.with_name(name).unlink()
 

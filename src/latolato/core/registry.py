@@ -226,7 +226,7 @@ def describe(law: Any) -> dict[str, Any]:
 
     Values that equal their default are kept too: a file must not depend on later defaults.
     """
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for f in fields(law):
         if not f.init:
             continue
@@ -235,8 +235,8 @@ def describe(law: Any) -> dict[str, Any]:
             value = describe(value)
         elif isinstance(value, tuple):
             value = list(value)
-        found[f.name] = value
-    return found
+        result[f.name] = value
+    return result
 
 
 def named(law: Law) -> Law:

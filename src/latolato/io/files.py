@@ -284,20 +284,20 @@ def _with_complex(dataset: xr.Dataset) -> xr.Dataset:
 
 def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
     """Return the variables along a dimension as columns, one a ball where there are two."""
-    found: Columns = {}
+    result: Columns = {}
     names = [name for name in dataset.variables if dimension in dataset.variables[name].dims]
     for name in sorted(names, key=lambda name: name != dimension):  # the dimension's own first
         variable = dataset.variables[name]
         if variable.dims == (dimension,):
-            found[str(name)] = (variable.values, dict(variable.attrs))
+            result[str(name)] = (variable.values, dict(variable.attrs))
         elif variable.dims != ("ball", dimension):
             raise InputError(
                 f"{name} over {', '.join(map(str, variable.dims))} fits no table; use .nc"
             )
         else:
             for i, ball in enumerate(dataset["ball"].values):
-                found[f"{name}_{ball}"] = (variable.isel(ball=i).values, dict(variable.attrs))
-    return found
+                result[f"{name}_{ball}"] = (variable.isel(ball=i).values, dict(variable.attrs))
+    return result
 
 
 def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) -> xr.Dataset:
@@ -416,8 +416,8 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
         raise InputError(f"'{path}' is no run of latolato: its metadata are missing")
     columns: Columns = {}
     for name in table.column_names:
-        found = table.schema.field(name).metadata or {}
-        about = {key.decode(): value.decode() for key, value in found.items()}
+        result = table.schema.field(name).metadata or {}
+        about = {key.decode(): value.decode() for key, value in result.items()}
         columns[name] = (table[name].to_numpy().astype(_kind(name)), about)
     return columns, attributes
 

@@ -56,8 +56,8 @@ def record_at(layout: np.dtype[Any]) -> Callable[[int], Any]:
 
         return kind(types.int64), generate
 
-    found: Any = at
-    return found
+    result: Any = at
+    return result
 
 
 def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, int], Any]:
@@ -78,8 +78,8 @@ def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, i
 
         return kind(types.int64, types.int64), generate
 
-    found: Any = at
-    return found
+    result: Any = at
+    return result
 
 
 def kind_of(value: Any) -> Any:
@@ -149,15 +149,15 @@ def _read(context: Any, builder: Any, kind: Any, words: Any, places: Iterator[in
     """Return a value of this type from words at these places."""
 
     def following(size: int) -> list[Any]:
-        found = [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
-        for load in found:  # a piece never changes words it was given, so one reading will do
+        result = [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
+        for load in result:  # a piece never changes words it was given, so one reading will do
             load.set_metadata("invariant.load", builder.module.add_metadata([]))
-        return found
+        return result
 
     if isinstance(kind, types.BaseTuple):
         kinds: Any = kind
-        found = [_read(context, builder, inner, words, places) for inner in kinds]
-        return context.make_tuple(builder, kind, found)
+        result = [_read(context, builder, inner, words, places) for inner in kinds]
+        return context.make_tuple(builder, kind, result)
     if isinstance(kind, types.Array):
         address, shape = following(1)[0], following(kind.ndim)
         return _array(context, builder, kind, address, shape, following(kind.ndim))
@@ -185,8 +185,8 @@ def bundle_at(kind: Any) -> Callable[[int], Any]:
 
         return Bundle(kind)(types.int64), generate
 
-    found: Any = at
-    return found
+    result: Any = at
+    return result
 
 
 def value_at(kind: Any) -> Callable[[int], Any]:
@@ -200,8 +200,8 @@ def value_at(kind: Any) -> Callable[[int], Any]:
 
         return kind(types.int64), generate
 
-    found: Any = at
-    return found
+    result: Any = at
+    return result
 
 
 def writer_of(wanted: Any) -> Callable[[int, Any], None]:
@@ -234,8 +234,8 @@ def writer_of(wanted: Any) -> Callable[[int, Any], None]:
 
         return types.void(types.int64, value), generate
 
-    found: Any = write
-    return found
+    result: Any = write
+    return result
 
 
 def _array(
@@ -244,17 +244,17 @@ def _array(
     """Return an array of memory that somebody else owns."""
     from numba.np.arrayobj import populate_array  # needed by compiling only, and slow to import
 
-    found = context.make_array(kind)(context, builder)
-    item = context.get_constant(types.intp, context.get_abi_sizeof(found.data.type.pointee))
+    result = context.make_array(kind)(context, builder)
+    item = context.get_constant(types.intp, context.get_abi_sizeof(result.data.type.pointee))
     populate_array(  # type: ignore[no-untyped-call]
-        found,
-        data=builder.inttoptr(address, found.data.type),
+        result,
+        data=builder.inttoptr(address, result.data.type),
         shape=shape,
         strides=strides,
         itemsize=item,
         meminfo=None,
     )
-    return found._getvalue()
+    return result._getvalue()
 
 
 def caller_of(what: str) -> Callable[..., Any]:
@@ -279,10 +279,10 @@ def caller_of(what: str) -> Callable[..., Any]:
                 context.cast(builder, builder.extract_value(args[1], i), was, wanted)
                 for i, (was, wanted) in enumerate(zip(given.types, kind.args, strict=True))
             ]
-            found = builder.call(builder.inttoptr(args[0], function.as_pointer()), values)
-            return context.get_dummy_value() if kind.return_type == types.void else found
+            result = builder.call(builder.inttoptr(args[0], function.as_pointer()), values)
+            return context.get_dummy_value() if kind.return_type == types.void else result
 
         return kind.return_type(types.int64, given), generate
 
-    found: Callable[..., Any] = call
-    return found
+    result: Callable[..., Any] = call
+    return result

@@ -132,8 +132,8 @@ def compile_piece(recipe: Recipe, note: Callable[[str], None] | None = None) -> 
     kernel: Any = compile_kernel(make, recipe.key, *recipe.laws, allocates=False, note=note)
     arguments, _ = normalize_signature(recipe.kind)  # type: ignore[no-untyped-call]
     kernel.compile(arguments)
-    found = kernel.overloads[arguments]
-    address = found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name)
+    overload = kernel.overloads[arguments]
+    address = overload.library.get_pointer_to_function(overload.fndesc.llvm_cfunc_wrapper_name)
     return Piece(address, kernel)
 
 

@@ -115,8 +115,8 @@ def make_allowed_entry(part: Part) -> Callable[[int, float], float]:
     run_at = record_at(run_dtype())
 
     def allowed_at(address: int, tolerance: float) -> float:
-        found: float = allowed_error(run_at(address).state, tolerance)
-        return found
+        result: float = allowed_error(run_at(address).state, tolerance)
+        return result
 
     return allowed_at
 

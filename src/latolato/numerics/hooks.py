@@ -66,8 +66,8 @@ def make_calling_watch(part: Part) -> Watch:
     def sees(run: Any, occasion: int) -> bool:
         """Return whether anybody looks on then."""
         hooks = numbers_at(run.hooks, ANY_SIZE)
-        found: bool = hooks[hooks[occasion]] != 0
-        return found
+        result: bool = hooks[hooks[occasion]] != 0
+        return result
 
     def make(occasion: int) -> Any:
         write = writer_of(_SHOWN[occasion])

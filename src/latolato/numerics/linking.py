@@ -38,11 +38,11 @@ class _Part(JITCodeLibrary):
 
     def _get_module_for_linking(self) -> Any:
         """Return the code with all that it calls, for one of numba's own functions."""
-        found = super()._get_module_for_linking().clone()  # type: ignore[no-untyped-call]
+        result = super()._get_module_for_linking().clone()  # type: ignore[no-untyped-call]
         for library in _called(self):
             if library is not self:
-                found.link_in(_code_of(library), preserve=True)
-        return found
+                result.link_in(_code_of(library), preserve=True)
+        return result
 
 
 class _Kernel(JITCodeLibrary):
@@ -79,15 +79,15 @@ def _called(library: Any) -> list[Any]:
 
     Libraries of numba's own functions already hold what these call.
     """
-    found: dict[Any, None] = {}
+    result: dict[Any, None] = {}
     waiting = [library]
     while waiting:
         now = waiting.pop()
-        if now not in found:
-            found[now] = None
+        if now not in result:
+            result[now] = None
             if isinstance(now, (_Part, _Kernel)):
                 waiting += now._linking_libraries
-    return list(found)
+    return list(result)
 
 
 def _code_of(library: Any) -> Any:
@@ -107,8 +107,8 @@ def link_once(dispatcher: Any, parts: list[Any], note: Callable[[str], None] | N
         rtsys.initialize(dispatcher.targetctx)  # numba's own code is linked as ever
         with global_compiler_lock, _libraries(codegen, kernel, note), _remembered(typing):
             entry = plain(signature)
-            for found in dispatcher.overloads.values():
-                found.library._linking_libraries.clear()
+            for overload in dispatcher.overloads.values():
+                overload.library._linking_libraries.clear()
             for part in parts:
                 part._make_finalizer()()
                 part._reset_overloads()
@@ -126,9 +126,9 @@ def _libraries(codegen: Any, kernel: str, note: Callable[[str], None] | None) ->
     def library(codegen: Any, name: str) -> Any:
         if name != kernel:
             return _Part(codegen, name)  # type: ignore[no-untyped-call]
-        found = _Kernel(codegen, name)  # type: ignore[no-untyped-call]
-        found.note = note
-        return found
+        result = _Kernel(codegen, name)  # type: ignore[no-untyped-call]
+        result.note = note
+        return result
 
     library._unserialize = JITCodeLibrary._unserialize  # type: ignore[attr-defined]
     codegen._library_class = library

@@ -47,9 +47,9 @@ def piece_of(recipe: Recipe) -> Piece:
 def _made(recipe: Recipe) -> Piece:
     from latolato.numerics import shipped
 
-    found = shipped.load(recipe.key, recipe.kind)
-    if found is not None:
-        return found
+    result = shipped.load(recipe.key, recipe.kind)
+    if result is not None:
+        return result
     from latolato.numerics.compiled import compile_piece
 
     return compile_piece(recipe)
@@ -179,9 +179,9 @@ def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int6
     """
     begins: list[int] = []
     pairs: list[int] = []
-    for found in pieces:
+    for formulas in pieces:
         begins.append(len(pieces) + len(pairs))
-        for first, piece in found:
+        for first, piece in formulas:
             pairs += [piece.address, first]
         pairs += [0]
     return np.array(begins + pairs, dtype=np.int64)
@@ -190,8 +190,8 @@ def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int6
 def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
     """Return for each occasion the pieces of `watch.hooks_of` with their first slots."""
     return [
-        [(first, piece_of(hook_recipe(occasion, formula))) for first, formula in found]
-        for occasion, found in enumerate(hooks)
+        [(first, piece_of(hook_recipe(occasion, formula))) for first, formula in formulas]
+        for occasion, formulas in enumerate(hooks)
     ]
 
 

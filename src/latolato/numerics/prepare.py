@@ -396,5 +396,5 @@ def prepare_cases(given: Cases, *, compiled: bool = True) -> None:
         cases=as_objects(given.cases), stretches=as_objects(given.stretches),
         settings=objects[0], bodies=bodies, states=objects[1],
     ))  # fmt: skip
-    for found, record in zip((*objects, *bodies), (*records, *given.bodies), strict=True):
-        write_back(found, record)
+    for item, record in zip((*objects, *bodies), (*records, *given.bodies), strict=True):
+        write_back(item, record)

@@ -65,9 +65,9 @@ CASE = np.dtype(
 
 def stretch_records(drive: Drive, duration: float) -> NDArray[Any]:
     """Return the drive's stretches as records, shape (stretch,)."""
-    found = drive.stretches(duration)
-    records = np.zeros(len(found), dtype=stretch_dtype(type(found[0])))
-    for k, stretch in enumerate(found):
+    result = drive.stretches(duration)
+    records = np.zeros(len(result), dtype=stretch_dtype(type(result[0])))
+    for k, stretch in enumerate(result):
         records[k] = (*stretch, 0.0)[: len(records.dtype)]  # those without a jump have none
     return records
 

@@ -46,5 +46,5 @@ def make_trajectory(
     `laws` are the pivot's acceleration, the restoring factor and its potential.
     """
     pivot_acceleration, restoring, potential = laws
-    found = laws_of(pivot_acceleration, restoring, potential, part)
-    return motion_of(motion)(found, count, watch, part)
+    result = laws_of(pivot_acceleration, restoring, potential, part)
+    return motion_of(motion)(result, count, watch, part)

@@ -66,11 +66,11 @@ class Slots(NamedTuple):
 
 def slots_of(watched: Sequence[Observable]) -> list[Slots]:
     """Return where each observable's slots lie, one block after the other."""
-    found, first = [], 0
+    result, first = [], 0
     for observable in watched:
-        found.append(Slots(first, observable.slots))
+        result.append(Slots(first, observable.slots))
         first += observable.slots
-    return found
+    return result
 
 
 def blank_slots(watched: Sequence[Observable], columns: int) -> NDArray[np.float64]:
@@ -99,7 +99,7 @@ def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
 def make_watch(hooks: tuple[Hooks, ...], part: Part = as_it_stands) -> Watch:
     """Return functions into which the formulas of `hooks_of` are folded."""
     inline = inlined(part)
-    anybody = tuple(bool(found) for found in hooks)
+    anybody = tuple(bool(formulas) for formulas in hooks)
 
     @inline
     def nobody(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
@@ -118,9 +118,9 @@ def make_watch(hooks: tuple[Hooks, ...], part: Part = as_it_stands) -> Watch:
         """Return whether anybody looks on then."""
         return anybody[occasion]
 
-    def folded(found: Hooks) -> Any:
+    def folded(formulas: Hooks) -> Any:
         shows: Any = nobody
-        for first, formula in reversed(found):
+        for first, formula in reversed(formulas):
             shows = link(first, formula, shows)
         return shows
 

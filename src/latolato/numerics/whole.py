@@ -32,12 +32,12 @@ def _parameters() -> dict[str, Any]:
 
     A crank's `side` stands for its `guide`: -1 below, +1 above.
     """
-    found: dict[str, Any] = {"kind": 0, "side": 0.0, "step_impulse": 0}
+    result: dict[str, Any] = {"kind": 0, "side": 0.0, "step_impulse": 0}
     for kind in WRITTEN.values():
         for field in fields(kind):
             if "quantity" in field.metadata:
-                found[field.name] = np.zeros(0) if field.metadata.get("array") else 0.0
-    return found
+                result[field.name] = np.zeros(0) if field.metadata.get("array") else 0.0
+    return result
 
 
 _EXAMPLES = _parameters()
@@ -84,8 +84,8 @@ def _by_kind(kinds: Sequence[Any], number: int, part: Part) -> Callable[..., int
     @part
     def chosen(out: Any, drive: Any) -> int:
         if drive.kind == number:
-            found: int = write(out, drive)
-            return found
+            result: int = write(out, drive)
+            return result
         return otherwise(out, drive) if otherwise is not None else 0
 
     return chosen

@@ -227,12 +227,12 @@ class Observable:
         balls : int
             Angles of the state; there are twice as many exponents.
         """
-        found, first = {}, len(self.parameters)
+        result, first = {}, len(self.parameters)
         for name, width in self.widths.items():
             rows = contents[first : first + width]
             first += width
             if not self.dimension or name in self.plain:
-                found[name] = rows[0]
+                result[name] = rows[0]
             else:
-                found[name] = rows[: 2 * balls].T if self.dimension == "exponent" else rows.T
-        return found
+                result[name] = rows[: 2 * balls].T if self.dimension == "exponent" else rows.T
+        return result

@@ -79,7 +79,7 @@ def _distance(
 
     Once it exceeds the limit any larger number will do.
     """
-    found: float = 0.0
+    result: float = 0.0
     for ball in range(at.balls):
         other = at.balls - 1 - ball if image else ball
         sign = 1.0 if image else -1.0
@@ -89,10 +89,10 @@ def _distance(
             turn = numbers[at.angle + here] + sign * numbers[at.angle + there]
             turn -= math.tau * floor(turn / math.tau + 0.5)
             speed = numbers[at.velocity + here] + sign * numbers[at.velocity + there]
-            found = max(found, abs(turn), abs(speed) / frequency)
-            if found > limit:
-                return found
-    return found
+            result = max(result, abs(turn), abs(speed) / frequency)
+            if result > limit:
+                return result
+    return result
 
 
 @formula

@@ -49,9 +49,9 @@ class AnalysisCall:
 
         scenario, sweep = self._scenario(source, given, tables)
         drive = _moving(scenario)
-        found: dict[str, Any] = {"system": scenario.system}
+        result: dict[str, Any] = {"system": scenario.system}
         if "drive" in inspect.signature(self.function).parameters:
-            found["drive"] = drive
+            result["drive"] = drive
         run = dict(scenario.run)
         noise = run.get("noise")
         kicks = describe(noise) if noise is not None else {}
@@ -60,17 +60,17 @@ class AnalysisCall:
         for name, option in self.own.items():
             if option.is_of_run:
                 if name in run:
-                    found[name] = run[name]
+                    result[name] = run[name]
             elif given.get(name) is not None:
-                found[name] = option.value(given[name], self._unit(option, given, scenario))
+                result[name] = option.value(given[name], self._unit(option, given, scenario))
             elif name in kicks:
-                found[name] = kicks[name]
+                result[name] = kicks[name]
             elif name in sweep:
-                found[name] = option.value(sweep[name], option.unit or "1")
+                result[name] = option.value(sweep[name], option.unit or "1")
             elif option.is_required:
-                found[name] = self._needed(option, scenario)
+                result[name] = self._needed(option, scenario)
         self._tell_left_out(scenario)
-        return found
+        return result
 
     def _scenario(
         self, source: str | None, given: Mapping[str, Any], tables: Tables | None

@@ -116,7 +116,7 @@ def options_of(function: Callable[..., Any]) -> dict[str, AnalysisOption]:
         If a needed parameter has such a kind.
     """
     texts = parameter_texts(inspect.getdoc(function) or "")
-    found = {}
+    result = {}
     for name, parameter in inspect.signature(function).parameters.items():
         if name in LAWS:
             continue
@@ -127,7 +127,7 @@ def options_of(function: Callable[..., Any]) -> dict[str, AnalysisOption]:
             continue
         single, several = kinds
         text, unit = _about(name, texts)
-        found[name] = AnalysisOption(
+        result[name] = AnalysisOption(
             name=name,
             kind=several or single or str,
             description=text,
@@ -136,7 +136,7 @@ def options_of(function: Callable[..., Any]) -> dict[str, AnalysisOption]:
             is_single=single is not None,
             default=parameter.default,
         )
-    return found
+    return result
 
 
 def _kinds(annotation: Any, function: Any) -> tuple[type | None, type | None] | None:
@@ -214,7 +214,7 @@ def parameter_texts(docstring: str) -> dict[str, str]:
     {'low': 'Ends [m].', 'high': 'Ends [m].'}
     """
     lines = docstring.splitlines()
-    found: dict[str, str] = {}
+    result: dict[str, str] = {}
     names: list[str] = []
     is_inside = False
     for line, below in zip(lines, [*lines[1:], ""], strict=True):
@@ -224,10 +224,10 @@ def parameter_texts(docstring: str) -> dict[str, str]:
             continue
         elif line and not line[0].isspace():
             names = [name.strip() for name in line.partition(" : ")[0].split(",")]
-            found |= dict.fromkeys(names, "")
+            result |= dict.fromkeys(names, "")
         elif line.strip():
-            found |= {name: f"{found[name]} {line.strip()}".strip() for name in names}
-    return found
+            result |= {name: f"{result[name]} {line.strip()}".strip() for name in names}
+    return result
 
 
 def summary_of(function: Callable[..., Any]) -> str:

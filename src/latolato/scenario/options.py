@@ -19,10 +19,10 @@ from latolato.scenario.units import to_si_list
 @lru_cache(maxsize=1)
 def law_options() -> dict[str, Parameter]:
     """Return the parameters that set system, drive, run and noise, by the name of their option."""
-    found: dict[str, Parameter] = {}
+    result: dict[str, Parameter] = {}
     for owner, registry in (("system", systems), ("drive", drives)):
         kind = f"one of {', '.join(registry)}"
-        found[owner] = Parameter(
+        result[owner] = Parameter(
             name=owner, owner=owner, path=("kind",), kind=str, description=kind,
             quantity=Quantity("", "", owner),
         )  # fmt: skip
@@ -32,10 +32,10 @@ def law_options() -> dict[str, Parameter]:
                 # A drive's `times` are not the instants of the samples.
                 is_taken = parameter.name in RUN_OPTIONS
                 name = f"{owner}_{parameter.name}" if is_taken else parameter.name
-                found.setdefault(name, replace(parameter, name=name))
+                result.setdefault(name, replace(parameter, name=name))
     for ratio, plain in RATIOS.items():
-        found[ratio] = replace(
-            found[plain],
+        result[ratio] = replace(
+            result[plain],
             name=ratio,
             path=(ratio,),
             description=f"instead of {plain.replace('_', '-')}, in natural frequencies",
@@ -44,7 +44,7 @@ def law_options() -> dict[str, Parameter]:
             default=None,
             suggested=(0.0, 5.0),
         )
-    return found | RUN_OPTIONS | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
+    return result | RUN_OPTIONS | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
 
 
 def table_value(parameter: Parameter, given: Any) -> Any:
@@ -56,13 +56,13 @@ def table_value(parameter: Parameter, given: Any) -> Any:
 
 def changes(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the tables of a scenario's changes that options ask for, those not given left out."""
-    found: dict[str, dict[str, Any]] = {}
+    result: dict[str, dict[str, Any]] = {}
     for name, option in law_options().items():
         if given.get(name) is None:
             continue
         *inner, key = option.path
-        place = found.setdefault(option.owner, {})
+        place = result.setdefault(option.owner, {})
         for part in inner:
             place = place.setdefault(part, {})
         place[key] = table_value(option, given[name])
-    return found
+    return result

@@ -172,12 +172,12 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
         if not isinstance(ratios, list):
             raise InputError("must be a sequence of numbers", parameter=ratio, value=value)
-        found = [
+        result = [
             checked_number(ratio, number, NON_NEGATIVE, "times the natural frequency")
             * system.natural_frequency
             for number in ratios
         ]
-        plain[name] = found if several else found[0]
+        plain[name] = result if several else result[0]
     return plain
 
 

@@ -107,21 +107,21 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     """
     if not isinstance(value, str):
         return value
-    found = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
-    if found is None:
+    match = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
+    if match is None:
         raise _refusal(name, value, unit)
-    number, given = float(found["number"]), (found["unit"] or "").strip()
+    number, given = float(match["number"]), (match["unit"] or "").strip()
     if given.replace(" ", "*") in ("", unit):
         return number
     if (given, unit) in _COMMON:
-        return float(Decimal(found["number"]) * _COMMON[given, unit])
+        return float(Decimal(match["number"]) * _COMMON[given, unit])
     import pint
 
     registry = _registry()
     try:
         written = registry.parse_units(given.replace("²", "^2").replace("³", "^3"))
         wanted = registry.parse_units("" if unit == "1" else unit)
-        return float(registry.Quantity(Decimal(found["number"]), written).to(wanted).magnitude)
+        return float(registry.Quantity(Decimal(match["number"]), written).to(wanted).magnitude)
     except (pint.PintError, ArithmeticError, AssertionError, AttributeError, ValueError):
         raise _refusal(name, value, unit) from None
 
@@ -225,5 +225,5 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
             numbers = np.loadtxt(body, delimiter=delimiter, usecols=index, ndmin=1)
     except ValueError as error:
         raise InputError(f"{name}: {path} cannot be read as numbers: {error}") from None
-    found: list[float] = numbers.tolist()
-    return found
+    result: list[float] = numbers.tolist()
+    return result

@@ -43,12 +43,12 @@ def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
     kind = "harmonic" if drive in (None, "fixed_pivot") else drive
     moving = [systems[system]] if system in systems else list(systems.values())
     driving = [drives[kind]] if kind in drives else list(drives.values())
-    found: dict[str, Quantity] = {}
+    result: dict[str, Quantity] = {}
     for law in moving:
         for each in driving:
             known = parameters_of(law, each, VelocityKicks)
-            found |= {name: p.quantity for name, p in known.items()}
-    return found
+            result |= {name: p.quantity for name, p in known.items()}
+    return result
 
 
 def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[str, Any]:
@@ -72,13 +72,13 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
     """
     if not isinstance(axes, Mapping):
         raise InputError("must be a table of names and values", parameter="axes", value=axes)
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for name, given in axes.items():
         if isinstance(given, Mapping) and not (set(_RANGE) & given.keys() or name in known):
-            found[name] = {p: _read_values(p, v, known, folder) for p, v in given.items()}
+            result[name] = {p: _read_values(p, v, known, folder) for p, v in given.items()}
         else:
-            found[name] = _read_values(name, given, known, folder)
-    return found
+            result[name] = _read_values(name, given, known, folder)
+    return result
 
 
 def _read_values(name: str, given: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
@@ -111,17 +111,17 @@ def _listed(name: str, given: Any, unit: str, folder: Path) -> Any:
 
 def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:
     """Return the values that ``"low : high : count log unit"`` stands for."""
-    found = _COUNT.fullmatch(parts[2])
-    if found is None:
+    match = _COUNT.fullmatch(parts[2])
+    if match is None:
         raise InputError(
             f"axis {name} needs a whole number of values after its ends, got {parts[2]!r}; "
             f"{_EXAMPLE}"
         )
     ends = parts[:2]
-    if found["unit"]:
-        ends = [f"{end} {found['unit']}" for end in ends]
+    if match["unit"]:
+        ends = [f"{end} {match['unit']}" for end in ends]
     low, high = to_si_list(name, ", ".join(ends), unit)
-    return _spread(name, low, high, int(found["count"]), found["log"] is not None, unit)
+    return _spread(name, low, high, int(match["count"]), match["log"] is not None, unit)
 
 
 def _from_table(name: str, table: Mapping[str, Any], unit: str) -> Values:
@@ -186,13 +186,13 @@ def parse_axis(text: str) -> tuple[str, Any]:
 
 def parse_axes(texts: Sequence[str]) -> dict[str, Any]:
     """Return the axes of the command line, each given once."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for text in texts:
         name, values = parse_axis(text)
-        if name in found:
+        if name in result:
             raise InputError(f"axis {name} must be given once")
-        found[name] = values
-    return found
+        result[name] = values
+    return result
 
 
 def parse_observable(text: str) -> Any:
@@ -203,14 +203,14 @@ def parse_observable(text: str) -> Any:
     >>> parse_observable("crossings(crossing_angle = 90 deg, unwrapped = true)")
     {'kind': 'crossings', 'crossing_angle': '90 deg', 'unwrapped': True}
     """
-    found = _WITH_PARAMETERS.fullmatch(text.strip())
-    if found is None:
+    match = _WITH_PARAMETERS.fullmatch(text.strip())
+    if match is None:
         return _name(text)
-    table: dict[str, Any] = {"kind": found["kind"]}
-    for part in found["parameters"].split(",") if found["parameters"].strip() else ():
+    table: dict[str, Any] = {"kind": match["kind"]}
+    for part in match["parameters"].split(",") if match["parameters"].strip() else ():
         name, equals, value = (each.strip() for each in part.partition("="))
         if not equals:
-            raise InputError(f"parameters of {found['kind']} must be NAME=VALUE, got {name!r}")
+            raise InputError(f"parameters of {match['kind']} must be NAME=VALUE, got {name!r}")
         words: dict[str, Any] = {"true": True, "false": False}
         table[_name(name)] = int(value) if value.isdigit() else words.get(value.lower(), value)
     return table
@@ -257,22 +257,22 @@ def merged_axes(
 
 def _parameters(axes: Mapping[str, Any]) -> list[str]:
     """Return the names of the parameters that axes vary."""
-    found: list[str] = []
+    result: list[str] = []
     for name, values in axes.items():
         is_zip = isinstance(values, Mapping) and not set(_RANGE) & values.keys()
-        found += list(values) if is_zip else [name]
-    return found
+        result += list(values) if is_zip else [name]
+    return result
 
 
 def _changed(changes: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return the names of the parameters that options set, those of balls with their side."""
-    found = []
+    result = []
     for part in ("system", "drive", "run"):
         for name, value in changes.get(part, {}).items():
             nested = isinstance(value, Mapping)
-            found += [f"{name}_{inner}" for inner in value] if nested else [name]
-    found += changes.get("noise", {})
-    return found + [name + side for name in found for side in _SIDES if name in QUANTITIES]
+            result += [f"{name}_{inner}" for inner in value] if nested else [name]
+    result += changes.get("noise", {})
+    return result + [name + side for name in result for side in _SIDES if name in QUANTITIES]
 
 
 def with_placeholders(

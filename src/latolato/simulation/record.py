@@ -95,9 +95,11 @@ class Record:
         """Return the labelled variables, with units and names."""
         import xarray as xr
 
-        found = {each.name: (each.dimensions, each.values, each.attrs) for each in self.described()}
-        coordinates = {name: found.pop(name) for name in ("time", "ball") if name in found}
-        return xr.Dataset(found, coords=coordinates, attrs=self.attrs)
+        result = {
+            each.name: (each.dimensions, each.values, each.attrs) for each in self.described()
+        }
+        coordinates = {name: result.pop(name) for name in ("time", "ball") if name in result}
+        return xr.Dataset(result, coords=coordinates, attrs=self.attrs)
 
 
 def record_of(

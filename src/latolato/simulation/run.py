@@ -277,8 +277,8 @@ def _recorded(
     )
     if not law.stores_energy:
         attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, seen))
-    found = record_of(system, trajectory, seen, instants, frame, attrs)
-    if "tension" in found:
+    result = record_of(system, trajectory, seen, instants, frame, attrs)
+    if "tension" in result:
         # What a failed run adds up last is no compression.
         known = math.nan if trajectory.failed else 1.0
         first, total = known * state.compression_start, known * state.compression_time
@@ -286,7 +286,7 @@ def _recorded(
         two = system.angles == 2
         attrs["compression_time"] = first if two else float(first[0])
         attrs["compression_fraction"] = share if two else float(share[0])
-    return found
+    return result
 
 
 def _checked_times(
@@ -367,11 +367,11 @@ def _observe(
     )  # fmt: skip
     laws = drive.height, drive.velocity, drive.acceleration, *laws_key(system)
     observe(observation, *laws)
-    found = dict(zip(PIVOT_ROWS, pivot, strict=True))
-    found.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
+    result = dict(zip(PIVOT_ROWS, pivot, strict=True))
+    result.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
     with np.errstate(over="ignore"):  # a linear run may grow beyond all numbers
-        found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]
-    return found
+        result["total_energy"] = result["kinetic_energy"] + result["potential_energy"]
+    return result
 
 
 def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:

@@ -39,8 +39,8 @@ def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     import numpy as np
 
     kinds, counts = np.unique(np.asarray(run["contact_kind"]), return_counts=True)
-    found = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
-    return found | {
+    result = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
+    return result | {
         "largest_angle": plain(np.nanmax(np.abs(np.asarray(run["angle"])), initial=-np.inf)),
         "largest_energy": plain(np.nanmax(np.asarray(run["total_energy"]), initial=-np.inf)),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),

@@ -52,27 +52,27 @@ def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Param
     noise : VelocityKicks, or its class, optional
     """
     laws = {"system": system, "drive": drive} | ({"noise": noise} if noise is not None else {})
-    found = {
+    result = {
         parameter.name: parameter
         for owner, law in laws.items()
         for parameter in law_parameters(law, owner)
         if parameter.is_number
     }
     for name, target in DERIVED.items():
-        if target in found:
-            found[name] = replace(
-                found[target], name=name, kind=float, quantity=QUANTITIES[name],
+        if target in result:
+            result[name] = replace(
+                result[target], name=name, kind=float, quantity=QUANTITIES[name],
                 allowed=NON_NEGATIVE,
             )  # fmt: skip
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     for name in ("initial_angle", "initial_angular_velocity"):
-        found |= {name + side: _of_start(name, name + side, ANY) for side in sides}
+        result |= {name + side: _of_start(name, name + side, ANY) for side in sides}
     if system.has_contacts and system.angles == 1:
-        found["initial_offset"] = _of_start("initial_offset", "initial_offset", NON_NEGATIVE)
-    for name in found.keys() & KEY.keys():
+        result["initial_offset"] = _of_start("initial_offset", "initial_offset", NON_NEGATIVE)
+    for name in result.keys() & KEY.keys():
         # Floats hold every whole number up to here, also of seeds.
-        found[name] = replace(found[name], allowed=Range(0, LARGEST_STREAM))
-    return found
+        result[name] = replace(result[name], allowed=Range(0, LARGEST_STREAM))
+    return result
 
 
 def _of_start(quantity: str, name: str, allowed: Range) -> Parameter:
@@ -103,7 +103,7 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
         raise InputError("must map names of parameters to values", parameter="axes", value=axes)
     if not axes:
         raise InputError("must name at least one parameter to vary", parameter="axes")
-    found = []
+    result = []
     for name, values in axes.items():
         together = values if isinstance(values, Mapping) else {name: values}
         if not together:
@@ -122,9 +122,9 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
             repeated = next(p for i, p in enumerate(points) if p in points[:i])
             shown = ", ".join(f"{value:g}" for value in repeated)
             raise InputError(f"axis {name} must not repeat a value, got {shown} twice; remove one")
-        found.append(Axis(str(name), tuple(columns), tuple(columns.values())))
-    _check_conflicts(found)
-    return tuple(found)
+        result.append(Axis(str(name), tuple(columns), tuple(columns.values())))
+    _check_conflicts(result)
+    return tuple(result)
 
 
 def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> tuple[float, ...]:

@@ -43,8 +43,8 @@ def run_chunk(plan: Plan, number: int, run_points: RunPoints) -> tuple[Values, s
     index = np.ravel_multi_index(tuple(places), plan.shape)
     stepper = stepper_of(plan)
     if not plan.continuation:
-        found, reason = _run(plan, index.ravel(), stepper, run_points, None)[:2]
-        return {name: a.reshape(shape + a.shape[1:]) for name, a in found.items()}, reason
+        result, reason = _run(plan, index.ravel(), stepper, run_points, None)[:2]
+        return {name: a.reshape(shape + a.shape[1:]) for name, a in result.items()}, reason
     axis = plan.dims.index(plan.continuation)
     lines = np.moveaxis(index, axis, 0).reshape(shape[axis], -1)
     downwards = plan.direction == "down" or (plan.direction == "both" and block[0].start == 1)
@@ -98,10 +98,10 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
     values: Values = {}
     for observable, block in zip(plan.observables, slots_of(plan.observables), strict=True):
         slots = acc[block.first : block.first + block.size]
-        found = [observable.read(slots[:, :, ball], balls) for ball in range(balls)]
+        result = [observable.read(slots[:, :, ball], balls) for ball in range(balls)]
         one = balls == 1 or observable.is_joint
         for name in observable.variables:
-            joined = found[0][name].copy() if one else np.stack([f[name] for f in found], axis=1)
+            joined = result[0][name].copy() if one else np.stack([f[name] for f in result], axis=1)
             joined[bad] = math.nan
             values[name] = joined
     values[STATUS] = progress.status.astype(np.int8)

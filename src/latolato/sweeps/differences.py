@@ -17,11 +17,11 @@ def differences(there: Any, here: Any, name: str = "") -> list[str]:
                 return differences(named, asked, name)
             there, here = list(named), list(asked)
     if isinstance(there, dict) and isinstance(here, dict):
-        found = []
+        result = []
         for key in [*there, *(k for k in here if k not in there)]:
             below = f"{name}.{key}" if name else str(key)
-            found += differences(there.get(key), here.get(key), below)
-        return found
+            result += differences(there.get(key), here.get(key), below)
+        return result
     return [] if there == here else [f"{name} is {_shown(there, here)}, not {_shown(here, there)}"]
 
 

@@ -99,35 +99,35 @@ def survey(path: Path, *, read_all: bool) -> Survey:
             f"{ROOT} and {COPY} of the store '{path}' are both damaged or missing",
             way_out="name another path, or delete the store and run the sweep again",
         )
-    found = Survey(root, plan)
+    result = Survey(root, plan)
     if copy is None:
-        found.damaged[COPY] = None
+        result.damaged[COPY] = None
     files = first_files(plan, root["attributes"]["rounding"])[1] | documents(root)
-    found.digests.update({key: digest_of(content) for key, content in files.items()})
-    found.digests[f"{OWN}/{ROOT}"] = digest_of(GROUP)
+    result.digests.update({key: digest_of(content) for key, content in files.items()})
+    result.digests[f"{OWN}/{ROOT}"] = digest_of(GROUP)
     for number in range(plan.chunks):
         key = f"{NOTES}/{number}.json"
         note = read_note(path / key, plan.hash)
         if note is not None:
-            found.notes[number] = note
-            found.digests.update(note["files"])
+            result.notes[number] = note
+            result.digests.update(note["files"])
         elif (path / key).exists():
-            found.damaged[key] = number
-    reason = found.reason if found.is_complete else None
+            result.damaged[key] = number
+    reason = result.reason if result.is_complete else None
     if _without_reason(shown) != root or reason not in (
         None,
         shown["attributes"].get(_REASON, reason),
     ):
-        found.damaged[ROOT] = None
+        result.damaged[ROOT] = None
     if read_all:
-        number_of = {key: n for n, note in found.notes.items() for key in note["files"]}
-        for key, digest in found.digests.items():
+        number_of = {key: n for n, note in result.notes.items() for key in note["files"]}
+        for key, digest in result.digests.items():
             if is_damaged(path / key, digest):
-                found.damaged[key] = number_of.get(key)
-        for chunk in found.damaged.values():
+                result.damaged[key] = number_of.get(key)
+        for chunk in result.damaged.values():
             if chunk is not None:
-                found.notes.pop(chunk, None)
-    return found
+                result.notes.pop(chunk, None)
+    return result
 
 
 def has_store(path: Path) -> bool:

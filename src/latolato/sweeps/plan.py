@@ -104,7 +104,7 @@ class Plan:
 
         The axis of a continuation is never cut.
         """
-        room, found = self.chunk_size, []
+        room, result = self.chunk_size, []
         whole = len(self.dims)
         if self.continuation:
             whole = self.dims.index(self.continuation)
@@ -112,12 +112,12 @@ class Plan:
         for number in reversed(range(len(self.shape))):
             length = self.shape[number]
             if number == whole:
-                found.append(length)
+                result.append(length)
                 continue
             extent = 1 if self.dims[number] == "direction" else min(length, max(1, room))
-            found.append(extent)
+            result.append(extent)
             room //= extent  # one is left where an axis is cut
-        return tuple(reversed(found))
+        return tuple(reversed(result))
 
     @property
     def chunk_counts(self) -> tuple[int, ...]:
@@ -252,8 +252,8 @@ def make_plan(
     noise = _noise_for(noise, asked)
     drive = _drive_for(system, drive, asked, noise)
     known = parameters_of(system, drive, noise)
-    found = checked_axes(axes, known)
-    varied = {name for axis in found for name in axis.parameters}
+    dimensions = checked_axes(axes, known)
+    varied = {name for axis in dimensions for name in axis.parameters}
     length = checked_number("duration", duration, POSITIVE, "s")
     transient = checked_number("transient", transient, NON_NEGATIVE, "s")
     periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
@@ -269,7 +269,7 @@ def make_plan(
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"two observables both give '{name}': drop one")
-        if name in {axis.name for axis in found}:
+        if name in {axis.name for axis in dimensions}:
             raise InputError(f"axis name '{name}' is that of an observable: choose another")
     if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
         raise InputError(
@@ -299,11 +299,11 @@ def make_plan(
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
-        _check_continuation(continuation, found, drive, noise)
+        _check_continuation(continuation, dimensions, drive, noise)
     plan = Plan(
         system=system,
         drive=drive,
-        axes=found,
+        axes=dimensions,
         observables=watched,
         start=_start(
             system, known, varied, initial_angle, initial_angular_velocity, initial_offset
@@ -385,10 +385,10 @@ def _listed(given: Any) -> list[Any]:
         return [given]
     if not isinstance(given, Iterable):
         raise InputError(f"observables must be names or instances, got {given!r}")
-    found = list(given)
-    if not found:
+    result = list(given)
+    if not result:
         raise InputError(f"observables must name at least one of {', '.join(observables)}")
-    return found
+    return result
 
 
 def checked_observable(given: Any) -> Observable:
@@ -400,8 +400,8 @@ def checked_observable(given: Any) -> Observable:
     kinds: Mapping[str, Any] = observables
     owners = [kind for kind in kinds.values() if given in kind.variables]
     kind = owners[0] if owners and given not in kinds else kinds[given]
-    found: Observable = kind()
-    return found
+    result: Observable = kind()
+    return result
 
 
 def _start(

@@ -233,7 +233,7 @@ def _stretches(
             stretches["c0"] = columns["drive_amplitude"]
             stretches["frequency"] = columns["drive_frequency"]
         return stretches, np.arange(count + 1)
-    found: list[NDArray[Any]] = []
+    result: list[NDArray[Any]] = []
     firsts, known = np.zeros(count + 1, dtype=np.int64), None
     for k in range(count):
         firsts[k + 1] = firsts[k]
@@ -244,10 +244,10 @@ def _stretches(
         if known is None or known[0] is not drive:
             own = records.stretch_records(drive, plan.duration)
             known = drive, own, drive.largest_acceleration, drive.fastest_frequency
-        found.append(known[1])
+        result.append(known[1])
         firsts[k + 1] += len(known[1])
         cases["pivot_bound"][k], cases["drive_rate"][k] = known[2:]
-    whole = np.concatenate(found) if found else np.zeros(0, dtype=records.stretch_dtype())
+    whole = np.concatenate(result) if result else np.zeros(0, dtype=records.stretch_dtype())
     return whole, firsts
 
 
@@ -340,7 +340,7 @@ def _follows_tension(plan: Plan) -> bool:
 def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:
     """Return the fields of system or drive that differ at a point."""
     known = parameters_of(plan.system, plan.drive, plan.noise)
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     phase = columns.get("drive_phase")  # a continuation carries it on
     is_turned = phase is not None and phase[k] != plan.drive.drive_phase  # type: ignore[attr-defined]
     for name in plan.varied | ({"drive_phase"} if is_turned else set()):
@@ -349,10 +349,10 @@ def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]
             continue
         value, path = float(columns[target][k]), known[target].path
         if len(path) == 2:
-            found.setdefault(path[0], {})[path[1]] = value
+            result.setdefault(path[0], {})[path[1]] = value
         else:
-            found[path[0]] = value
-    return found
+            result[path[0]] = value
+    return result
 
 
 def _system_at(plan: Plan, columns: Columns, k: int) -> System:
@@ -440,7 +440,7 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
     columns = columns_of(plan, np.array([number]))
     system, drive, start = _objects(plan, columns, 0, None)
     one = system.angles == 1
-    found = {
+    result = {
         "system": system,
         "drive": drive,
         "initial_angle": start.angles[0] if one else start.angles,
@@ -452,7 +452,7 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
         "contact_limit": plan.contact_limit,
         "noise": _noise(plan, columns, 0),
     }
-    return {name: value for name, value in found.items() if value is not None}
+    return {name: value for name, value in result.items() if value is not None}
 
 
 def _check_mirrored(system: System, start: Start) -> None:

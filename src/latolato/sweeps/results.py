@@ -46,13 +46,13 @@ def lengths_of(plan: Plan) -> dict[str, int]:
 
 def template(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any, float | int]]:
     """Return dimensions, type and fill value of every variable."""
-    found: dict[str, tuple[tuple[str, ...], Any, float | int]] = {
+    result: dict[str, tuple[tuple[str, ...], Any, float | int]] = {
         name: (dims_of(plan, name), np.dtype("f8"), float("nan"))
         for observable in plan.observables
         for name in observable.variables
     }
-    found[STATUS] = (dims_of(plan, STATUS), np.dtype("i1"), -1)
-    return found
+    result[STATUS] = (dims_of(plan, STATUS), np.dtype("i1"), -1)
+    return result
 
 
 def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
@@ -60,43 +60,43 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
     known = parameters_of(plan.system, plan.drive, plan.noise)
     quantities = {p: known[p].quantity for axis in plan.axes for p in axis.parameters}
     per_ball = plan.system.angles == 2 or isinstance(plan.system, LatoLato)
-    found: dict[str, dict[str, Any]] = {}
+    result: dict[str, dict[str, Any]] = {}
     for observable in plan.observables:
         quantities |= observable.variables
     joint = {name for o in plan.observables if o.is_joint for name in o.variables}
     energies = {n for o in plan.observables for n, q in o.variables.items() if q.unit == "J"}
     for name, quantity in quantities.items():
-        found[name] = {
+        result[name] = {
             "units": quantity.unit,
             "long_name": quantity.long_name,
             "symbol": quantity.symbol,
         }
         if per_ball and name in energies:
             both = plan.system.angles == 2 and name in joint
-            found[name]["long_name"] += ", both balls" if both else ", per ball"
-    found["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
-    found["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}
-    found[STATUS] = {
+            result[name]["long_name"] += ", both balls" if both else ", per ball"
+    result["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
+    result["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}
+    result[STATUS] = {
         "long_name": "status of the point",
         "units": "1",
         "symbol": "",
         "flag_values": list(range(len(STATUS_NAMES))),
         "flag_meanings": " ".join(STATUS_NAMES),
     }
-    return found
+    return result
 
 
 def coordinates_of(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any]]:
     """Return the coordinates: the varied parameters, `direction`, `ball`."""
-    found: dict[str, tuple[tuple[str, ...], Any]] = {}
+    result: dict[str, tuple[tuple[str, ...], Any]] = {}
     if plan.direction == "both":
-        found["direction"] = (("direction",), np.array(["up", "down"]))
+        result["direction"] = (("direction",), np.array(["up", "down"]))
     for axis in plan.axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
-            found[name] = ((axis.name,), np.array(values))
+            result[name] = ((axis.name,), np.array(values))
     if plan.system.angles == 2:
-        found["ball"] = (("ball",), np.array(["right", "left"]))
-    return found
+        result["ball"] = (("ball",), np.array(["right", "left"]))
+    return result
 
 
 def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:

@@ -171,31 +171,31 @@ class Store:
         """Return what a store of this plan holds, None where it can begin; raise for another."""
         if not has_store(self.path):
             return None
-        found = survey(self.path, read_all=self._descriptor != -1)
-        if found.plan.hash != self.plan.hash:
+        result = survey(self.path, read_all=self._descriptor != -1)
+        if result.plan.hash != self.plan.hash:
             asked = json.loads(json.dumps(self.plan.describe()))
-            stored = json.loads(found.root["attributes"]["plan"])
+            stored = json.loads(result.root["attributes"]["plan"])
             raise InputError(
                 f"the store '{self.path}' holds another sweep: "
                 f"{_shortened(differences(stored, asked))}",
                 way_out="name another path, or delete the store to start again",
             )
-        stored_names = {key.partition("/")[0] for key in documents(found.root)}
+        stored_names = {key.partition("/")[0] for key in documents(result.root)}
         unknown = [name for name in template(self.plan) if name not in stored_names]
         if unknown:
-            version = found.root["attributes"]["latolato_version"]
+            version = result.root["attributes"]["latolato_version"]
             raise InputError(
                 f"the store '{self.path}' has no {', '.join(unknown)}: the observables of latolato "
                 f"{version} did not give that yet",
                 way_out="name another path, or delete the store to start again",
             )
-        return found
+        return result
 
     def _open(self) -> None:
         """Create the store or find out what is missing, with the lock held."""
-        found = self._check_place()  # again: somebody may have written it before we had the lock
+        result = self._check_place()  # again: somebody may have written it before we had the lock
         new, coordinates = first_files(self.plan, self.rounding)
-        self._root = new if found is None else found.root
+        self._root = new if result is None else result.root
         files = {
             **coordinates,
             **documents(self._root),
@@ -203,19 +203,19 @@ class Store:
             COPY: copy_of(self._root),
             ROOT: as_text(self._root),
         }
-        if found is None:
+        if result is None:
             self._remove(lambda name, key: _FIRST.fullmatch(key) or _UNFINISHED.fullmatch(name))
             self.missing = list(range(self.plan.chunks))
             for key, content in files.items():
                 self._put(key, content)
         else:
-            self.missing = [n for n in range(self.plan.chunks) if n not in found.notes]
+            self.missing = [n for n in range(self.plan.chunks) if n not in result.notes]
             self._check_origin()
-            for number, note in found.notes.items():
+            for number, note in result.notes.items():
                 self._add(number, note["status"], note["first_invalid"])
             self.points_done = self._counts.total()
             self._remove(lambda name, _: _UNFINISHED.fullmatch(name))
-            self._repair(found.damaged, files)
+            self._repair(result.damaged, files)
         self._arrays, self._encoded = encoders(self.plan, self._root)
         if not self.missing:
             self._finish()
@@ -309,20 +309,20 @@ def open_store(path: str | Path) -> xr.Dataset:
         If there is something else, or the metadata are damaged; on use also if values are.
     """
     path = Path(path)
-    found = survey(path, read_all=False)
-    if ROOT in found.damaged:
+    result = survey(path, read_all=False)
+    if ROOT in result.damaged:
         raise damaged_error(path, f"its {ROOT} is damaged or missing")
-    if not found.is_complete:
-        done = sum(sum(note["status"].values()) for note in found.notes.values())
-        notes = sorted(key for key in found.damaged if key.startswith(NOTES))
+    if not result.is_complete:
+        done = sum(sum(note["status"].values()) for note in result.notes.values())
+        notes = sorted(key for key in result.damaged if key.startswith(NOTES))
         why = f" ({_shortened(notes)} damaged)" if notes else ""
         warnings.warn(
-            f"the sweep in '{path}' is unfinished: {done} of {found.plan.size} points are done"
+            f"the sweep in '{path}' is unfinished: {done} of {result.plan.size} points are done"
             f"{why}, status is -1 at the others; run the sweep again to go on",
             RuntimeWarning,
             stacklevel=3,
         )
-    return _opened(path, found)
+    return _opened(path, result)
 
 
 def verify_store(path: str | Path) -> dict[str, Any]:
@@ -346,12 +346,12 @@ def verify_store(path: str | Path) -> dict[str, Any]:
     Files are compared with the SHA-256 digests that were taken when they were written. Chunks that
     are not noted as finished hold nothing to verify.
     """
-    found = survey(Path(path), read_all=True)
+    result = survey(Path(path), read_all=True)
     damaged = []
-    for key, number in sorted(found.damaged.items()):
+    for key, number in sorted(result.damaged.items()):
         variable, chunk = place_of(key)
         damaged.append({"file": key, "variable": variable, "chunk": chunk, "number": number})
-    return _status(Path(path), found) | {"files": len(found.digests) + 2, "damaged": damaged}
+    return _status(Path(path), result) | {"files": len(result.digests) + 2, "damaged": damaged}
 
 
 def store_status(path: str | Path) -> dict[str, Any]:

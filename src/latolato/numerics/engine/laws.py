@@ -104,5 +104,5 @@ def laws_of(
     part: Part = as_it_stands,
 ) -> Laws:
     """Return the laws of a system under a drive."""
-    found = restoring_laws(restoring, potential, part)
-    return Laws(pivot_acceleration, *found, no_push, no_push, no_push)
+    result = restoring_laws(restoring, potential, part)
+    return Laws(pivot_acceleration, *result, no_push, no_push, no_push)

@@ -139,19 +139,19 @@ class _Rows(list[Any]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, tuple):
             return self[index[0]][index[1]]
-        found = super().__getitem__(index)
-        return _Rows(found) if isinstance(index, slice) else found
+        result = super().__getitem__(index)
+        return _Rows(result) if isinstance(index, slice) else result
 
     def __setitem__(self, index: Any, value: Any) -> None:
-        found = {
+        result = {
             name: held.copy() if isinstance(held, np.ndarray) else held
             for name, held in value.__dict__.items()
         }
-        self[index].__dict__.update(found)
+        self[index].__dict__.update(result)
 
 
 def _as_object(record: Any) -> Any:
-    found = SimpleNamespace()
+    result = SimpleNamespace()
     for name in record.dtype.names:
         value = record[name]
         if isinstance(value, np.void):
@@ -160,12 +160,12 @@ def _as_object(record: Any) -> Any:
             value = as_objects(value) if value.dtype.names else value.copy()
         else:
             value = value.item()
-        setattr(found, name, value)
-    return found
+        setattr(result, name, value)
+    return result
 
 
 def write_back(objects: Iterable[Any], records: NDArray[Any]) -> None:
     """Write objects of `as_objects` without nested ones into records."""
-    for found, record in zip(objects, records, strict=True):
+    for item, record in zip(objects, records, strict=True):
         for name in records.dtype.names or ():
-            record[name] = getattr(found, name)
+            record[name] = getattr(item, name)

@@ -61,8 +61,8 @@ class Drive:
         """
         if self.write is None:
             raise TypeError(f"{type(self).__name__} must define stretches(duration)")
-        found = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self)
-        return [stretch for stretch in found if stretch.start <= duration]
+        result = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self)
+        return [stretch for stretch in result if stretch.start <= duration]
 
     def course(self) -> tuple[list[Stretch], float]:
         """Return all stretches that there are, and where the last one ends [s].

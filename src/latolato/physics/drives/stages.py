@@ -73,8 +73,8 @@ class StagedHarmonic(Drive):
             "ramps": checked_array("ramps", self.ramps, POSITIVE, 1),
         }
         if len({len(column) for column in columns.values()}) > 1:
-            found = ", ".join(str(len(column)) for column in columns.values())
-            raise InputError(f"{', '.join(columns)} must be of one length, got {found}")
+            result = ", ".join(str(len(column)) for column in columns.values())
+            raise InputError(f"{', '.join(columns)} must be of one length, got {result}")
         if columns["times"][0] != 0.0:
             raise InputError(
                 f"must begin with 0, got {columns['times'][0]:g}",

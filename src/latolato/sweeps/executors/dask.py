@@ -189,13 +189,13 @@ def _completed(client: Any, futures: list[Any]) -> list[Any]:
     while True:
         try:
             with client.as_current():
-                found = distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED")
+                result = distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED")
         except TimeoutError:
             _threads_of(client)
         except distributed.CancelledError as error:
             raise _lost(client) from error
         else:
-            return list(found.done)
+            return list(result.done)
 
 
 def _result(future: Any, number: int, client: Any) -> tuple[Values, str]:
