@@ -3,6 +3,7 @@
 import errno
 import html
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -66,8 +67,8 @@ def read(made):
 def one_figure(monkeypatch):
     """Only the drawing of the model, which needs no run."""
     only = {"fig01": catalogue.figures()["fig01"]}
-    monkeypatch.setattr(catalogue, "figures", lambda: only)
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
+    return only
 
 
 def test_all_files_are_written(made):
@@ -80,7 +81,7 @@ def test_all_files_are_written(made):
 
 def test_the_result_holds_index_and_claims(made):
     result = made[0]
-    names = [s.name for module in catalogue.evidence().values() for s in module.STATEMENTS]
+    names = [s.name for each in catalogue.evidence().values() for s in each.statements]
     assert result.index.name == "index.html"
     assert [claim.name for claim in result.claims] == names
     assert Path(result) == result.index
@@ -189,17 +190,16 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     assert target.read_text() == "mine"
 
 
-def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path, monkeypatch):
+def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path):
     import warnings
 
-    module = catalogue.figures()["fig01"]
-    original = module.data
+    figure = one_figure["fig01"]
 
     def data(quick=False):
         warnings.warn("the ledger is open", RuntimeWarning, stacklevel=2)
-        return original(quick)
+        return figure.data(quick)
 
-    monkeypatch.setattr(module, "data", data)
+    one_figure["fig01"] = replace(figure, data=data)
     result = report.reproduce(tmp_path / "out", quick=True)
     assert "the ledger is open" in result.index.read_text(encoding="utf-8")
 
@@ -208,7 +208,6 @@ def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch, ca
     from latolato.figures import chain
 
     only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
-    monkeypatch.setattr(catalogue, "figures", lambda: only)
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     result = report.reproduce(tmp_path / "out", quick=True)
@@ -297,8 +296,7 @@ def test_powers_of_ten_are_raised_in_the_terminal(text, shown):
 
 def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
     claim = next(claim for claim in made[0].claims if claim.name == "saturation")
-    module = catalogue.figures()["fig02"]
-    figure = module.draw(load(made[0].index.parent / "fig02.nc"))
+    figure = catalogue.figures()["fig02"].draw(load(made[0].index.parent / "fig02.nc"))
     (shown,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
     assert shown == "0.8515 rad"
     assert shown in claim.finding

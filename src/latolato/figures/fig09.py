@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import grids, paper, style
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.figures.map import CLASSES
 
 if TYPE_CHECKING:
@@ -31,37 +31,6 @@ LATE = "largest_angle_after_transient"
 WEAK, STRONG = math.pi / 4.0, math.pi / 2.0
 # A start at 1 degree that is above this after the transient has grown.
 GROWN = math.radians(5.0)
-
-STATEMENTS = (
-    Statement(
-        name="below-45-rare",
-        where="text on Fig. 9",
-        words=(
-            "cases with angles below 45° were rare, indicating sharp parametric resonance "
-            "transitions"
-        ),
-        printed=(
-            Limit("below", "part of the growing points that stay below 45° after 240 s", high=0.1),
-        ),
-        assumed=(Limit("left_jumps", "rows whose leftmost growing point reaches 45°", low=0.9),),
-        assumption=(
-            "The trials that grow lie at the left edge, at A0 ≥ 10 mm; A0 and the start at 1° are "
-            "not printed."
-        ),
-        finding=(
-            "In the map of Fig. 9, {below:.0%} of the growing points stay below 45°: the right "
-            "side of the region, and all of it up to A0 = {all_below_mm:.1f} mm; at the left edge "
-            "{left_jumps:.0%} of the amplitudes from 10 mm on jump to 45° or more at the first "
-            "growing point."
-        ),
-        why=(
-            "The lasting swing falls steadily with the frequency, from {left_angle:.0f} degrees at "
-            "the left edge to nothing at the right one (A0 = 20 mm, ω/ω0 = {left_edge:.3f} to "
-            "{right_edge:.3f}). Both edges of growth are those of the damped eq14 within "
-            "{edge_shift:.3f}."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:

@@ -9,7 +9,7 @@ import numpy as np
 from latolato.analysis.closed_forms import mathieu_growth_rate
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import SAMPLES_PER_PERIOD, instants, quantity, stack
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,119 +31,6 @@ CASES = {
 }
 # Growth is measured once the fastest growing part prevails.
 MEASURED_FROM = 40.0  # s
-
-STATEMENTS = (
-    Statement(
-        name="linear-growth",
-        where="Fig. 13a, b",
-        words=(
-            "when ω = 2ω0, the amplitude will exhibit exponential growth. The actual result is "
-            "indeed so"
-        ),
-        printed=(
-            Limit("growth_error_a", "relative error of exponential growth with damping", high=1e-4),
-            Limit("growth_error_b", "the same without damping", high=1e-4),
-            Limit("growth_a", "growth rate with damping", low=0.0, unit="1/s"),
-        ),
-        finding=(
-            "The solutions of Fig. 13a, b grow at {growth_a:.5f} 1/s with damping and at "
-            "{growth_b:.5f} 1/s without, over a factor of {factor_a:.0e}."
-        ),
-        why=(
-            "Runs of eq14 grow from period to period at the rate of Hill's determinant "
-            "({hill_a:.5f} and {hill_b:.5f} 1/s)."
-        ),
-    ),
-    Statement(
-        name="nonlinear-beats",
-        where="Fig. 13c, d",
-        words="the amplitude growth becomes bounded and begins to exhibit fluctuations",
-        printed=(
-            Limit("largest_c", "largest angle with damping", high=np.pi, unit="rad"),
-            Limit("largest_d", "largest angle without damping", high=np.pi, unit="rad"),
-            Limit("depth_c", "depth of the first beat with damping, relative", low=0.1),
-            Limit("depth_d", "depth of the first beat without damping, relative", low=0.1),
-        ),
-        finding=(
-            "In Fig. 13c, with damping, the beats reach {beat_c1:.3f}, {beat_c2:.3f} and "
-            "{beat_c3:.3f} rad, {spacing_c:.1f} s apart; in Fig. 13d, without damping, they reach "
-            "{beat_d1:.3f}, {beat_d2:.3f} and {beat_d3:.3f} rad, {spacing_d:.1f} s apart."
-        ),
-        why="The restoring torque follows the sine: a large swing slows down and leaves resonance.",
-    ),
-    Statement(
-        name="damping-and-occurrence",
-        where="Fig. 13 and supplement",
-        words=(
-            "damping exerts a more pronounced influence on motion details in nonlinear systems. "
-            "But it has no substantial impact on … the occurrence of parametric resonance"
-        ),
-        printed=(
-            Limit("growth_a", "growth rate with damping", low=0.0, unit="1/s"),
-            Limit("growth_b", "growth rate without damping", low=0.0, unit="1/s"),
-            Limit(
-                "late_ratio",
-                "depth of the beats in the last 100 s, with over without damping",
-                high=0.1,
-            ),
-        ),
-        finding=(
-            "In Fig. 13 the pendulum is resonant with damping and without it; damping takes "
-            "{rate_loss:.1%} off the growth rate, but {depth_loss:.1%} off the late beats."
-        ),
-        why=(
-            "C/(2ml) is subtracted from the growth rate, which here is {growth_ratio:.0f} times "
-            "larger. Near the edges of the tongue damping does decide."
-        ),
-    ),
-    Statement(
-        name="saturation-by-damping",
-        where="text on Fig. 2",
-        words=(
-            "leads to the stagnation of amplitude changes. The reason for this is the presence of "
-            "the damping term"
-        ),
-        printed=(
-            Limit(
-                "largest_d",
-                "largest angle without damping, if damping is what bounds it",
-                low=np.pi,
-                unit="rad",
-            ),
-        ),
-        finding=(
-            "In Fig. 13d, without damping, the angle stays below {largest_d:.4f} rad, and its "
-            "beats return to {beat_d1:.4f}, {beat_d2:.4f} and {beat_d3:.4f} rad."
-        ),
-        why="Detuning by the amplitude bounds the motion; damping only removes the beats.",
-    ),
-    Statement(
-        name="subharmonic",
-        where="Introduction",
-        words=(
-            "exponentially growing solutions of the Mathieu equation exhibit identical patterns "
-            "to the subharmonic responses of time crystals"
-        ),
-        printed=(
-            Limit("sign_a", "sign of the factor per drive period, eq14", high=-1.0),
-            Limit("sign_c", "the same for eq10 in the last 50 s", high=-1.0),
-            Limit(
-                "two_period_change",
-                "change over two drive periods in the last 50 s of eq10, relative",
-                high=0.02,
-            ),
-        ),
-        finding=(
-            "In Fig. 13 the angle changes its sign from one drive period to the next, and after "
-            "two periods it has returned within {two_period_change:.2%}."
-        ),
-        why=(
-            "In the primary tongue the Floquet multiplier is negative, so the response has twice "
-            "the drive's period. One pendulum shows the pattern, not the rigidity of a time "
-            "crystal."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
