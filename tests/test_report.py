@@ -49,10 +49,10 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    told = []
+    fractions = []
     folder = tmp_path_factory.mktemp("report") / "out"
-    result = report.reproduce(folder, quick=True, progress=told.append)
-    return result, told
+    result = report.reproduce(folder, quick=True, progress=fractions.append)
+    return result, fractions
 
 
 @pytest.fixture(scope="module")
@@ -88,10 +88,10 @@ def test_the_result_holds_index_and_claims(made):
 
 
 def test_progress_rises_from_zero_to_one(made):
-    told = made[1]
-    assert told[0] == 0.0
-    assert told[-1] == 1.0
-    assert np.all(np.diff(told) >= 0.0)
+    fractions = made[1]
+    assert fractions[0] == 0.0
+    assert fractions[-1] == 1.0
+    assert np.all(np.diff(fractions) >= 0.0)
 
 
 def test_the_page_is_well_formed(read):
@@ -259,9 +259,9 @@ def test_the_current_folder_can_be_given(one_figure, tmp_path, monkeypatch, here
 
 
 def test_an_assumption_within_another_is_told_once():
-    found = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
-    assert found.count("Assumed:") == 1
-    assert "It rests." in found
+    text = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
+    assert text.count("Assumed:") == 1
+    assert "It rests." in text
 
 
 def test_captions_do_not_tell_their_assumptions_twice(read):
@@ -283,34 +283,34 @@ def test_the_terminal_shows_numbers_as_people_write_them(made):
 
 
 @pytest.mark.parametrize(
-    "text, shown",
+    "text, expected",
     [
         ("rise 0e+00 rad", "rise 0 rad"),
         ("of 1e+16.", "of 10¹⁶."),
         ("1.6e-04 of", "1.6 \N{MULTIPLICATION SIGN} 10⁻⁴ of"),
     ],
 )
-def test_powers_of_ten_are_raised_in_the_terminal(text, shown):
-    assert report.plain(text).replace("\N{NO-BREAK SPACE}", " ") == shown
+def test_powers_of_ten_are_raised_in_the_terminal(text, expected):
+    assert report.plain(text).replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
     claim = next(claim for claim in made[0].claims if claim.name == "saturation")
     figure = catalogue.figures()["fig02"].draw(load(made[0].index.parent / "fig02.nc"))
-    (shown,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
-    assert shown == "0.8515 rad"
-    assert shown in claim.finding
-    assert shown in claim.why
+    (label,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
+    assert label == "0.8515 rad"
+    assert label in claim.finding
+    assert label in claim.why
     assert claim.numbers["lasting"] == pytest.approx(0.8514711, abs=5e-8)
 
 
 def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
     report.print_claims(made[0])
-    shown = capsys.readouterr().out
-    assert str(made[0].index) in shown.replace("\n", "")
-    words = " ".join(shown.split())
+    output = capsys.readouterr().out
+    assert str(made[0].index) in output.replace("\n", "")
+    words = " ".join(output.split())
     assert words.count("Assumed:") == sum(bool(claim.assumption) for claim in made[0].claims)
     assert "what the paper says" in words
     for verdict in Verdict:
         count = sum(claim.verdict is verdict for claim in made[0].claims)
-        assert shown.count(report.SHAPES[verdict]) == count
+        assert output.count(report.SHAPES[verdict]) == count

@@ -94,7 +94,7 @@ def film(clip: Clip) -> xr.Dataset:
 
     scene, camera = clip.stage()
     with TemporaryDirectory() as folder, warnings.catch_warnings():
-        # The table tells of them.
+        # The table records them.
         warnings.simplefilter("ignore", RuntimeWarning)
         path = Path(folder) / "synthetic.mp4"
         truth = synthesise_video(clip.run(), path, scene, camera, seed=clip.seed)

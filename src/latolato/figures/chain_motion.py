@@ -64,22 +64,22 @@ def numbers(dataset: xr.Dataset) -> Numbers:
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the frame, if there is a video, and angles, residual and phase."""
-    filmed = "still" in dataset
+    has_still = "still" in dataset
     rows = ["angle", "residual", "phase"]
     figure, panels = style.new_mosaic(
-        [["still", row] for row in rows] if filmed else [[row] for row in rows],
+        [["still", row] for row in rows] if has_still else [[row] for row in rows],
         height=4.0,
         height_ratios=[1.8, 0.9, 0.8],
-        width_ratios=[1.0, 2.3] if filmed else None,
+        width_ratios=[1.0, 2.3] if has_still else None,
     )
-    if filmed:
+    if has_still:
         chain.draw_still(panels["still"], dataset, "a")
     comparisons.draw_angles(panels["angle"], dataset)
     comparisons.draw_residual(panels["residual"], dataset)
     comparisons.draw_phase(panels["phase"], dataset)
-    for letter, row in zip("bcd" if filmed else "abc", rows, strict=True):
+    for letter, row in zip("bcd" if has_still else "abc", rows, strict=True):
         if row == "angle":
-            style.panel_title(panels[row], letter, "tracked" if filmed else "simulated samples")
+            style.panel_title(panels[row], letter, "tracked" if has_still else "simulated samples")
         else:
             style.panel_letter(panels[row], letter)
         panels[row].set_xlim(0.0, float(dataset.time[-1]))

@@ -31,7 +31,7 @@ def _row(way: ModuleType, clip: Clip | Trials, *, title: str, caption: str) -> E
     )
 
 
-def _scattered(low: float, high: float, *, sets: int, trials: int) -> list[tuple[float, ...]]:
+def _scatter(low: float, high: float, *, sets: int, trials: int) -> list[tuple[float, ...]]:
     """Return frequency ratios of sets of trials, each up to 0.35 steps beside an even one."""
     random = np.random.default_rng(9)
     step = (high - low) / (trials - 1)
@@ -87,9 +87,7 @@ FIGURES = {
         chain_map,
         Trials(
             system=paper.SINGLE,
-            sets=tuple(
-                zip(_FIG9_AMPLITUDES, _scattered(1.80, 2.35, sets=6, trials=8), strict=True)
-            ),
+            sets=tuple(zip(_FIG9_AMPLITUDES, _scatter(1.80, 2.35, sets=6, trials=8), strict=True)),
             by_video=(2, 2, 1, 2, 2, 1),
             start=(("initial_angle", math.radians(10.0)),),
             duration=45.0,

@@ -109,8 +109,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     a.plot(time, full, color=style.BLUE, lw=style.THIN)
     when, sizes = _peaks(dataset.sel(case=FULL))
     beat_times, beat_sizes = measure.beats(when, sizes)
-    shown = beat_sizes > measure.VISIBLE_BEAT * sizes[-1]
-    a.plot(beat_times[shown], beat_sizes[shown], "o", ms=2.6, color=style.RED, clip_on=False)
+    visible = beat_sizes > measure.VISIBLE_BEAT * sizes[-1]
+    a.plot(beat_times[visible], beat_sizes[visible], "o", ms=2.6, color=style.RED, clip_on=False)
     settled = _late(when, sizes, DURATION).mean()
     style.note(a, f"{sizes.max():.4f} rad", (when[np.argmax(sizes)], sizes.max()), (5, 2))
     style.note(a, f"{settled:.4f} rad", (time[-1], settled), (-2, 4), ha="right", va="bottom")

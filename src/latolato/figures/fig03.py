@@ -96,26 +96,26 @@ def _linear_rate(ratio: float, residuals: Residuals) -> float:
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 3's statements need."""
     time = dataset.time.values
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case in FREQUENCIES:
-        chosen = dataset.sel(case=case)
-        when, sizes = measure.peaks(time, chosen.angle.values, chosen.angular_velocity.values)
-        start = abs(float(chosen.angle[0]))
+        run = dataset.sel(case=case)
+        when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
+        start = abs(float(run.angle[0]))
         top = int(np.argmax(sizes))
-        found[f"largest_{case}"] = max(float(sizes[top]), start)
-        found[f"largest_{case}_time"] = float(when[top])
-        found[f"last_{case}"] = float(sizes[when > DURATION - 20.0].max()) / start
-        found[f"growth_{case}"] = float(chosen.growth_rate)
-        found[f"ratio_{case}"] = float(chosen.drive_frequency) / paper.PENDULUM.natural_frequency
+        result[f"largest_{case}"] = max(float(sizes[top]), start)
+        result[f"largest_{case}_time"] = float(when[top])
+        result[f"last_{case}"] = float(sizes[when > DURATION - 20.0].max()) / start
+        result[f"growth_{case}"] = float(run.growth_rate)
+        result[f"ratio_{case}"] = float(run.drive_frequency) / paper.PENDULUM.natural_frequency
     edge, undamped = (float(value) for value in dataset.tongue_edge)
     below, above = (float(value) for value in dataset.rate_beside_edge)
-    return found | {
-        "scale_ratio": found["largest_resonant"] / found["largest_quiet"],
-        "gain": found["largest_resonant"] / found["largest_twice"],
+    return result | {
+        "scale_ratio": result["largest_resonant"] / result["largest_quiet"],
+        "gain": result["largest_resonant"] / result["largest_twice"],
         "edge": edge,
         "edge_undamped": undamped,
-        "edge_above_quiet": edge - found["ratio_quiet"],
-        "edge_below_resonant": found["ratio_resonant"] - edge,
+        "edge_above_quiet": edge - result["ratio_quiet"],
+        "edge_below_resonant": result["ratio_resonant"] - edge,
         "rate_below": below,
         "rate_above": above,
     }

@@ -58,7 +58,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     away = np.abs(right - dataset.frequency_ratio).values > AWAY
     tip_amplitude, tip_ratio = grids.smallest_amplitude(free.crossings > 0.0)
     at = {"drive_amplitude": 0.25, "method": "nearest"}
-    found = {
+    result = {
         "tip_amplitude": tip_amplitude,
         "tip_ratio": tip_ratio,
         "band_gain": grids.band_gain(free.mean_energy),
@@ -81,11 +81,11 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     for tenths in (2, 3, 4):
         amplitude = 0.1 * tenths
         edge = by_energy.left_edge.sel(drive_amplitude=amplitude, method="nearest")
-        found[f"left_{tenths}"] = float(edge)
-        found[f"tongue_{tenths}"] = mathieu_tongue_edges(
+        result[f"left_{tenths}"] = float(edge)
+        result[f"tongue_{tenths}"] = mathieu_tongue_edges(
             drive_amplitude=amplitude, length=paper.UNDAMPED.length
         )[0]
-    return found
+    return result
 
 
 @style.styled

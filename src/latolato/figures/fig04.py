@@ -55,7 +55,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     angle = {str(case): dataset.angle.sel(case=case).values for case in dataset.case.values}
     late = angle["weak_push"][time > DURATION - 10.0]
     exact = [values for case, values in angle.items() if case.endswith(("rest", "push"))]
-    found: dict[str, float] = {
+    result: dict[str, float] = {
         "low": low,
         "high": high,
         "rise_strong_rest": float(angle["strong_rest"].max() - low),
@@ -65,13 +65,13 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "lowest_gap": float(min(values.min() for values in exact) - low),
     }
     for name, drive in DRIVES.items():
-        found[f"acceleration_{name}"] = drive.largest_acceleration / toy.gravity
+        result[f"acceleration_{name}"] = drive.largest_acceleration / toy.gravity
     for kind in ("coarse", "fine"):
-        found[f"onset_{kind}"] = measure.first_above(time, angle[f"strong_{kind}"], low + ONSET)
+        result[f"onset_{kind}"] = measure.first_above(time, angle[f"strong_{kind}"], low + ONSET)
     for kind in ("bottom", "top"):
         count = dataset[f"{kind}_contacts"].sel(case="strong_push")
-        found[f"{kind}_strong_push"] = float(count)
-    return found | {"onset_ratio": found["onset_fine"] / found["onset_coarse"]}
+        result[f"{kind}_strong_push"] = float(count)
+    return result | {"onset_ratio": result["onset_fine"] / result["onset_coarse"]}
 
 
 @style.styled

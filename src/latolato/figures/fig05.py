@@ -70,26 +70,26 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     below = grids.acceleration_ratio(dataset) < 1.0
     below_clamp = grids.acceleration_ratio(dataset, f"{CLAMP}_") < 1.0
     active = {case: dataset.crossings.sel(case=case) > 0.0 for case in (FREE, REST, PUSHED)}
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case, points in active.items():
-        chosen = dataset.sel(case=case)
-        found[f"agree_{case}"] = float((points.values == active[FREE].values).mean())
-        found[f"outliers_{case}"] = grids.outliers(points.values)
-        found[f"band_{case}"] = grids.band_gain(chosen.mean_energy)
-        found[f"tip_{case}"], found[f"at_{case}"] = grids.smallest_amplitude(points)
+        part = dataset.sel(case=case)
+        result[f"agree_{case}"] = float((points.values == active[FREE].values).mean())
+        result[f"outliers_{case}"] = grids.outliers(points.values)
+        result[f"band_{case}"] = grids.band_gain(part.mean_energy)
+        result[f"tip_{case}"], result[f"at_{case}"] = grids.smallest_amplitude(points)
         column = points.sel(frequency_ratio=4.0, method="nearest").values
-        found[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
-        edge = boundary(chosen, "crossings", 1.0).left_edge
+        result[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
+        edge = boundary(part, "crossings", 1.0).left_edge
         for name, amplitude in (("_2", 0.2), ("", 0.3), ("_5", 0.5)):
             here = edge.sel(drive_amplitude=amplitude, method="nearest")
-            found[f"left_{case}{name}"] = float(here)
+            result[f"left_{case}{name}"] = float(here)
     rise = dataset.largest_angle.sel(case=REST).values - low
     clamp_rise = dataset.clamp_largest_angle.values - low
-    return found | {
-        "blur_push": found["outliers_push"] / found["outliers_free"],
+    return result | {
+        "blur_push": result["outliers_push"] / result["outliers_free"],
         "lift_off": (TOY.length / 0.3) ** 0.5,
-        "more_rest": found["tip_rest"] / found["tip_free"],
-        "more_push": found["tip_push"] / found["tip_free"],
+        "more_rest": result["tip_rest"] / result["tip_free"],
+        "more_push": result["tip_push"] / result["tip_free"],
         "rest_moved": float((rise[below] > MOVED).mean()),
         "clamp_moved": float((clamp_rise[below_clamp] > MOVED).mean()),
         "clamp_crossed": float((dataset.clamp_crossings.values[below_clamp] > 0.0).mean()),
@@ -107,9 +107,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     handles = []
     for row, (name, norm, cmap) in enumerate(grids.SCALES):
-        for column, (title, chosen, prefix) in enumerate(columns):
+        for column, (title, part, prefix) in enumerate(columns):
             panel = axes[row, column]
-            values = chosen[f"{prefix}{name}"]
+            values = part[f"{prefix}{name}"]
             mesh = grids.draw_cells(panel, values, norm=norm(), cmap=cmap)
             handles = [grids.draw_overlay(panel, TOY, each) for each in ("tongue", "lift_off")]
             style.panel_title(panel, "abcdef"[3 * row + column], title)

@@ -138,10 +138,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     rate = float(dataset.growth_rate.interp(drive_amplitude=paper.SINGLE_AMPLITUDE))
     when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
     start = int(np.flatnonzero(sizes > np.deg2rad(5.0))[0])
-    shown = time <= when[np.argmax(sizes)]
-    envelope = np.rad2deg(sizes[start]) * np.exp(rate * (time[shown] - when[start]))
+    growing = time <= when[np.argmax(sizes)]
+    envelope = np.rad2deg(sizes[start]) * np.exp(rate * (time[growing] - when[start]))
     for sign in (-1.0, 1.0):
-        a.plot(time[shown], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
+        a.plot(time[growing], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
     a.set_ylim(-100.0, 100.0)
     a.set_xlim(0.0, DURATION)
     a.set_xlabel(style.label(dataset.time))

@@ -100,26 +100,24 @@ def draw(dataset: xr.Dataset) -> Figure:
 
     figure, axes = style.new_figure(1, 2, sharey=True, height=3.5)
     a, b = axes[0]
-    chosen = dataset.isel(case=0)
+    grid = dataset.isel(case=0)
     ratio, amplitude = dataset.frequency_ratio.values, dataset.drive_amplitude.values
-    mesh = grids.draw_cells(
-        a, chosen.mean_energy, norm=LogNorm(1e-4, 1.0, clip=True), cmap="viridis"
-    )
+    mesh = grids.draw_cells(a, grid.mean_energy, norm=LogNorm(1e-4, 1.0, clip=True), cmap="viridis")
     bar = figure.colorbar(mesh, ax=a, aspect=26, pad=0.02, extend="min")
     bar.outline.set_visible(False)
     colours = CLASSES["motion_class"]
     # Zero is a class here, not a missing value.
-    shown = (chosen.motion_class + 1.0).rename("motion_class")
+    classes = (grid.motion_class + 1.0).rename("motion_class")
     grids.draw_cells(
         b,
-        shown,
+        classes,
         norm=BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3),
         cmap=ListedColormap(list(colours.values())),
     )
     handles = [grids.draw_overlay(panel, paper.SINGLE, "tongue") for panel in (a, b)][:1]
     for values, level, colour, text in (
-        (chosen[LATE], WEAK, style.ORANGE, "45° after 240 s"),
-        (chosen.largest_angle, STRONG, style.RED, "90° at any time"),
+        (grid[LATE], WEAK, style.ORANGE, "45° after 240 s"),
+        (grid.largest_angle, STRONG, style.RED, "90° at any time"),
     ):
         a.contour(ratio, amplitude, values.values, levels=[level], colors=[colour], linewidths=1.1)
         handles.append(Line2D([], [], color=colour, lw=1.1, label=text))
@@ -128,7 +126,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for name, colour in colours.items()
     ]
     for panel, letter, text in (
-        (a, "a", grids.label(chosen.mean_energy)),
+        (a, "a", grids.label(grid.mean_energy)),
         (b, "b", "class of motion"),
     ):
         style.panel_title(panel, letter, text)

@@ -43,12 +43,12 @@ def data(quick: bool = False) -> xr.Dataset:
     w0 = paper.COUPLED.natural_frequency
     first, second = paper.STAGE_RATIOS
     phases = np.arange(PHASES) * (2.0 * np.pi / PHASES)
-    shown = phases[:: PHASES // 4]
+    starts = phases[:: PHASES // 4]
     times = instants(DURATION, first * w0)
     runs = {
         f"{ramp:g} s, {i}": _stepped(first, ramp, phase, times)
         for ramp in RAMPS
-        for i, phase in enumerate(shown)
+        for i, phase in enumerate(starts)
     }
     runs["rest"] = _alone(0.0, 0.0, times)
     ratios = first + np.linspace(-_ROUNDING, _ROUNDING, 81 if quick else 161)
@@ -208,10 +208,10 @@ def _draw_phases(dataset: xr.Dataset, axis: Axes) -> None:
     for row, (_, angles) in enumerate(rows):
         colour = style.BLUE if row == 0 else style.GREEN
         for is_large in (True, False):
-            chosen = (angles > LARGE) == is_large
+            mask = (angles > LARGE) == is_large
             axis.plot(
-                phases[chosen],
-                np.full(chosen.sum(), row),
+                phases[mask],
+                np.full(mask.sum(), row),
                 "o",
                 ms=4.2,
                 mew=0.7,

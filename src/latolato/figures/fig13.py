@@ -61,14 +61,14 @@ def data(quick: bool = False) -> xr.Dataset:
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 13's statements need."""
     time = dataset.time.values
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case in ("a", "b"):
         angle = dataset.angle.sel(case=case).values
         rate, sign = measure.growth_per_period(
             time, angle, samples_per_period=SAMPLES_PER_PERIOD, first=MEASURED_FROM, last=DURATION
         )
         hill = float(dataset.growth_rate.sel(case=case))
-        found |= {
+        result |= {
             f"growth_{case}": rate,
             f"sign_{case}": sign,
             f"hill_{case}": hill,
@@ -76,28 +76,28 @@ def numbers(dataset: xr.Dataset) -> Numbers:
             f"factor_{case}": float(np.max(np.abs(angle)) / abs(angle[0])),
         }
     for case in ("c", "d"):
-        chosen = dataset.sel(case=case)
-        when, sizes = measure.peaks(time, chosen.angle.values, chosen.angular_velocity.values)
+        run = dataset.sel(case=case)
+        when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
         beat_times, beat_sizes = measure.beats(when, sizes)
         between = sizes[(when > beat_times[0]) & (when < beat_times[1])]
         late = sizes[when > DURATION - 100.0]
-        found |= {
+        result |= {
             f"largest_{case}": float(sizes.max()),
             f"depth_{case}": float(1.0 - between.min() / beat_sizes[0]),
             f"late_depth_{case}": float(1.0 - late.min() / late.max()),
             f"spacing_{case}": float(beat_times[1] - beat_times[0]),
         }
-        found |= {f"beat_{case}{i + 1}": float(beat_sizes[i]) for i in range(3)}
+        result |= {f"beat_{case}{i + 1}": float(beat_sizes[i]) for i in range(3)}
     strobe = dataset.angle.sel(case="c").values[::SAMPLES_PER_PERIOD]
     strobe = strobe[-int(50.0 / (time[SAMPLES_PER_PERIOD] - time[0])) :]
-    rate = found["hill_a"]
-    return found | {
+    rate = result["hill_a"]
+    return result | {
         "sign_c": float(np.sign(np.max(strobe[1:] / strobe[:-1]))),
         "two_period_change": float(np.max(np.abs(strobe[2:] / strobe[:-2] - 1.0))),
-        "late_ratio": found["late_depth_c"] / found["late_depth_d"],
-        "depth_loss": 1.0 - found["late_depth_c"] / found["late_depth_d"],
-        "rate_loss": 1.0 - rate / found["hill_b"],
-        "growth_ratio": found["hill_b"] / (found["hill_b"] - rate),
+        "late_ratio": result["late_depth_c"] / result["late_depth_d"],
+        "depth_loss": 1.0 - result["late_depth_c"] / result["late_depth_d"],
+        "rate_loss": 1.0 - rate / result["hill_b"],
+        "growth_ratio": result["hill_b"] / (result["hill_b"] - rate),
     }
 
 
@@ -106,37 +106,40 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Return the figure with panels (a) to (d)."""
     figure, axes = style.new_figure(2, 2, height=4.2)
     time = dataset.time.values
-    shown = time <= LINEAR_SHOWN
+    early = time <= LINEAR_SHOWN
     for axis, (case, (_, equation)) in zip(axes.flat, CASES.items(), strict=True):
-        chosen = dataset.sel(case=case)
-        damping = float(chosen.damping)
+        run = dataset.sel(case=case)
+        damping = float(run.damping)
         title = f"{equation}, $C$ = {damping:g}" + (" kg m/s" if damping else "")
         style.panel_title(axis, case, title)
         if case in "ab":
-            angle = chosen.angle.values[shown]
-            axis.plot(time[shown], angle, color=style.GREEN, lw=0.7)
+            angle = run.angle.values[early]
+            axis.plot(time[early], angle, color=style.GREEN, lw=0.7)
             # The envelope through the largest swing shown.
             top = int(np.argmax(np.abs(angle)))
-            envelope = abs(angle[top]) * np.exp(
-                float(chosen.growth_rate) * (time[shown] - time[top])
-            )
+            envelope = abs(angle[top]) * np.exp(float(run.growth_rate) * (time[early] - time[top]))
             for sign in (-1.0, 1.0):
-                axis.plot(time[shown], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
+                axis.plot(time[early], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
             axis.set_xlim(0.0, LINEAR_SHOWN)
             axis.annotate(
-                f"growth rate {float(chosen.growth_rate):.5f} 1/s",
+                f"growth rate {float(run.growth_rate):.5f} 1/s",
                 (0.04, 0.92),
                 xycoords="axes fraction",
                 fontsize=style.SMALL,
                 va="top",
             )
         else:
-            axis.plot(time, chosen.angle, color=style.BLUE, lw=0.5)
-            when, sizes = measure.peaks(time, chosen.angle.values, chosen.angular_velocity.values)
+            axis.plot(time, run.angle, color=style.BLUE, lw=0.5)
+            when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
             beat_times, beat_sizes = measure.beats(when, sizes)
-            marked = beat_sizes > measure.VISIBLE_BEAT * sizes[-40:].mean()
+            visible = beat_sizes > measure.VISIBLE_BEAT * sizes[-40:].mean()
             axis.plot(
-                beat_times[marked], beat_sizes[marked], "o", ms=2.4, color=style.RED, clip_on=False
+                beat_times[visible],
+                beat_sizes[visible],
+                "o",
+                ms=2.4,
+                color=style.RED,
+                clip_on=False,
             )
             axis.set_xlim(0.0, DURATION)
         axis.set_xlabel(style.label(dataset.time))

@@ -42,7 +42,7 @@ def data(quick: bool = False) -> xr.Dataset:
     starts.append((AMPLITUDES[-1], (1.0 + BESIDE) * lift_off, 0.0))
     runs = {str(i): run(*start) for i, start in enumerate(starts)}
     amplitudes, ratios, offsets = np.transpose(starts)
-    largest = [float(found.angle.max()) for found in runs.values()]
+    largest = [float(each.angle.max()) for each in runs.values()]
     return (
         stack(runs, title=TITLE, keep=())
         .assign(

@@ -42,18 +42,18 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statement on decay needs."""
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case in SYSTEMS:
         run = dataset.sel(case=case)
         when, sizes = measure.peaks(run.time.values, run.angle.values, run.angular_velocity.values)
         rate, misfit = _line(when, np.log(sizes))
-        found |= {
+        result |= {
             f"rate_{case}": float(run.decay_rate),
             f"fit_{case}": -rate,
             f"exponential_{case}": misfit,
             f"power_{case}": _line(np.log(when), np.log(sizes))[1],
         }
-    return found
+    return result
 
 
 def _line(x: Floats, logarithm: Floats) -> tuple[float, float]:

@@ -108,7 +108,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     undamped, damped = (float(value) for value in dataset.threshold_amplitude)
     pendulum = paper.PENDULUM
     rate = pendulum.damping / (pendulum.mass * pendulum.length)
-    found = {
+    result = {
         "edge_smallest": edge(AMPLITUDES[0]),
         "edge_fig2": edge(0.05),
         "edge_fig4": edge(0.2),
@@ -120,17 +120,17 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "largest_small": float(dataset.largest_angle.max()),
     }
     for multiple in TIMES_OMEGA0:
-        found[f"growth_{multiple}"] = float(dataset.growth_at_multiples.sel(multiple=multiple))
+        result[f"growth_{multiple}"] = float(dataset.growth_at_multiples.sel(multiple=multiple))
     amplitudes = dataset.band_amplitude.values
     at = int(np.argmin(np.abs(amplitudes - paper.LARGEST_AMPLITUDE_RATIO)))
     for order in ORDERS:
         growth: Floats = dataset.band_growth.sel(order=order).values
-        found[f"factor_{order}"] = math.exp(growth[at] * paper.SWEEP_DURATION)
-        found[f"width_{order}"] = float(dataset.band_width.sel(order=order)[at])
-        found[f"damped_{order}"] = float(growth[at]) - decay_rate(**paper.body(paper.TOY))
+        result[f"factor_{order}"] = math.exp(growth[at] * paper.SWEEP_DURATION)
+        result[f"width_{order}"] = float(dataset.band_width.sel(order=order)[at])
+        result[f"damped_{order}"] = float(growth[at]) - decay_rate(**paper.body(paper.TOY))
         needed = math.log(SHOWING) / paper.SWEEP_DURATION
         # Rates grow like a power of the amplitude: straight between logarithms.
-        found[f"shows_{order}"] = math.exp(
+        result[f"shows_{order}"] = math.exp(
             measure.first_above(np.log(amplitudes), np.log(growth), math.log(needed))
         )
-    return found
+    return result

@@ -18,7 +18,7 @@ from latolato.report.powers import rewritten_powers
 if TYPE_CHECKING:
     from rich.table import Table
 
-# Shapes beside the words, so that no verdict is told by colour alone.
+# Shapes beside the words, so that no verdict depends on colour alone.
 SHAPES = {
     Verdict.REPRODUCED: "●",
     Verdict.ASSUMED: "△",
