@@ -35,7 +35,7 @@ def test_a_filmed_trial_is_the_row_of_a_sampled_one(tables):
         ("drive_amplitude", 1.2e-4),
         ("drive_frequency", 1e-2),
         ("largest_angle", 3e-3),
-        ("stabilised_angle", 6e-3),
+        ("largest_angle_after_transient", 6e-3),
     ):
         assert float(np.ptp(trials[name].values)) < tolerance, name
     assert len(set(trials["class"].values)) == 1

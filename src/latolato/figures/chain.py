@@ -19,7 +19,7 @@ import numpy as np
 from latolato.core.errors import extra_command
 from latolato.figures import style
 from latolato.figures.cases import Floats, variable
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import LatoLato, Pendulum
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Clip:
     """
 
     system: Pendulum | LatoLato
-    drive: Drive = field(default_factory=Static)
+    drive: Drive = field(default_factory=FixedPivot)
     start: tuple[tuple[str, float], ...]
     duration: float
     fps: float = 30.0

@@ -75,12 +75,12 @@ class Trials:
 
 def gather(clips: Sequence[chain.Clip], by_video: Collection[int], transient: float) -> xr.Dataset:
     """Return the trial table of clips, those at the numbers `by_video` through a video."""
-    from latolato.experiment.trials import gather_trials
+    from latolato.experiment.trials import collect_trials
 
     tables = [
         chain.film(clip) if i in by_video else chain.sample(clip) for i, clip in enumerate(clips)
     ]
-    return gather_trials(tables, transient=transient)
+    return collect_trials(tables, transient=transient)
 
 
 def note_sources(dataset: xr.Dataset, title: str, failed: str) -> xr.Dataset:

@@ -206,9 +206,9 @@ def draw_responses(axes: Axes, dataset: xr.Dataset) -> None:
         )
         size = f"$A_0$ = {1e3 * float(dataset.set_amplitude[i]):.3g} mm"
         axes.errorbar(
-            dataset.trial_ratio[own], np.degrees(dataset.stabilised_angle[own]),
-            np.degrees(dataset.stabilised_angle_sigma[own]), fmt="o", ms=3.2, lw=style.THIN,
-            color=colour, label=size,
+            dataset.trial_ratio[own], np.degrees(dataset.largest_angle_after_transient[own]),
+            np.degrees(dataset.largest_angle_after_transient_sigma[own]), fmt="o", ms=3.2,
+            lw=style.THIN, color=colour, label=size,
         )  # fmt: skip
         high = float(np.degrees(dataset.peak_measured_height[i]))
         axes.errorbar(
@@ -221,8 +221,8 @@ def draw_responses(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xlim(float(dataset.frequency_ratio[0]), float(dataset.frequency_ratio[-1]))
     axes.set_ylim(0.0)
     axes.set_xlabel(style.label(dataset.frequency_ratio))
-    symbol = QUANTITIES["stabilised_angle"].symbol
-    axes.set_ylabel(f"largest stabilised angle ${symbol}$ [°]")
+    symbol = QUANTITIES["largest_angle_after_transient"].symbol
+    axes.set_ylabel(f"largest angle after the transient ${symbol}$ [°]")
     axes.legend(loc="upper right")
 
 

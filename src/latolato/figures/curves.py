@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.physics.contacts import Exact
+from latolato.physics.contacts import ExactContact
 from latolato.physics.energy import kinetic_energy, potential_energy
 from latolato.physics.pendulum import System
 from latolato.scenario.scenario import Scenario
@@ -115,7 +115,7 @@ def _angles_at(run: xr.Dataset, place: NDArray[np.int64]) -> Floats:
 
 def _on_walls(system: System, angles: Floats, kinds: NDArray[np.str_]) -> Floats:
     """Return the angles at exact contacts moved onto the walls, both balls by as much."""
-    low, high = walls_of(system, Exact())
+    low, high = walls_of(system, ExactContact())
     gap = angles[0] if len(angles) == 1 else angles[0] - angles[1]
     is_high = np.where(np.isin(kinds, ("bottom", "top")), kinds == "top", gap > 0.5 * (low + high))
     missing = np.where(is_high, high, low) - gap

@@ -42,12 +42,12 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statements on the maps need."""
-    from latolato.analysis.boundary import boundary
+    from latolato.analysis.boundary import map_boundary
     from latolato.analysis.closed_forms import mathieu_tongue_edges
 
     free, damped = (dataset.sel(case=case) for case in (UNDAMPED, DAMPED))
-    by_energy = boundary(free, "mean_energy", LEVEL)
-    by_count, by_count_damped = (boundary(each, "crossings", 1.0) for each in (free, damped))
+    by_energy = map_boundary(free, "mean_energy", LEVEL)
+    by_count, by_count_damped = (map_boundary(each, "crossings", 1.0) for each in (free, damped))
     both = np.isfinite(by_energy.left_width) & np.isfinite(by_energy.right_width)
     widths = {
         side: float(by_energy[f"{side}_width"].where(both).median()) for side in ("left", "right")
@@ -91,7 +91,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the figure with panels (c) and (d)."""
-    from latolato.analysis.boundary import boundary
+    from latolato.analysis.boundary import map_boundary
 
     figure, axes = style.new_figure(1, 2, sharey=True, height=3.3)
     c, d = axes[0]
@@ -104,7 +104,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.panel_title(panel, letter, grids.label(values))
         panel.set_xlabel(style.label(dataset.frequency_ratio))
         tongue = grids.draw_overlay(panel, paper.UNDAMPED, "tongue")
-    right = boundary(damped, "crossings", 1.0).right_edge
+    right = map_boundary(damped, "crossings", 1.0).right_edge
     # The edge is ragged, for motion beside it is chaotic: a running median shows where it lies.
     smooth = right.rolling(drive_amplitude=_SMOOTHED, center=True).median()
     (edge,) = d.plot(

@@ -9,7 +9,7 @@ import numpy as np
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import instants, stack
 from latolato.figures.claim import Numbers
-from latolato.physics.contacts import Clamp
+from latolato.physics.contacts import ClampContact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,7 +43,7 @@ def data(quick: bool = False) -> xr.Dataset:
             runs[f"{name}_{start}"] = simulate(paper.TOY, drive, initial_offset=offset, times=times)
         for kind, step in (("coarse", COARSE), ("fine", FINE)):
             runs[f"{name}_{kind}"] = simulate(
-                paper.TOY, drive, initial_offset=0.0, times=times, contact=Clamp(step=step)
+                paper.TOY, drive, initial_offset=0.0, times=times, contact=ClampContact(clamp_step=step)
             )
     return stack(runs, title=TITLE)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import grids, paper, style
 from latolato.figures.claim import Numbers
-from latolato.physics.contacts import Clamp
+from latolato.physics.contacts import ClampContact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +44,7 @@ def data(quick: bool = False) -> xr.Dataset:
             duration=duration,
             initial_offset=offset,
             observables=grids.PAIR_OBSERVABLES,
-            contact=Clamp(step=step) if step else "exact",
+            contact=ClampContact(clamp_step=step) if step else "exact",
         )
 
     count, long = QUICK_POINTS if quick else POINTS, paper.SWEEP_DURATION
@@ -64,7 +64,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statements on the pair's maps need."""
-    from latolato.analysis.boundary import boundary
+    from latolato.analysis.boundary import map_boundary
 
     low = TOY.contact_angle_low
     below = grids.acceleration_ratio(dataset) < 1.0

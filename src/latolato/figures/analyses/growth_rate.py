@@ -11,7 +11,7 @@ from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.tongues import parameters_in_words
-from latolato.physics.drives import Harmonic, Static
+from latolato.physics.drives import FixedPivot, Harmonic
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +30,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes = panels[0, 0]
     rate, w0 = float(dataset.growth_rate), system.natural_frequency
     axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
-    if isinstance(drive, Static) or about["drive_frequency"] == 0.0:
+    if isinstance(drive, FixedPivot) or about["drive_frequency"] == 0.0:
         place = 0.0
         axes.axhline(rate, color=style.BLUE)
         axes.set_xlim(0.0, 3.2)
