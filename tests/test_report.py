@@ -3,6 +3,7 @@
 import errno
 import html
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -48,10 +49,10 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    told = []
+    fractions = []
     folder = tmp_path_factory.mktemp("report") / "out"
-    result = report.reproduce(folder, quick=True, progress=told.append)
-    return result, told
+    result = report.reproduce(folder, quick=True, progress=fractions.append)
+    return result, fractions
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +67,8 @@ def read(made):
 def one_figure(monkeypatch):
     """Only the drawing of the model, which needs no run."""
     only = {"fig01": catalogue.figures()["fig01"]}
-    monkeypatch.setattr(catalogue, "figures", lambda: only)
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
+    return only
 
 
 def test_all_files_are_written(made):
@@ -80,17 +81,17 @@ def test_all_files_are_written(made):
 
 def test_the_result_holds_index_and_claims(made):
     result = made[0]
-    names = [s.name for module in catalogue.evidence().values() for s in module.STATEMENTS]
+    names = [s.name for each in catalogue.evidence().values() for s in each.statements]
     assert result.index.name == "index.html"
     assert [claim.name for claim in result.claims] == names
     assert Path(result) == result.index
 
 
 def test_progress_rises_from_zero_to_one(made):
-    told = made[1]
-    assert told[0] == 0.0
-    assert told[-1] == 1.0
-    assert np.all(np.diff(told) >= 0.0)
+    fractions = made[1]
+    assert fractions[0] == 0.0
+    assert fractions[-1] == 1.0
+    assert np.all(np.diff(fractions) >= 0.0)
 
 
 def test_the_page_is_well_formed(read):
@@ -189,17 +190,16 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     assert target.read_text() == "mine"
 
 
-def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path, monkeypatch):
+def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path):
     import warnings
 
-    module = catalogue.figures()["fig01"]
-    original = module.data
+    figure = one_figure["fig01"]
 
     def data(quick=False):
         warnings.warn("the ledger is open", RuntimeWarning, stacklevel=2)
-        return original(quick)
+        return figure.data(quick)
 
-    monkeypatch.setattr(module, "data", data)
+    one_figure["fig01"] = replace(figure, data=data)
     result = report.reproduce(tmp_path / "out", quick=True)
     assert "the ledger is open" in result.index.read_text(encoding="utf-8")
 
@@ -208,7 +208,6 @@ def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch, ca
     from latolato.figures import chain
 
     only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
-    monkeypatch.setattr(catalogue, "figures", lambda: only)
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     result = report.reproduce(tmp_path / "out", quick=True)
@@ -260,9 +259,9 @@ def test_the_current_folder_can_be_given(one_figure, tmp_path, monkeypatch, here
 
 
 def test_an_assumption_within_another_is_told_once():
-    found = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
-    assert found.count("Assumed:") == 1
-    assert "It rests." in found
+    text = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
+    assert text.count("Assumed:") == 1
+    assert "It rests." in text
 
 
 def test_captions_do_not_tell_their_assumptions_twice(read):
@@ -284,35 +283,34 @@ def test_the_terminal_shows_numbers_as_people_write_them(made):
 
 
 @pytest.mark.parametrize(
-    "text, shown",
+    "text, expected",
     [
         ("rise 0e+00 rad", "rise 0 rad"),
         ("of 1e+16.", "of 10¹⁶."),
         ("1.6e-04 of", "1.6 \N{MULTIPLICATION SIGN} 10⁻⁴ of"),
     ],
 )
-def test_powers_of_ten_are_raised_in_the_terminal(text, shown):
-    assert report.plain(text).replace("\N{NO-BREAK SPACE}", " ") == shown
+def test_powers_of_ten_are_raised_in_the_terminal(text, expected):
+    assert report.plain(text).replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
 def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
     claim = next(claim for claim in made[0].claims if claim.name == "saturation")
-    module = catalogue.figures()["fig02"]
-    figure = module.draw(load(made[0].index.parent / "fig02.nc"))
-    (shown,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
-    assert shown == "0.8515 rad"
-    assert shown in claim.finding
-    assert shown in claim.why
+    figure = catalogue.figures()["fig02"].draw(load(made[0].index.parent / "fig02.nc"))
+    (label,) = (t.get_text() for t in figure.axes[0].texts if t.get_text().startswith("0.8"))
+    assert label == "0.8515 rad"
+    assert label in claim.finding
+    assert label in claim.why
     assert claim.numbers["lasting"] == pytest.approx(0.8514711, abs=5e-8)
 
 
 def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
     report.print_claims(made[0])
-    shown = capsys.readouterr().out
-    assert str(made[0].index) in shown.replace("\n", "")
-    words = " ".join(shown.split())
+    output = capsys.readouterr().out
+    assert str(made[0].index) in output.replace("\n", "")
+    words = " ".join(output.split())
     assert words.count("Assumed:") == sum(bool(claim.assumption) for claim in made[0].claims)
     assert "what the paper says" in words
     for verdict in Verdict:
         count = sum(claim.verdict is verdict for claim in made[0].claims)
-        assert shown.count(report.SHAPES[verdict]) == count
+        assert output.count(report.SHAPES[verdict]) == count

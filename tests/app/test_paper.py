@@ -54,11 +54,12 @@ def open_client(report=None):
 
 
 def test_every_claim_of_the_report_is_listed():
-    found = {entry["name"]: entry for entry in paper.contents()}
-    assert list(found) == list(catalogue.evidence())
-    for name, module in catalogue.evidence().items():
-        assert [s["name"] for s in found[name]["statements"]] == [s.name for s in module.STATEMENTS]
-        assert bool(found[name]["caption"]) == name.startswith("fig")
+    entries = {entry["name"]: entry for entry in paper.contents()}
+    assert list(entries) == list(catalogue.evidence())
+    for name, evidence in catalogue.evidence().items():
+        names = [statement["name"] for statement in entries[name]["statements"]]
+        assert names == [statement.name for statement in evidence.statements]
+        assert bool(entries[name]["caption"]) == name.startswith("fig")
 
 
 def test_every_scenario_of_a_figure_has_its_link():
@@ -80,8 +81,8 @@ def test_every_link_to_a_scenario_leads_to_what_can_be_computed(name):
 @pytest.mark.parametrize("name", QUICK)
 def test_verdicts_are_those_of_the_report(made, name):
     told, folder = made
-    module = catalogue.evidence()[name]
-    wanted = catalogue.judge(module, module.data(quick=True))
+    evidence = catalogue.evidence()[name]
+    wanted = evidence.judge(evidence.data(quick=True))
     assert [c["verdict"] for c in told[name]["claims"]] == [c.verdict.name for c in wanted]
     assert all(c["shape"] and c["says"] and c["criteria"] for c in told[name]["claims"])
     if name.startswith("fig"):
@@ -91,13 +92,13 @@ def test_verdicts_are_those_of_the_report(made, name):
 
 @pytest.mark.parametrize("name", QUICK)
 def test_every_run_behind_a_figure_opens_as_it_was_computed(made, name):
-    module = catalogue.evidence()[name]
+    dataset = catalogue.evidence()[name].data(quick=True)
     cases = made[0][name]["cases"]
     assert len({case["label"] for case in cases}) == len(cases)
     if not cases:
-        assert "scenario" not in module.data(quick=True)
+        assert "scenario" not in dataset
         return
-    texts = module.data(quick=True)["scenario"].values
+    texts = dataset["scenario"].values
     for case, text in zip(cases, texts, strict=True):
         wanted = json.loads(str(text))
         found = Asked(None, case["options"]).to_scenario().to_dict()
@@ -131,8 +132,7 @@ def test_a_figure_is_made_once_and_then_kept(cache):
 
 def test_a_stored_report_is_shown_in_place_of_quick_figures(cache, tmp_path, made):
     told, folder = made
-    module = catalogue.evidence()["fig03"]
-    save(module.data(quick=True), tmp_path / "fig03.nc")
+    save(catalogue.evidence()["fig03"].data(quick=True), tmp_path / "fig03.nc")
     (tmp_path / "fig03.svg").write_bytes((folder / "fig03.svg").read_bytes())
     with open_client(tmp_path) as client:
         block, _ = ask(client, {"figure": "fig03"})

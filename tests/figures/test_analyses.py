@@ -29,8 +29,8 @@ def multipliers(values, status, **changes):
         "growth_rate": -0.1, "response_period": 1.0, "impacts": 2.0, "turns": 0.0,
         "slowest_impact": 1.0, "multiplier_error": 1e-12, "defect": 1e-14,
     }  # fmt: skip
-    found = {"multipliers": ("multiplier", np.array(values, dtype=complex)), "status": status}
-    return made("floquet", "floquet", found | numbers | changes)
+    variables = {"multipliers": ("multiplier", np.array(values, dtype=complex)), "status": status}
+    return made("floquet", "floquet", variables | numbers | changes)
 
 
 def branch(x, angle, stable, specials=(), status="end of range"):
@@ -57,12 +57,12 @@ def branch(x, angle, stable, specials=(), status="end of range"):
 
 
 def spectrum(values, status, residual=1e-15):
-    found = {"lyapunov_exponents": ("exponent", np.array(values)), "status": status}
-    found |= {"divergence": -1.0, "sum_rule_residual": residual}
+    variables = {"lyapunov_exponents": ("exponent", np.array(values)), "status": status}
+    variables |= {"divergence": -1.0, "sum_rule_residual": residual}
     return made(
         "lyapunov_spectrum",
         "lyapunov",
-        found,
+        variables,
         {"exponent": ("exponent", np.arange(1, len(values) + 1))},
         {"duration": 300.0, "transient": 100.0},
     )
@@ -140,16 +140,16 @@ def test_every_analysis_has_a_picture(name):
 
 
 def test_an_analysis_without_a_picture_is_refused():
-    found = CASES["stable"].assign_attrs(analysis="nothing")
+    dataset = CASES["stable"].assign_attrs(analysis="nothing")
     with pytest.raises(ValueError, match="analysis 'nothing' has no picture"):
-        ll.plot(found)
+        ll.plot(dataset)
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_all_answers_and_their_absence_are_drawn_within_the_page(case, tmp_path):
     dataset = CASES[case]
-    ll.save(dataset, tmp_path / "found.nc")
-    figure = ll.plot(ll.load(tmp_path / "found.nc"))
+    ll.save(dataset, tmp_path / "stored.nc")
+    figure = ll.plot(ll.load(tmp_path / "stored.nc"))
     width, height = figure.get_size_inches() * figure.dpi
     for axes in figure.axes:
         box = axes.get_tightbbox()

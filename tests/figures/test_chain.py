@@ -18,7 +18,7 @@ PAIR = chain.Clip(
 
 @pytest.fixture(scope="module")
 def tables():
-    return chain.filmed(PAIR), chain.sampled(PAIR)
+    return chain.film(PAIR), chain.sample(PAIR)
 
 
 def test_a_filmed_pair_is_tracked_as_it_moves(tables):
@@ -29,7 +29,7 @@ def test_a_filmed_pair_is_tracked_as_it_moves(tables):
 
 
 def test_a_filmed_trial_is_the_row_of_a_sampled_one(tables):
-    trials = chain_trials.gathered([PAIR, PAIR], by_video=[0], transient=2.0)
+    trials = chain_trials.gather([PAIR, PAIR], by_video=[0], transient=2.0)
     assert sorted(trials.source.values) == ["simulated", "synthetic video"]
     for name, tolerance in (
         ("drive_amplitude", 1.2e-4),
@@ -42,8 +42,8 @@ def test_a_filmed_trial_is_the_row_of_a_sampled_one(tables):
 
 
 def test_a_filmed_pair_is_compared_with_its_own_motion(tables):
-    found = ll.compare(tables[0], paper.COUPLED, draws=2)
-    assert float(found.residual_rms) < 5e-3
+    comparison = ll.compare(tables[0], paper.COUPLED, draws=2)
+    assert float(comparison.residual_rms) < 5e-3
 
 
 def test_a_still_is_a_small_picture_in_8_bits():

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from latolato.figures import catalogue
-from latolato.figures.claim import Limit, Statement, Verdict
+from latolato.figures.claim import Limit, Statement, Verdict, read_statements
 
-STATEMENTS = {s.name: s for module in catalogue.evidence().values() for s in module.STATEMENTS}
+STATEMENTS = {s.name: s for each in catalogue.evidence().values() for s in each.statements}
 
 
 PRINTED = [s for s in STATEMENTS.values() if s.printed]
@@ -144,3 +144,66 @@ def test_assumption_and_assumed_limits_come_together(assumption, assumed):
 )
 def test_a_limit_is_reported_beside_its_number(limit, text):
     assert limit.report({"x": 0.5}) == text
+
+
+CLAIM = """
+[fig14.never-far]
+where = "Fig. 14"
+words = '''
+two lines
+of text'''
+printed.largest = { meaning = "largest angle", high = 0.1, unit = "rad" }
+finding = "It reaches {largest:.3f} rad."
+why = "So."
+"""
+
+
+@pytest.fixture
+def claims(tmp_path):
+    """Write a file of claims and return its path."""
+
+    def write(text):
+        path = tmp_path / "claims.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_a_claim_is_read_from_its_table(claims):
+    ((statement,),) = read_statements(claims(CLAIM)).values()
+    assert statement == Statement(
+        name="never-far",
+        where="Fig. 14",
+        words="two lines of text",
+        printed=(Limit("largest", "largest angle", high=0.1, unit="rad"),),
+        finding="It reaches {largest:.3f} rad.",
+        why="So.",
+    )
+
+
+@pytest.mark.parametrize(
+    "line, other, message",
+    [
+        ("why =", "wy =", r"fig14\.never-far has no key 'wy'.*'why'"),
+        ('why = "So."', "", r"fig14\.never-far lacks the key 'why'"),
+        ("high =", "most =", r"fig14\.never-far\.printed\.largest has no key 'most'"),
+        ("high = 0.1", 'high = "0.1"', r"printed\.largest: high must be a float, got '0\.1'"),
+        ("high = 0.1, ", "", "limit on 'largest' needs a low or a high end"),
+        ("high = 0.1", "high = 0.1, low = 0.2", "limit on 'largest' needs a low or a high end"),
+        ('meaning = "largest angle", ', "", r"printed\.largest lacks the key 'meaning'"),
+        ("printed.largest", "# printed.largest", "'never-far' needs at least one limit"),
+        ("printed.largest", "assumed.largest", "both assumed limits and an assumption"),
+        ("why =", "is_method_check = true\nwhy =", "is a method check"),
+    ],
+)
+def test_a_claim_that_is_incomplete_or_unknown_is_refused(claims, line, other, message):
+    assert CLAIM.count(line) == 1
+    with pytest.raises(ValueError, match=message):
+        read_statements(claims(CLAIM.replace(line, other)))
+
+
+def test_claims_of_a_figure_that_does_not_exist_are_refused(claims, monkeypatch):
+    monkeypatch.setattr(catalogue, "FILE", claims(CLAIM.replace("fig14", "fig1")))
+    with pytest.raises(ValueError, match="no figure 'fig1', did you mean 'fig01'"):
+        catalogue.evidence()

@@ -22,7 +22,7 @@ def quick_data(name):
 
 # Drawings integrate nothing, and maps keep no ledger.
 MAPS = ["fig03cd", "fig05", "fig09", "fig11"]
-CHAIN = [name for name, module in EVIDENCE.items() if catalogue.needs_video(module)]
+CHAIN = [name for name, each in EVIDENCE.items() if each.needs_video]
 RUNS = [name for name in EVIDENCE if name not in ("fig01", *MAPS, *CHAIN)]
 
 
@@ -44,7 +44,7 @@ def test_the_figures_of_single_runs_are_found():
 
 def test_data_describe_themselves(evidence):
     dataset = quick_data(evidence)
-    assert dataset.attrs["title"] == EVIDENCE[evidence].TITLE
+    assert dataset.attrs["title"] == EVIDENCE[evidence].title
     for name, variable in dataset.variables.items():
         assert variable.attrs.get("units"), f"{name} has no units"
         assert variable.attrs.get("long_name"), f"{name} has no long_name"
@@ -120,9 +120,8 @@ def test_outer_axes_are_labelled(figure):
 
 
 def test_claims_are_judged(evidence):
-    module = EVIDENCE[evidence]
-    claims = catalogue.judge(module, quick_data(evidence))
-    assert [claim.name for claim in claims] == [s.name for s in module.STATEMENTS]
+    claims = EVIDENCE[evidence].judge(quick_data(evidence))
+    assert [claim.name for claim in claims] == [s.name for s in EVIDENCE[evidence].statements]
     for claim in claims:
         assert claim.words
         assert claim.where
@@ -137,7 +136,7 @@ def test_claims_are_judged(evidence):
 
 
 def test_names_of_claims_are_unique():
-    names = [s.name for module in EVIDENCE.values() for s in module.STATEMENTS]
+    names = [s.name for each in EVIDENCE.values() for s in each.statements]
     assert len(names) == len(set(names))
 
 
@@ -171,9 +170,9 @@ def test_colours_differ_in_grey_print():
         ]
         return 116 * np.dot([0.2126, 0.7152, 0.0722], linear) ** (1 / 3) - 16
 
-    found = sorted(lightness(colour) for colour in style.COLOURS)
+    greys = sorted(lightness(colour) for colour in style.COLOURS)
     # Neighbouring greys of 6 units of lightness can still be told apart in print.
-    assert np.diff(found).min() > 6.0
+    assert np.diff(greys).min() > 6.0
 
 
 @pytest.mark.parametrize("name", ["fig07", "fig10"])
@@ -187,22 +186,22 @@ def test_the_chain_from_a_video_returns_the_papers_damping(name):
 
 @pytest.mark.parametrize("name", CHAIN)
 def test_figures_through_the_chain_say_what_is_synthetic(name):
-    module = EVIDENCE[name]
-    (claim,) = catalogue.judge(module, quick_data(name))
+    figure = FIGURES[name]
+    (claim,) = figure.judge(quick_data(name))
     assert claim.verdict is Verdict.METHOD_CHECK
     assert "ynthetic" in claim.assumption
     made = quick_data(name).attrs["chain"]
     assert "synthetic video" in made or "simulated" in made.lower()
-    shown = [
-        module.TITLE,
-        module.CAPTION,
+    texts = [
+        figure.title,
+        figure.caption,
         claim.finding,
         claim.why,
         *(t for t, _ in claim.criteria),
     ]
-    assert not [text for text in shown if "measured" in text]
+    assert not [text for text in texts if "measured" in text]
     if "synthetic video" not in made:  # nothing is filmed: nothing is called a video
-        assert not [text for text in (*shown, claim.where, made) if "video" in text]
+        assert not [text for text in (*texts, claim.where, made) if "video" in text]
 
 
 def test_legends_of_the_energies_hide_no_curve():

@@ -55,9 +55,9 @@ def test_gathered_sweeps_survive_a_file(tiny, tmp_path):
 
 
 def test_the_report_tells_the_parameters_of_sweeps(tiny):
-    told = page._parameters(tiny)
-    assert "5 from 0.1 to 0.5, 3 from 0.1667 to 0.5 m" in told
-    assert "0, 0.05 kg m/s" in told
+    text = page._parameters(tiny)
+    assert "5 from 0.1 to 0.5, 3 from 0.1667 to 0.5 m" in text
+    assert "0, 0.05 kg m/s" in text
     assert page._ledger_sentence(tiny) == "59 runs, of which none ended without an answer."
 
 
@@ -74,8 +74,8 @@ def test_the_band_is_compared_with_what_lies_beside_it():
 def test_the_smallest_amplitude_is_that_of_the_lowest_active_row():
     active = np.zeros((3, 4), dtype=bool)
     active[1, 2:] = active[2] = True
-    found = grids.smallest_amplitude(a_map(active, [0.1, 0.2, 0.3], [1.0, 2.0, 3.0, 4.0]))
-    assert found == (0.2, 3.0)
+    tip = grids.smallest_amplitude(a_map(active, [0.1, 0.2, 0.3], [1.0, 2.0, 3.0, 4.0]))
+    assert tip == (0.2, 3.0)
     assert np.isnan(
         grids.smallest_amplitude(a_map(~active & active, [1, 2, 3], [1, 2, 3, 4]))
     ).all()

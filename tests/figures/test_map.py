@@ -29,11 +29,11 @@ def grid():
 @pytest.fixture
 def holed(grid):
     """The map with one point that met its limit of events and one that was never computed."""
-    found = grid.copy(deep=True)
+    copy = grid.copy(deep=True)
     for place, status in (((1, 2), 3), ((2, 0), -1)):
-        found.mean_energy[place] = np.nan
-        found.status[place] = status
-    return found
+        copy.mean_energy[place] = np.nan
+        copy.status[place] = status
+    return copy
 
 
 def cells(figure):
@@ -69,8 +69,8 @@ def test_points_without_an_answer_are_grey_and_counted_by_status(holed):
     assert np.ma.getmaskarray(cells(figure).get_array())[1, 2]
     assert legend(figure) == ["no answer (1 event limit)", "not computed yet (1)"]
     grey = figure.axes[0].collections[1]
-    shown = ~np.ma.getmaskarray(grey.get_array())
-    assert np.argwhere(shown).tolist() == [[1, 2]]
+    visible = ~np.ma.getmaskarray(grey.get_array())
+    assert np.argwhere(visible).tolist() == [[1, 2]]
     from matplotlib.colors import to_rgba
 
     figure.canvas.draw()
@@ -131,9 +131,9 @@ def test_parameters_that_vary_together_are_labelled_by_the_first():
 def test_the_tongue_is_that_of_the_sweeps_own_damping(grid):
     context = Context.of(grid, "frequency_ratio", "drive_amplitude")
     amplitudes, low, high = tongue(context, 0.1)
-    wanted = mathieu_tongue_edges(drive_amplitude=0.1, length=0.5, mass=0.8, damping=0.05)
-    found = np.array([low[-1], high[-1]]) / math.sqrt(9.8 / 0.5)
-    np.testing.assert_allclose(found, wanted, rtol=1e-12)
+    expected = mathieu_tongue_edges(drive_amplitude=0.1, length=0.5, mass=0.8, damping=0.05)
+    drawn = np.array([low[-1], high[-1]]) / math.sqrt(9.8 / 0.5)
+    np.testing.assert_allclose(drawn, expected, rtol=1e-12)
     # the first amplitude is the tip: gamma/(2 w0) lengths, to first order (Landau & Lifshitz)
     assert amplitudes[0] == pytest.approx(0.5 * 0.125 / (2.0 * math.sqrt(9.8 / 0.5)), rel=1e-3)
     assert low[0] == pytest.approx(high[0], rel=1e-6)
@@ -141,8 +141,8 @@ def test_the_tongue_is_that_of_the_sweeps_own_damping(grid):
     (line,) = figure.axes[0].get_lines()
     (x, *_), (y, *_) = line.get_data()
     assert y == figure.axes[0].get_ylim()[1]  # the upper border of the last cells
-    wanted = mathieu_tongue_edges(drive_amplitude=y, length=0.5, mass=0.8, damping=0.05)
-    assert x == pytest.approx(wanted[0])
+    expected = mathieu_tongue_edges(drive_amplitude=y, length=0.5, mass=0.8, damping=0.05)
+    assert x == pytest.approx(expected[0])
     assert legend(figure) == ["Mathieu tongue (eq14)"]
 
 

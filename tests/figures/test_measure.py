@@ -40,8 +40,8 @@ def test_growth_per_period_is_that_of_an_exponential(sign):
     periods = np.arange(0, len(time), 10)
     angle = np.zeros_like(time)
     angle[periods] = 1e-3 * sign ** np.arange(len(periods)) * np.exp(0.125 * time[periods])
-    rate, found = measure.growth_per_period(
+    rate, growth_sign = measure.growth_per_period(
         time, angle, samples_per_period=10, first=5.0, last=45.0
     )
     assert rate == pytest.approx(0.125, rel=1e-12)
-    assert found == sign
+    assert growth_sign == sign

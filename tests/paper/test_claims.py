@@ -68,7 +68,7 @@ VERDICTS = {
     "further-bands": YES,
 }
 
-# Module, number, value, tolerance. The tolerance is half of the last digit given unless a reason
+# Evidence, number, value, tolerance. The tolerance is half of the last digit given unless a reason
 # follows it.
 NUMBERS = [
     ("fig02", "largest", 1.1038, 5e-5),
@@ -125,25 +125,25 @@ NUMBERS = [
 
 @cache
 def claims(name):
-    module = EVIDENCE[name]
-    return {claim.name: claim for claim in catalogue.judge(module, module.data(quick=True))}
+    evidence = EVIDENCE[name]
+    return {claim.name: claim for claim in evidence.judge(evidence.data(quick=True))}
 
 
 def test_every_statement_has_an_expected_verdict():
-    names = {s.name for module in EVIDENCE.values() for s in module.STATEMENTS}
+    names = {s.name for each in EVIDENCE.values() for s in each.statements}
     assert names == set(VERDICTS)
 
 
 @pytest.mark.parametrize("name", EVIDENCE)
 def test_verdicts_are_as_expected(name):
-    found = {claim.name: claim.verdict for claim in claims(name).values()}
-    assert found == {key: VERDICTS[key] for key in found}
+    verdicts = {claim.name: claim.verdict for claim in claims(name).values()}
+    assert verdicts == {key: VERDICTS[key] for key in verdicts}
 
 
-@pytest.mark.parametrize("module, number, value, tolerance", NUMBERS)
-def test_numbers_are_as_measured(module, number, value, tolerance):
-    found = next(iter(claims(module).values())).numbers[number]
-    assert found == pytest.approx(value, abs=tolerance)
+@pytest.mark.parametrize("evidence, number, value, tolerance", NUMBERS)
+def test_numbers_are_as_measured(evidence, number, value, tolerance):
+    computed = next(iter(claims(evidence).values())).numbers[number]
+    assert computed == pytest.approx(value, abs=tolerance)
 
 
 def test_three_routes_to_the_edge_agree():

@@ -472,7 +472,7 @@ def test_the_store_of_another_sweep_is_refused_and_told_apart(whole):
         ),
         "contact": (
             ll.ClampContact(clamp_step=1e-3),
-            r'contact\.kind is "exact", not "clamp", contact\.step',
+            r'contact\.kind is "exact", not "clamp", contact\.clamp_step',
         ),
     }
     for name, (value, told) in changes.items():

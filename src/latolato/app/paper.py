@@ -75,19 +75,19 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
     from latolato.figures import catalogue, chain
 
     found = []
-    for name, module in catalogue.evidence().items():
-        is_film = catalogue.needs_video(module)
+    for name, evidence in catalogue.evidence().items():
+        is_film = evidence.needs_video
         if report is not None and (report / f"{name}.nc").is_file():
             is_film = False
         found.append(
             {
                 "name": name,
                 "label": catalogue.title_of(name) if name.startswith("fig") else "Text",
-                "title": module.TITLE,
-                "caption": shown(getattr(module, "CAPTION", "")),
+                "title": evidence.title,
+                "caption": shown(evidence.caption),
                 "statements": [
                     {"name": s.name, "where": s.where, "words": shown(s.words)}
-                    for s in module.STATEMENTS
+                    for s in evidence.statements
                 ],
                 "film": is_film,
                 "missing": chain.MISSING if is_film and chain.is_missing() else "",
@@ -141,9 +141,9 @@ def prepare(given: Any, report: Path | None = None) -> Job:
     name = given.get("figure") if isinstance(given, Mapping) else None
     if not isinstance(name, str):
         raise InputError(f"a request must name a figure, got {given!r:.80}")
-    modules = catalogue.evidence()
-    if name not in modules:
-        raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(modules))}")
+    known = catalogue.evidence()
+    if name not in known:
+        raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(known))}")
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         block = block_of(about, folder / f"{name}.svg")
@@ -153,7 +153,7 @@ def prepare(given: Any, report: Path | None = None) -> Job:
     job = Job("figure", {"figure": name}, finish)
     ready = stored(name, report) if report is not None else None
     ready = ready or _kept(name)
-    if ready is None and catalogue.needs_video(modules[name]) and chain.is_missing():
+    if ready is None and known[name].needs_video and chain.is_missing():
         raise InputError(chain.MISSING)
     return Job(job.name, job.given, finish, ready)
 
@@ -165,12 +165,11 @@ def compute(
     from latolato.figures import catalogue, style
 
     name = given["figure"]
-    module = catalogue.evidence()[name]
-    dataset = module.data(quick=True)
-    pictures = catalogue.figures()
-    if name in pictures:
-        style.save_figure(pictures[name].draw(dataset), folder / f"{name}.svg")
-    return {"name": name, "source": "quick", **told(module, dataset)}
+    evidence = catalogue.evidence()[name]
+    dataset = evidence.data(quick=True)
+    if evidence.draw:
+        style.save_figure(evidence.draw(dataset), folder / f"{name}.svg")
+    return {"name": name, "source": "quick", **told(evidence, dataset)}
 
 
 def stored(name: str, report: Path) -> bytes | None:
@@ -199,11 +198,9 @@ def stored(name: str, report: Path) -> bytes | None:
     return _known[key]
 
 
-def told(module: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
+def told(evidence: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
     """Return the claims that a dataset decides, the runs behind it and what was filmed for it."""
-    from latolato.figures.catalogue import judge
-
-    claims = [claim_of(claim) for claim in judge(module, dataset)]
+    claims = [claim_of(claim) for claim in evidence.judge(dataset)]
     made = shown(str(dataset.attrs.get("chain", "")))
     return {"claims": claims, "cases": cases_of(dataset), "made": made}
 
@@ -318,7 +315,7 @@ def made_with() -> str:
     """Return a digest of all sources and libraries that figures are made with."""
     digest = hashlib.sha256(sys.version.encode())
     root = Path(__file__).resolve().parents[1]
-    for path in sorted(root.rglob("*.py")):
+    for path in sorted(path for path in root.rglob("*") if path.suffix in (".py", ".toml")):
         digest.update(path.relative_to(root).as_posix().encode())
         digest.update(path.read_bytes())
     for name in _MADE_WITH:

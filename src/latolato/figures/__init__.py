@@ -1,1 +1,1 @@
-"""The paper's figures, one module ``figNN`` each, found by name."""
+"""The paper's figures, a module ``figNN`` each, its claims, and pictures of results."""

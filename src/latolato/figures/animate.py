@@ -289,44 +289,44 @@ def _write_gif(
     gif: Any = GifImagePlugin
     about: dict[str, Any] = {"duration": int(1000 * pause), "loop": 0}
     with path.open("wb") as file:
-        palette, shown = None, np.empty(0, np.uint8)
+        palette, last = None, np.empty(0, np.uint8)
         for pixels in frames:
             picture = Image.frombytes("RGBA", size, pixels.tobytes()).convert("RGB")
             if palette is None:
                 palette = _palette_of(picture)
                 first = picture.quantize(palette=palette, dither=Image.Dither.NONE)
-                shown = np.asarray(first)
+                last = np.asarray(first)
                 file.writelines(gif.getheader(first.copy(), info=about)[0])
                 file.writelines(gif.getdata(first, **about))
                 continue
             new = np.asarray(picture.quantize(palette=palette, dither=Image.Dither.NONE))
-            part, corner = _difference(new, shown)
+            part, corner = _difference(new, last)
             change = Image.frombytes("P", part.shape[::-1], part.tobytes())
             file.writelines(
                 gif.getdata(change, corner, transparency=_UNCHANGED, disposal=1, **about)
             )
-            shown = new
+            last = new
         file.write(b";")
 
 
 def _palette_of(picture: Any) -> Any:
     """Return an image whose palette suits a picture and leaves one entry free."""
-    found = picture.quantize(_UNCHANGED)
-    colours = np.array(found.getpalette()).reshape(-1, 3)
+    reduced = picture.quantize(_UNCHANGED)
+    colours = np.array(reduced.getpalette()).reshape(-1, 3)
     # Pillow takes any of several near-whites for white, which would tint the ground.
     colours[colours.min(axis=1) > _ALMOST_WHITE] = 255
-    found.putpalette(colours.ravel().tolist() + [0] * (3 * 256 - colours.size))
-    return found
+    reduced.putpalette(colours.ravel().tolist() + [0] * (3 * 256 - colours.size))
+    return reduced
 
 
-def _difference(new: Pixels, shown: Pixels) -> tuple[Pixels, tuple[int, int]]:
+def _difference(new: Pixels, last: Pixels) -> tuple[Pixels, tuple[int, int]]:
     """Return the smallest part that holds every changed pixel, and its left upper corner."""
-    changed = new != shown
-    rows, columns = np.flatnonzero(changed.any(axis=1)), np.flatnonzero(changed.any(axis=0))
+    differs = new != last
+    rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
     if not rows.size:
         return np.full((1, 1), _UNCHANGED, np.uint8), (0, 0)
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
-    part = np.where(changed[box], new[box], np.uint8(_UNCHANGED))
+    part = np.where(differs[box], new[box], np.uint8(_UNCHANGED))
     return part, (int(columns[0]), int(rows[0]))
 
 

@@ -1,9 +1,9 @@
-"""Finds the figures and the further evidence: adding one is adding one file.
+"""Finds the figures and the further evidence: adding one is adding one file and its claims.
 
-A module ``figNN`` offers ``TITLE``, ``CAPTION``, ``data(quick=False)``, ``draw(dataset)``,
-``STATEMENTS`` and ``numbers(dataset)``. A module ``text_*`` offers the same without ``CAPTION`` and
-``draw``: it judges what the paper says without a picture. A module that makes its figure through a
-video says ``NEEDS_VIDEO = True``; its ``data`` also takes ``full``, to film all that it can.
+A module ``figNN`` offers ``TITLE``, ``CAPTION``, ``data(quick=False)``, ``numbers(dataset)`` and
+``draw(dataset)``. A module ``text_*`` offers the same without ``CAPTION`` and ``draw``: it judges
+what the paper says without a picture. Figures that are made through a video are the rows of
+`latolato.figures.chain_table`. The claims of all of them stand in ``claims.toml``.
 """
 
 from __future__ import annotations
@@ -11,67 +11,84 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from typing import TYPE_CHECKING, Protocol, cast
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from latolato.figures.claim import Claim, Numbers, Statement
+from latolato.core.registry import suggest
+from latolato.figures.claim import FILE, Claim, Numbers, Statement, read_statements
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_FIGURE = re.compile(r"fig\d\d\w*")
-_TEXT = re.compile(r"text_\w+")
+_MODULE = re.compile(r"fig\d\d\w*|text_\w+")
 
 
-class Evidence(Protocol):
-    """What a module must offer to have its statements judged.
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """A figure, or a set of runs without one, and the claims that it decides.
 
     Attributes
     ----------
-    TITLE : str
+    title : str
         What it is about.
-    STATEMENTS : tuple of Statement
-        The claims that its numbers decide.
+    data : callable
+        ``data(quick=False)`` computes everything that is drawn and judged. With `needs_video` it
+        also takes ``full``, to film all that it can.
+    numbers : callable
+        Returns the numbers that the statements name, in SI units, from the dataset.
+    statements : tuple of Statement
+        The claims that the numbers decide.
+    caption : str
+        Of the figure; empty without one.
+    draw : callable, optional
+        Returns the figure drawn from the dataset.
+    needs_video : bool
+        It goes through a video, which needs the extra `video`.
     """
 
-    TITLE: str
-    STATEMENTS: tuple[Statement, ...]
+    title: str
+    data: Callable[..., xr.Dataset]
+    numbers: Callable[[xr.Dataset], Numbers]
+    statements: tuple[Statement, ...] = ()
+    caption: str = ""
+    draw: Callable[[xr.Dataset], Figure] | None = None
+    needs_video: bool = False
 
-    def data(self, quick: bool = False, **more: bool) -> xr.Dataset:
-        """Compute and return everything that is drawn and judged."""
-
-    def numbers(self, dataset: xr.Dataset) -> Numbers:
-        """Return the numbers that the statements name, in SI units."""
-
-
-class Picture(Evidence, Protocol):
-    """What a figure's module offers."""
-
-    CAPTION: str
-
-    def draw(self, dataset: xr.Dataset) -> Figure:
-        """Return the figure drawn from `data`'s dataset."""
-
-
-def figures() -> dict[str, Picture]:
-    """Return the modules of all figures by name, in the paper's order."""
-    return {name: cast(Picture, _module(name)) for name in _names(_FIGURE)}
+    def judge(self, dataset: xr.Dataset) -> list[Claim]:
+        """Return the claims that a dataset decides."""
+        numbers = self.numbers(dataset)
+        return [statement.judge(numbers) for statement in self.statements]
 
 
 def evidence() -> dict[str, Evidence]:
-    """Return the figures and then the modules that judge the text, by name."""
-    found: dict[str, Evidence] = dict(figures())
-    found.update({name: cast(Evidence, _module(name)) for name in _names(_TEXT)})
-    return found
+    """Return the figures in the paper's order and then what judges the text, by name.
+
+    Raises
+    ------
+    ValueError
+        If ``claims.toml`` holds claims of something that does not exist.
+    """
+    import latolato.figures
+    from latolato.figures import chain_table
+
+    modules = [module.name for module in pkgutil.iter_modules(latolato.figures.__path__)]
+    names = sorted([*filter(_MODULE.fullmatch, modules), *chain_table.FIGURES])
+    statements = read_statements(FILE)
+    for name in statements:
+        if name not in names:
+            raise ValueError(f"{FILE.name}: there is no figure '{name}', {suggest(name, names)}")
+    return {name: _evidence(name, statements.get(name, ())) for name in names}
 
 
-def needs_video(module: Evidence) -> bool:
-    """Return whether a figure goes through a video, which needs the extra `video`."""
-    return bool(getattr(module, "NEEDS_VIDEO", False))
+def figures() -> dict[str, Evidence]:
+    """Return all that has a figure, by name, in the paper's order."""
+    return {name: each for name, each in evidence().items() if each.draw}
 
 
 def title_of(name: str) -> str:
-    """Return what a figure's module is called in the report.
+    """Return what a figure is called in the report.
 
     Examples
     --------
@@ -82,20 +99,27 @@ def title_of(name: str) -> str:
     return f"Figure {number}" + (" through the chain" if way == "chain" else "")
 
 
-def judge(module: Evidence, dataset: xr.Dataset) -> list[Claim]:
-    """Return the claims that a module's dataset decides."""
-    numbers = module.numbers(dataset)
-    return [statement.judge(numbers) for statement in module.STATEMENTS]
+def _evidence(name: str, statements: tuple[Statement, ...]) -> Evidence:
+    """Return the evidence of a row of the table, or else of a module of this package."""
+    from latolato.figures import chain_table
 
-
-def _names(pattern: re.Pattern[str]) -> list[str]:
-    """Return the names of this package's modules that match a pattern."""
-    import latolato.figures
-
-    found = [found.name for found in pkgutil.iter_modules(latolato.figures.__path__)]
-    return sorted(name for name in found if pattern.fullmatch(name))
-
-
-def _module(name: str) -> object:
-    """Return an imported module of this package."""
-    return importlib.import_module(f"latolato.figures.{name}")
+    if name in chain_table.FIGURES:
+        row = chain_table.FIGURES[name]
+        return Evidence(
+            title=row.title,
+            caption=row.caption,
+            statements=statements,
+            data=row.data,
+            numbers=row.numbers,
+            draw=row.draw,
+            needs_video=True,
+        )
+    module = importlib.import_module(f"latolato.figures.{name}")
+    return Evidence(
+        title=module.TITLE,
+        caption=getattr(module, "CAPTION", ""),
+        statements=statements,
+        data=module.data,
+        numbers=module.numbers,
+        draw=getattr(module, "draw", None),
+    )

@@ -18,26 +18,19 @@ import numpy as np
 
 from latolato.core.errors import extra_command
 from latolato.figures import style
-from latolato.figures.cases import Floats, quantity, variable
-from latolato.figures.claim import Limit, Statement
-from latolato.figures.fits import ABOVE, draw_curve, draw_residual, draw_turning_points
+from latolato.figures.cases import Floats, variable
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import LatoLato, Pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from latolato.experiment.scene import Camera, Scene
 
 # What the extra `video` brings that is used here.
 _MODULES = ("av", "cv2", "lmfit")
 MISSING = f"it needs the extra video; {extra_command('video')}, then reproduce again"
-SYNTHETIC = (
-    "The video is synthetic, rendered with these parameters: this tests the chain from the video "
-    "to the number, not the paper's measurement."
-)
 # Noise of simulated tables, as the tracker leaves it at 640 x 480: angle [rad], pivot [m].
 _ANGLE_NOISE, _PIVOT_NOISE = 3e-4, 2e-5
 # The largest side of a still [pixel].
@@ -90,7 +83,7 @@ def is_missing() -> bool:
 
 
 @lru_cache(maxsize=128)
-def filmed(clip: Clip) -> xr.Dataset:
+def film(clip: Clip) -> xr.Dataset:
     """Return the track table of a clip: rendered as a video, decoded and tracked.
 
     The first frame's true places stand for the clicks. ``rms_error`` is the error of the angles
@@ -101,7 +94,7 @@ def filmed(clip: Clip) -> xr.Dataset:
 
     scene, camera = clip.stage()
     with TemporaryDirectory() as folder, warnings.catch_warnings():
-        # The table tells of them.
+        # The table records them.
         warnings.simplefilter("ignore", RuntimeWarning)
         path = Path(folder) / "synthetic.mp4"
         truth = synthesise_video(clip.run(), path, scene, camera, seed=clip.seed)
@@ -123,7 +116,7 @@ def filmed(clip: Clip) -> xr.Dataset:
     return table
 
 
-def sampled(clip: Clip) -> xr.Dataset:
+def sample(clip: Clip) -> xr.Dataset:
     """Return the track table that a clip would give, without a video: samples with noise."""
     from latolato.experiment.table import track_table
 
@@ -164,89 +157,3 @@ def draw_still(axes: Axes, dataset: xr.Dataset, letter: str) -> None:
     axes.imshow(dataset.still.values, interpolation="bilinear")
     axes.set_axis_off()
     style.panel_title(axes, letter, "synthetic video")
-
-
-def decay_statement(name: str, where: str, damping: float, words: str) -> Statement:
-    """Return the claim that the chain returns a printed damping coefficient."""
-    return Statement(
-        name=name,
-        where=f"{where}, synthetic video",
-        words=words,
-        assumed=(
-            Limit("error", "relative error of C by the equation", high=0.015),
-            Limit("error_envelope", "relative error of C by the envelope", high=0.04),
-            Limit("pull", "error of C by the equation over its standard deviation", high=2.0),
-        ),
-        assumption=SYNTHETIC,
-        is_method_check=True,
-        finding=(
-            f"From a synthetic video rendered with C = {damping:g} kg m/s, "
-            "a fit of the equation of motion gives C = ({damping_milli:.5f} ± {sigma_milli:.5f}) "
-            "g m/s, {error_percent:.3f} % away, and a fit of the envelope {envelope_milli:.5f} "
-            "g m/s, {envelope_percent:.3f} % away."
-        ),
-        why=(
-            "Angles of {frames:.0f} frames are right to {rms_milli:.2f} mrad; the equation takes "
-            "the whole curve, the envelope its turning points."
-        ),
-    )
-
-
-def decay_data(clip: Clip, title: str, quick: bool) -> xr.Dataset:
-    """Return the fit of a filmed decay, with the frame, and the damping that was rendered."""
-    from latolato.experiment.fits.decay import fit_decay
-
-    table = filmed(clip)
-    fit = fit_decay(table, mass=clip.system.mass, compare=not quick, profile=not quick)
-    found = fit.dataset.assign(
-        still=still_of(clip),
-        damping_rendered=quantity(
-            "damping", (), clip.system.damping, long_name="damping that was rendered"
-        ),
-        frames=variable((), table.sizes["frame"], units="1", long_name="frames of the video"),
-        rms_error=variable(
-            (), table.attrs["rms_error"], units="rad", long_name="error of the tracked angle"
-        ),
-    )
-    frames = table.sizes["frame"]
-    found.attrs |= {"title": title, "chain": f"One synthetic video of {frames} frames, tracked."}
-    return found
-
-
-def decay_numbers(dataset: xr.Dataset) -> dict[str, float]:
-    """Return the numbers that the statement of a decay names."""
-    true = float(dataset.damping_rendered)
-    found, sigma = float(dataset.damping), float(dataset.damping_sigma)
-    envelope = float(dataset.damping_envelope)
-    return {
-        "error": abs(found / true - 1.0),
-        "error_percent": 100.0 * abs(found / true - 1.0),
-        "error_envelope": abs(envelope / true - 1.0),
-        "envelope_percent": 100.0 * abs(envelope / true - 1.0),
-        "pull": abs(found - true) / sigma,
-        "damping_milli": 1e3 * found,
-        "sigma_milli": 1e3 * sigma,
-        "envelope_milli": 1e3 * envelope,
-        "frames": float(dataset.frames),
-        "rms_milli": 1e3 * float(dataset.rms_error),
-    }
-
-
-def draw_decay(dataset: xr.Dataset) -> Figure:
-    """Return the frame, the tracked angle under its envelope, and what the equation leaves."""
-    figure, panels = style.new_mosaic(
-        [["still", "angle"], ["still", "residual"]],
-        height=3.2, height_ratios=[1.9, 1.0], width_ratios=[1.0, 2.1],
-    )  # fmt: skip
-    draw_still(panels["still"], dataset, "a")
-    angle, residual = panels["angle"], panels["residual"]
-    draw_curve(angle, dataset, "angle", "angle_fit")
-    draw_turning_points(angle, dataset)
-    angle.set_xlabel("")
-    angle.legend(**ABOVE, ncols=3)
-    style.panel_letter(angle, "b")
-    draw_residual(residual, dataset, "angle_residual")
-    style.panel_letter(residual, "c")
-    for axes in (angle, residual):
-        axes.set_xlim(0.0, float(dataset.time[-1]))
-    return figure

@@ -8,71 +8,41 @@ import numpy as np
 
 from latolato.figures import chain, comparisons, style
 from latolato.figures.cases import variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.figures.fits import ABOVE
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-# Frames of a report's video from which one is shown, in parts of the whole.
-_SHOWN = 0.75
+# Where in the video the frame is that is drawn, as a part of the whole.
+_STILL_AT = 0.75
 
 
-def statement(name: str, where: str, words: str) -> Statement:
-    """Return the claim that a tracked motion and the computed one agree."""
-    return Statement(
-        name=name,
-        where=f"{where}, through the chain",
-        words=words,
-        is_method_check=True,
-        assumed=(
-            Limit("residual", "difference of the angles in the last third", high=0.03, unit="rad"),
-            Limit("phase", "difference of the phases there", high=0.03, unit="rad"),
-            Limit("lasting_error", "relative difference of the lasting angles", high=0.01),
-        ),
-        assumption=(
-            "A synthetic experiment with these parameters stands for the paper's: this tests the "
-            "chain, not the paper's measurement."
-        ),
-        finding=(
-            f"For a synthetic experiment like that of {where}, "
-            "the angle computed on the fitted drive differs from the synthetic one by "
-            "{residual_milli:.1f} mrad and {phase_milli:.1f} mrad of phase in the last third; the "
-            "lasting angles are {synthetic:.2f}° (synthetic) and {computed:.2f}° (computed)."
-        ),
-        why=(
-            "Only the initial angle and velocity are fitted, in the first {match:.1f} s; the drive "
-            "is that fitted to the pivot's synthetic motion."
-        ),
-    )
-
-
-def data(clip: chain.Clip, title: str, quick: bool) -> xr.Dataset:
+def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) -> xr.Dataset:
     """Return the comparison of a clip, filmed or in a quick run sampled, with its own system."""
     from latolato.experiment.comparison.motion import compare_motion
 
-    table = chain.sampled(clip) if quick else chain.filmed(clip)
-    found = compare_motion(table, clip.system)
+    table = chain.sample(clip) if quick else chain.film(clip)
+    dataset = compare_motion(table, clip.system)
     # Nothing here is a measurement.
-    found = found.rename({f"{n}_measured": f"{n}_synthetic" for n in ("largest", "lasting")})
+    dataset = dataset.rename({f"{n}_measured": f"{n}_synthetic" for n in ("largest", "lasting")})
     for name in ("largest_synthetic", "lasting_synthetic"):
-        found[name].attrs["long_name"] = (
-            found[name].attrs["long_name"].replace("measured", "synthetic")
-        )
+        about = dataset[name].attrs
+        about["long_name"] = about["long_name"].replace("measured", "synthetic")
     # Where there is no phase its likeness is nothing.
-    found = found.assign({n: found[n].fillna(0.0) for n in ("phase_difference", "likeness")})
+    dataset = dataset.assign({n: dataset[n].fillna(0.0) for n in ("phase_difference", "likeness")})
     count = table.sizes["frame"]
     if quick:
         made = f"Made from {count} samples that are simulated with the tracker's noise."
     else:
-        found["still"] = chain.still_of(clip, int(_SHOWN * count))
-        found["rms_error"] = variable(
+        dataset["still"] = chain.still_of(clip, int(_STILL_AT * count))
+        dataset["rms_error"] = variable(
             (), table.attrs["rms_error"], units="rad", long_name="error of the tracked angle"
         )
         made = f"One synthetic video of {count} frames, tracked."
-    found.attrs |= {"title": title, "chain": made}
-    return found
+    dataset.attrs |= {"title": title, "chain": made}
+    return dataset
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:
@@ -91,24 +61,25 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     }
 
 
+@style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the frame, if there is a video, and angles, residual and phase."""
-    filmed = "still" in dataset
+    has_still = "still" in dataset
     rows = ["angle", "residual", "phase"]
     figure, panels = style.new_mosaic(
-        [["still", row] for row in rows] if filmed else [[row] for row in rows],
+        [["still", row] for row in rows] if has_still else [[row] for row in rows],
         height=4.0,
         height_ratios=[1.8, 0.9, 0.8],
-        width_ratios=[1.0, 2.3] if filmed else None,
+        width_ratios=[1.0, 2.3] if has_still else None,
     )
-    if filmed:
+    if has_still:
         chain.draw_still(panels["still"], dataset, "a")
     comparisons.draw_angles(panels["angle"], dataset)
     comparisons.draw_residual(panels["residual"], dataset)
     comparisons.draw_phase(panels["phase"], dataset)
-    for letter, row in zip("bcd" if filmed else "abc", rows, strict=True):
+    for letter, row in zip("bcd" if has_still else "abc", rows, strict=True):
         if row == "angle":
-            style.panel_title(panels[row], letter, "tracked" if filmed else "simulated samples")
+            style.panel_title(panels[row], letter, "tracked" if has_still else "simulated samples")
         else:
             style.panel_letter(panels[row], letter)
         panels[row].set_xlim(0.0, float(dataset.time[-1]))

@@ -1,19 +1,28 @@
 """Claims of the paper, judged by code: words, computed numbers, stated limits, a verdict.
 
 A `Statement` holds what is known before anything is computed: the paper's words and the limits
-that numbers must keep for them to be true. `Statement.judge` turns numbers into a `Claim`.
+that numbers must keep for them to be true. They all stand in ``claims.toml``. `Statement.judge`
+turns numbers into a `Claim`.
 """
 
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from enum import Enum
+from pathlib import Path
+from typing import Any, TypeVar
 
+from latolato.core.registry import suggest
 from latolato.figures.style import pretty_unit
 
 Numbers = Mapping[str, float]
+FILE = Path(__file__).with_name("claims.toml")
+_LINE_END = re.compile(r"\s*\n\s*")
+_TYPES: dict[str, Any] = {"str": str, "float": (float, int), "bool": bool}
 
 
 class Verdict(Enum):
@@ -36,7 +45,7 @@ class Limit:
     meaning : str
         What the number is, in words.
     low, high : float
-        The interval; an infinite end is no limit.
+        The interval; an infinite end is no limit, but one end at least is finite.
     unit : str
         SI unit of the number and of the ends.
     """
@@ -46,6 +55,13 @@ class Limit:
     low: float = -math.inf
     high: float = math.inf
     unit: str = "1"
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) or math.isfinite(self.high)) or self.low > self.high:
+            raise ValueError(
+                f"the limit on '{self.number}' needs a low or a high end, in this order; "
+                f"got {self.low} to {self.high}"
+            )
 
     def holds(self, numbers: Numbers) -> bool:
         """Return whether the number lies in the interval; NaN never does."""
@@ -174,6 +190,52 @@ class Statement:
             why=self.why.format(**numbers),
             numbers=dict(numbers),
         )
+
+
+def read_statements(path: Path = FILE) -> dict[str, tuple[Statement, ...]]:
+    """Return the statements of a file of claims, by figure.
+
+    Raises
+    ------
+    ValueError
+        If a claim or a limit has a key that is not known, or lacks one.
+    """
+    figures = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {
+        figure: tuple(_statement(name, f"{figure}.{name}", table) for name, table in claims.items())
+        for figure, claims in figures.items()
+    }
+
+
+def _statement(name: str, place: str, table: Mapping[str, Any]) -> Statement:
+    """Return the statement of a table, whose place in the file is named in errors."""
+    limits = {
+        kind: tuple(
+            _checked(Limit, f"{place}.{kind}.{number}", {**entries, "number": number})
+            for number, entries in table.get(kind, {}).items()
+        )
+        for kind in ("printed", "assumed")
+    }
+    return _checked(Statement, place, {**table, **limits, "name": name})
+
+
+_Made = TypeVar("_Made", Limit, Statement)
+
+
+def _checked(kind: type[_Made], place: str, entries: Mapping[str, Any]) -> _Made:
+    """Return a limit or a statement made from entries of the file; lines of a text are joined."""
+    known = {field.name: field for field in fields(kind)}
+    values: dict[str, Any] = {}
+    for key, value in entries.items():
+        if key not in known:
+            raise ValueError(f"claim {place} has no key '{key}': {suggest(key, list(known))}")
+        if not isinstance(value, _TYPES.get(str(known[key].type), object)):
+            raise ValueError(f"claim {place}: {key} must be a {known[key].type}, got {value!r}")
+        values[key] = _LINE_END.sub(" ", value).strip() if isinstance(value, str) else value
+    for key, field in known.items():
+        if field.default is MISSING and key not in values:
+            raise ValueError(f"claim {place} lacks the key '{key}'")
+    return kind(**values)
 
 
 def _text(value: float) -> str:

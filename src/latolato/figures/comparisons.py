@@ -120,13 +120,13 @@ def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
     axes.axhline(0.0, color=style.GREY, lw=style.THIN)
     alike = np.nan_to_num(dataset.likeness.values)
     time, phase = dataset.time.values, dataset.phase_difference.values
-    for chosen, colour in (
+    for mask, colour in (
         ((alike > 0.0) & (alike <= 0.9), style.GREY),
         (alike > 0.9, style.GREEN),
     ):
-        axes.plot(time[chosen], phase[chosen], ".", ms=1.4, color=colour)
-    known = np.abs(phase[alike > 0.0])
-    reach = min(max(1.2 * float(np.max(known, initial=0.0)), 0.02), np.pi)
+        axes.plot(time[mask], phase[mask], ".", ms=1.4, color=colour)
+    sizes = np.abs(phase[alike > 0.0])
+    reach = min(max(1.2 * float(np.max(sizes, initial=0.0)), 0.02), np.pi)
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("phase [rad]")
 

@@ -78,8 +78,8 @@ def _powers(first: float, last: float) -> list[float]:
     digits = (1, 2, 5) if decades < _FEW_DECADES else (1,)
     step = max(1, round(decades / _USUAL))
     powers = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
-    found = [float(f"{d}e{k}") for k in powers if k % step == 0 for d in digits]
-    return [value for value in found if first < value < last]
+    values = [float(f"{d}e{k}") for k in powers if k % step == 0 for d in digits]
+    return [value for value in values if first < value < last]
 
 
 def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str) -> Any:
@@ -94,8 +94,8 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str)
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
     shares = axes.transScale + axes.transLimits
-    taken: list[Any] = []
-    told: set[float] = set()
+    used: list[Any] = []
+    labelled: set[float] = set()
     for line in sorted(lines, key=lambda each: -len(each.x)):
         axes.plot(
             line.x,
@@ -105,17 +105,17 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str)
             path_effects=[Stroke(linewidth=2.0, foreground=style.PAPER, alpha=0.7), Normal()],
         )
         # The longest line of each level bears its value.
-        if line.level in told or len(line.x) < 3:
+        if line.level in labelled or len(line.x) < 3:
             continue
         places = shares.transform(np.stack([line.x, line.y], axis=1))
         free = (
-            i for i in (round(p * (len(line.x) - 1)) for p in _PLACES) if _fits(places[i], taken)
+            i for i in (round(p * (len(line.x) - 1)) for p in _PLACES) if _fits(places[i], used)
         )
         middle = next(free, None)
         if middle is None:
             continue
-        told.add(line.level)
-        taken.append(places[middle])
+        labelled.add(line.level)
+        used.append(places[middle])
         text = axes.annotate(
             f"{line.level / unit[1]:.4g}",
             (line.x[middle], line.y[middle]),
@@ -130,7 +130,7 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str)
     return Line2D([], [], color=style.INK, lw=0.8, label=f"equal {label}{tail}")
 
 
-def _fits(place: Any, taken: Sequence[Any]) -> bool:
+def _fits(place: Any, others: Sequence[Any]) -> bool:
     """Return whether a value is inside of the picture and beside the others, in shares of it."""
     inside = bool(np.all((place > _APART / 2) & (place < 1 - _APART / 2)))
-    return inside and all(np.abs((place - other) / _APART).max() > 1.0 for other in taken)
+    return inside and all(np.abs((place - other) / _APART).max() > 1.0 for other in others)

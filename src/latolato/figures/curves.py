@@ -54,9 +54,9 @@ def with_contacts(run: xr.Dataset) -> xr.Dataset:
     time, at = run["time"].values[known], run["contact_time"].values
     if not time.size:
         return run
-    shown = (at >= time[0]) & (at <= time[-1])
-    run = run.isel(time=known, contact=shown)
-    at = at[shown]
+    inside = (at >= time[0]) & (at <= time[-1])
+    run = run.isel(time=known, contact=inside)
+    at = at[inside]
     system = Scenario.from_dict({"system": json.loads(run.attrs["scenario"])["system"]}).system
     place = np.searchsorted(time, at, side="right")  # behind a sample of the same instant
     angles = _angles_at(run, place)
@@ -92,7 +92,7 @@ def _angles_at(run: xr.Dataset, place: NDArray[np.int64]) -> Floats:
     time, at = run["time"].values, run["contact_time"].values
     instants = np.insert(time, place, at)
     is_contact = np.insert(np.zeros(time.size, dtype=bool), place, True)
-    found = []
+    angles = []
     for angle, velocity, before, after in zip(
         *(
             _by_ball(run, name)
@@ -109,8 +109,8 @@ def _angles_at(run: xr.Dataset, place: NDArray[np.int64]) -> Floats:
         steps = 0.5 * (leaving[:-1] + arriving[1:]) * np.diff(instants)
         path = np.concatenate([[0.0], np.cumsum(steps)])
         missing = np.interp(at, time, angle - path[~is_contact])
-        found.append(path[is_contact] + missing)
-    return np.stack(found)
+        angles.append(path[is_contact] + missing)
+    return np.stack(angles)
 
 
 def _on_walls(system: System, angles: Floats, kinds: NDArray[np.str_]) -> Floats:
@@ -146,15 +146,15 @@ def _ledger_at(run: xr.Dataset, place: NDArray[np.int64], energy: Sides) -> dict
     before, after = (each.sum(axis=0) for each in energy)
     speeds = _by_ball(run, "angular_velocity_before")
     approach = np.abs(speeds[0] if len(speeds) == 1 else speeds[0] - speeds[1])
-    captured = (kinds == "rest") & (approach <= run.attrs["rest_speed"])
+    is_capture = (kinds == "rest") & (approach <= run.attrs["rest_speed"])
     lost = before - after
     jumps = {
-        "impact_loss": np.where(captured, 0.0, lost),
-        "capture_loss": np.where(captured, lost, 0.0),
+        "impact_loss": np.where(is_capture, 0.0, lost),
+        "capture_loss": np.where(is_capture, lost, 0.0),
     }
-    found: dict[str, Sides] = {}
+    sides: dict[str, Sides] = {}
     last = place - 1  # the sample before each contact
-    gained = before - _by_ball(run, "total_energy").sum(axis=0)[last]
+    gain = before - _by_ball(run, "total_energy").sum(axis=0)[last]
     for name, sign in _CHANGING.items():
         if name not in run:
             continue
@@ -163,10 +163,10 @@ def _ledger_at(run: xr.Dataset, place: NDArray[np.int64], energy: Sides) -> dict
             total = np.concatenate([[0.0], np.cumsum(jumps[name])])
             first = np.searchsorted(place, place)  # the first contact since that sample
             start = values[last] + total[:-1] - total[first]
-            found[name] = (start, start + jumps[name])
+            sides[name] = (start, start + jumps[name])
         else:
             start = np.interp(at, run["time"].values, values)
-            found[name] = (start, start)
-        gained -= sign * (start - values[last])
-    work = run["drive_work"].values[last] + gained
-    return found | {"drive_work": (work, work)}
+            sides[name] = (start, start)
+        gain -= sign * (start - values[last])
+    work = run["drive_work"].values[last] + gain
+    return sides | {"drive_work": (work, work)}

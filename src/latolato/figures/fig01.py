@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import paper, style
 from latolato.figures.cases import quantity, variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,27 +26,6 @@ CAPTION = (
 )
 LOW, HIGH, BETWEEN = "low", "high", "between"
 SHOWN_ANGLE = math.radians(52.0)  # of panel (b)
-
-STATEMENTS = (
-    Statement(
-        name="critical-angles",
-        where="Fig. 1 and text",
-        words=(
-            "we define the minimum angle |θmin| = arcsin(r/l) … the maximum angle |θmax| = π - "
-            "|θmin|"
-        ),
-        printed=(
-            Limit("gap_low", "gap of the balls at the low contact angle", -1e-12, 1e-12, "m"),
-            Limit("gap_high", "gap of the balls at the high contact angle", -1e-12, 1e-12, "m"),
-        ),
-        finding=(
-            "For l = 1 m and r = 0.1 m the critical angles are {low:.5f} and {high:.5f} rad "
-            "({low_degrees:.2f}° and {high_degrees:.2f}°); at these angles the surfaces of the "
-            "balls just touch."
-        ),
-        why="Balls of equal size touch where each centre is one radius from the symmetry axis.",
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:

@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import Floats, Residuals, instants, quantity, stack
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,55 +27,6 @@ LATE = 40.0  # s, the last stretch, of which the turning points are averaged
 EARLY = 40.0  # s, the paper's panels (b) and (c)
 FIVE_DEGREES = np.deg2rad(5.0)
 FULL, LINEAR = "eq10", "eq14"
-
-STATEMENTS = (
-    Statement(
-        name="small-angles",
-        where="Fig. 2b, c and text",
-        words=(
-            "for |θ| ≤ 5° (corresponding to 0-40 s), the solutions of (eq10) and (eq11) nearly "
-            "coincide"
-        ),
-        printed=(
-            Limit(
-                "difference",
-                "largest difference of eq10 and eq14 up to 40 s, over the largest angle so far",
-                high=0.01,
-            ),
-            Limit("five_degrees", "time at which 5° is first exceeded", 38.0, 42.0, "s"),
-        ),
-        finding=(
-            "In Fig. 2 the solutions of eq10 and eq14 differ during the first 40 s by at most "
-            "{difference:.2%} of the largest angle so far; the angle first exceeds 5° after "
-            "{five_degrees:.2f} s."
-        ),
-        why=(
-            "The paper's eq11 is the impact law; eq14 is meant. The sine differs from its "
-            "argument by {sine_error:.2%} at 5°, and the error of the growth has had 40 s to add "
-            "up."
-        ),
-    ),
-    Statement(
-        name="saturation",
-        where="Fig. 2a and text",
-        words="oscillatory amplitude growth that eventually saturates, reaching a stable amplitude",
-        printed=(
-            Limit("beats", "beats of the amplitude", low=3.0),
-            Limit(
-                "last_spread", "spread of the turning points in the last 40 s, relative", high=0.01
-            ),
-        ),
-        finding=(
-            "In Fig. 2a the angle grows to {largest:.4f} rad after {largest_time:.1f} s; the "
-            "amplitude then beats towards {settled:.4f} rad."
-        ),
-        why=(
-            "A larger swing is slower, falls out of step with the drive and gives energy back. "
-            "Damping lets these beats die out at the amplitude that keeps step: {lasting:.4f} rad, "
-            "which a run of 1000 s gives too, for the beats left at 400 s average out."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -158,8 +109,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     a.plot(time, full, color=style.BLUE, lw=style.THIN)
     when, sizes = _peaks(dataset.sel(case=FULL))
     beat_times, beat_sizes = measure.beats(when, sizes)
-    shown = beat_sizes > measure.VISIBLE_BEAT * sizes[-1]
-    a.plot(beat_times[shown], beat_sizes[shown], "o", ms=2.6, color=style.RED, clip_on=False)
+    visible = beat_sizes > measure.VISIBLE_BEAT * sizes[-1]
+    a.plot(beat_times[visible], beat_sizes[visible], "o", ms=2.6, color=style.RED, clip_on=False)
     settled = _late(when, sizes, DURATION).mean()
     style.note(a, f"{sizes.max():.4f} rad", (when[np.argmax(sizes)], sizes.max()), (5, 2))
     style.note(a, f"{settled:.4f} rad", (time[-1], settled), (-2, 4), ha="right", va="bottom")

@@ -9,7 +9,7 @@ import numpy as np
 from latolato.analysis.closed_forms import mathieu_growth_rate, mathieu_tongue_edges
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import Residuals, instants, quantity, stack, variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic
 
 if TYPE_CHECKING:
@@ -30,80 +30,6 @@ FREQUENCIES = {
     QUIET: paper.QUIET_FREQUENCY,
     TWICE: paper.DRIVE.drive_frequency,  # Fig. 2, for comparison
 }
-
-STATEMENTS = (
-    Statement(
-        name="resonance-at-6",
-        where="Fig. 3a, b",
-        words=(
-            "(a) Parametric resonance occurs with driving frequency ω = 6 rad/s. (b) Non-resonant "
-            "case with ω = 5.9 rad/s"
-        ),
-        printed=(
-            Limit("largest_resonant", "largest angle at 6 rad/s", low=1.0, unit="rad"),
-            Limit("growth_quiet", "growth rate at 5.9 rad/s", high=0.0, unit="1/s"),
-            Limit(
-                "last_quiet",
-                "largest angle of the last 20 s at 5.9 rad/s, over the first",
-                high=0.1,
-            ),
-        ),
-        finding=(
-            "In Fig. 3 the angle reaches {largest_resonant:.4f} rad after "
-            "{largest_resonant_time:.1f} s at 6 rad/s; at 5.9 rad/s it decays to {last_quiet:.1e} "
-            "of its start."
-        ),
-        why=(
-            "6 rad/s lies inside the primary tongue of eq14 (growth rate {growth_resonant:.4f} "
-            "1/s), 5.9 rad/s outside ({growth_quiet:.4f} 1/s)."
-        ),
-    ),
-    Statement(
-        name="scales-of-3ab",
-        where="Fig. 3, caption",
-        words="Note the order-of-magnitude difference in vertical scales between (a) and (b)",
-        printed=(Limit("scale_ratio", "largest angle of (a) over that of (b)", low=10.0),),
-        finding="The largest angles of Fig. 3a and b differ by a factor of {scale_ratio:.0f}.",
-        why="It is three orders of magnitude: (b) never exceeds the angle it starts from.",
-    ),
-    Statement(
-        name="more-growth-at-1.92",
-        where="text after Fig. 2",
-        words="identified a more significant amplitude growth at ω = 1.92 ω0",
-        printed=(Limit("gain", "largest angle at 6 rad/s over that of Fig. 2", low=1.1),),
-        finding=(
-            "The largest angle of the pendulum of Fig. 3 is {largest_resonant:.3f} rad at 6 rad/s "
-            "(ω = 1.92 ω0) and {largest_twice:.3f} rad at 6.26 rad/s (ω = 2 ω0)."
-        ),
-        why=(
-            "It grows further but more slowly ({growth_resonant:.4f} against {growth_twice:.4f} "
-            "1/s): a pendulum softens with its swing, so a slower drive stays in step longer."
-        ),
-    ),
-    Statement(
-        name="edge-1.92",
-        where="text after Fig. 2",
-        words=(
-            "When the ratio ω/ω0 decreases below 1.92, the amplitude undergoes significant "
-            "attenuation"
-        ),
-        printed=(Limit("edge", "lower edge of the tongue, ω/ω0", 1.915, 1.925),),
-        assumed=(
-            Limit("edge_above_quiet", "edge minus the ratio of Fig. 3b", low=0.0),
-            Limit("edge_below_resonant", "ratio of Fig. 3a minus edge", low=0.0),
-        ),
-        assumption="1.92 is the rounded ratio of the sample at 6 rad/s, not the edge itself.",
-        finding=(
-            "The lower edge of the resonance is at ω/ω0 = {edge:.6f} (without damping "
-            "{edge_undamped:.6f}); the samples at 5.9 and 6 rad/s are at {ratio_quiet:.4f} and "
-            "{ratio_resonant:.4f}."
-        ),
-        why=(
-            "A zero of Hill's determinant; runs of eq14 a thousandth below and above it change by "
-            "{rate_below:.5f} and {rate_above:+.5f} 1/s. The two samples bracket it."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -170,26 +96,26 @@ def _linear_rate(ratio: float, residuals: Residuals) -> float:
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 3's statements need."""
     time = dataset.time.values
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case in FREQUENCIES:
-        chosen = dataset.sel(case=case)
-        when, sizes = measure.peaks(time, chosen.angle.values, chosen.angular_velocity.values)
-        start = abs(float(chosen.angle[0]))
+        run = dataset.sel(case=case)
+        when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
+        start = abs(float(run.angle[0]))
         top = int(np.argmax(sizes))
-        found[f"largest_{case}"] = max(float(sizes[top]), start)
-        found[f"largest_{case}_time"] = float(when[top])
-        found[f"last_{case}"] = float(sizes[when > DURATION - 20.0].max()) / start
-        found[f"growth_{case}"] = float(chosen.growth_rate)
-        found[f"ratio_{case}"] = float(chosen.drive_frequency) / paper.PENDULUM.natural_frequency
+        result[f"largest_{case}"] = max(float(sizes[top]), start)
+        result[f"largest_{case}_time"] = float(when[top])
+        result[f"last_{case}"] = float(sizes[when > DURATION - 20.0].max()) / start
+        result[f"growth_{case}"] = float(run.growth_rate)
+        result[f"ratio_{case}"] = float(run.drive_frequency) / paper.PENDULUM.natural_frequency
     edge, undamped = (float(value) for value in dataset.tongue_edge)
     below, above = (float(value) for value in dataset.rate_beside_edge)
-    return found | {
-        "scale_ratio": found["largest_resonant"] / found["largest_quiet"],
-        "gain": found["largest_resonant"] / found["largest_twice"],
+    return result | {
+        "scale_ratio": result["largest_resonant"] / result["largest_quiet"],
+        "gain": result["largest_resonant"] / result["largest_twice"],
         "edge": edge,
         "edge_undamped": undamped,
-        "edge_above_quiet": edge - found["ratio_quiet"],
-        "edge_below_resonant": found["ratio_resonant"] - edge,
+        "edge_above_quiet": edge - result["ratio_quiet"],
+        "edge_below_resonant": result["ratio_resonant"] - edge,
         "rate_below": below,
         "rate_above": above,
     }

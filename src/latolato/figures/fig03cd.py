@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import grids, paper, style
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,103 +27,6 @@ LEVEL = paper.UNDAMPED.mass * paper.UNDAMPED.gravity * paper.UNDAMPED.length  # 
 # Points further from the right edge than this in w/w0 are away from it.
 AWAY = 0.5
 _SMOOTHED = 9  # rows
-# The start is not printed; the text speaks of the minimum angle as the usual one.
-START_WORDS = "The sweep starts at rest at θmin = asin(r/l); the paper does not print its start."
-
-STATEMENTS = (
-    Statement(
-        name="map-free",
-        where="Fig. 3c, d",
-        words=(
-            "beyond the unstable region near ω/ω0 = 2, Fig. 3(c) shows a narrow dark-red band "
-            "near ω/ω0 = 1 … The absence of this feature in Fig. 3(d)"
-        ),
-        assumed=(
-            Limit("tip_ratio", "ω/ω0 at the smallest A0 that leads to 2 rad", 1.7, 2.1),
-            Limit("band_gain", "mean energy near ω/ω0 = 1 over that beside it, at most", low=3.0),
-            Limit("band_crossings", "most crossings of 2 rad near ω/ω0 = 1", high=0.0),
-        ),
-        assumption=START_WORDS,
-        finding=(
-            "In the map of Fig. 3c, d the pendulum passes 2 rad from A0 = {tip_amplitude:.3f} m "
-            "on, first at ω/ω0 = {tip_ratio:.2f}; near ω/ω0 = 1 the mean energy is up to "
-            "{band_gain:.0f} times that beside this band, yet the largest angle there is "
-            "{band_angle:.2f} rad."
-        ),
-        why=(
-            "Both are tongues 2ω0/n of eq14, n = 1 and 2; a swing in the second one detunes "
-            "before it reaches 2 rad."
-        ),
-    ),
-    Statement(
-        name="left-edge-sharper",
-        where="text on Fig. 3cd",
-        words="the left boundary is more distinct than the right boundary",
-        assumed=(
-            Limit("energy_widths", "width of the right edge over the left one, energy", low=2.0),
-        ),
-        assumption=f"{START_WORDS} Distinct means a short rise of the mean energy, as in Fig. 3c.",
-        finding=(
-            "In Fig. 3c the energy rises from 10 to 90 % over {left_width:.3f} in ω/ω0 at the "
-            "left edge, no more than the points' spacing of {spacing:.4f}, and over "
-            "{right_width:.3f} at the right edge (medians over A0); the crossings of Fig. 3d jump "
-            "within {left_jump:.3f} and {right_jump:.3f}."
-        ),
-        why=(
-            "A pendulum softens: just inside the left edge growth goes on to large swings, towards "
-            "the right edge it ends at ever smaller ones. Fig. 3d cannot show that, as small "
-            "swings do not count: by criterion 2 both edges are equally sharp."
-        ),
-    ),
-    Statement(
-        name="abrupt-left-edge",
-        where="text on Fig. 3cd",
-        words=(
-            "when the driving amplitude A0 is relatively small and fixed, and … the ratio … "
-            "crosses a critical value from above, the system abruptly transitions from an unstable "
-            "state to a stable state"
-        ),
-        assumed=(Limit("left_width", "width of the left edge in ω/ω0, median", high=0.1),),
-        assumption=START_WORDS,
-        finding=(
-            "At A0 = 0.2, 0.3 and 0.4 m the left edge of Fig. 3c is at ω/ω0 = {left_2:.3f}, "
-            "{left_3:.3f} and {left_4:.3f}; the tongue of eq14 begins at {tongue_2:.3f}, "
-            "{tongue_3:.3f} and {tongue_4:.3f}."
-        ),
-        why=(
-            "The edge is that of linear stability, up to what the finite start of 0.1 rad adds on "
-            "its left."
-        ),
-    ),
-    Statement(
-        name="map-damping",
-        where="text on Fig. 3cd",
-        words=(
-            "The damping coefficient C was set to zero …, as its influence can be neglected when "
-            "the focus is solely on determining whether the amplitude grows"
-        ),
-        printed=(
-            Limit(
-                "changed", "part of the unstable points (2 rad) that C = 0.05 changes", high=0.05
-            ),
-        ),
-        assumed=(
-            Limit("changed_away", "the same, further than 0.5 from the right edge", high=0.05),
-            Limit("gained", "points that damping makes unstable, same measure", high=0.01),
-        ),
-        assumption="Points within 0.5 in ω/ω0 of the right edge are left out.",
-        finding=(
-            "In the map of Fig. 3c, d, C = 0.05 kg m/s makes {changed:.1%} of the unstable points "
-            "stable ({changed_all:.1%} of the map changes) and {gained:.1%} more points unstable; "
-            "away from the right edge it makes {changed_away:.1%} stable."
-        ),
-        why=(
-            "Damping shifts the right edge of large motion: at A0 = 0.25 m from ω/ω0 = "
-            "{right_free:.2f} to {right_damped:.2f}. The left edge moves by {left_shift:.1g} "
-            "(median)."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -155,7 +58,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     away = np.abs(right - dataset.frequency_ratio).values > AWAY
     tip_amplitude, tip_ratio = grids.smallest_amplitude(free.crossings > 0.0)
     at = {"drive_amplitude": 0.25, "method": "nearest"}
-    found = {
+    result = {
         "tip_amplitude": tip_amplitude,
         "tip_ratio": tip_ratio,
         "band_gain": grids.band_gain(free.mean_energy),
@@ -178,11 +81,11 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     for tenths in (2, 3, 4):
         amplitude = 0.1 * tenths
         edge = by_energy.left_edge.sel(drive_amplitude=amplitude, method="nearest")
-        found[f"left_{tenths}"] = float(edge)
-        found[f"tongue_{tenths}"] = mathieu_tongue_edges(
+        result[f"left_{tenths}"] = float(edge)
+        result[f"tongue_{tenths}"] = mathieu_tongue_edges(
             drive_amplitude=amplitude, length=paper.UNDAMPED.length
         )[0]
-    return found
+    return result
 
 
 @style.styled

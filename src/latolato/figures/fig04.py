@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import instants, stack
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.contacts import ClampContact
 
 if TYPE_CHECKING:
@@ -31,66 +31,6 @@ DRIVES = {"strong": paper.STRONG_DRIVE, "weak": paper.WEAK_DRIVE}
 # A ball this far above the wall has visibly left it.
 ONSET = 0.01  # rad
 
-STATEMENTS = (
-    Statement(
-        name="large-and-small-motion",
-        where="Fig. 4",
-        words="(a) High-amplitude driving (A0 = 0.2 m). (b) Low-amplitude driving (A0 = 0.02 m)",
-        printed=(Limit("rise_strong_rest", "rise from rest at 0.2 m", low=0.1, unit="rad"),),
-        assumed=(
-            Limit("top_strong_push", "top contacts at 0.2 m in 100 s", low=1.0),
-            Limit("late_weak_push", "rise in the last 10 s at 0.02 m, over the push", high=0.5),
-        ),
-        assumption=f"Both start at rest {paper.PUSH_WORDS}; the paper prints no push.",
-        finding=(
-            "With the parameters printed for Fig. 4 the pair rests for ever (it rises by "
-            "{rise_strong_rest:.0e} rad); after a push it reaches the top wall "
-            "{top_strong_push:.0f} times at A0 = 0.2 m, and at 0.02 m its motion decays to "
-            "{late_weak_push:.0%} of the push."
-        ),
-        why=(
-            "A ball on the wall lifts off only while the pivot falls faster than gravity; A0 ω²/g "
-            "is {acceleration_strong:.2f} and {acceleration_weak:.2f}, both below 1."
-        ),
-    ),
-    Statement(
-        name="clamp-artefact",
-        where="text before Fig. 4",
-        words=(
-            "By adding this physical condition to the numerical calculation of the original "
-            "equation … obtained the true motion of the two balls"
-        ),
-        printed=(Limit("onset_ratio", "onset with a step of 1 ms over that with 5 ms", 0.9, 1.1),),
-        finding=(
-            "If the balls are reflected on overlap at fixed time steps, the motion of Fig. 4a "
-            "begins after {onset_coarse:.1f} s with a step of 5 ms and after {onset_fine:.1f} s "
-            "with a step of 1 ms."
-        ),
-        why=(
-            "A true motion does not depend on the step. Motion from rest at these parameters is "
-            "made by the method; whether the paper's code is of this kind cannot be seen from the "
-            "paper."
-        ),
-    ),
-    Statement(
-        name="confined",
-        where="text before Fig. 4",
-        words="the real system restricts angular motion within a semicircular range",
-        printed=(
-            Limit(
-                "lowest_gap", "smallest angle minus the low contact angle", low=-1e-9, unit="rad"
-            ),
-            Limit("gap_strong_push", "high contact angle minus the largest", low=-1e-9, unit="rad"),
-        ),
-        finding=(
-            "In all exact runs of Fig. 4 the angle stays between {low:.4f} and {high:.4f} rad, "
-            "through {bottom_strong_push:.0f} bottom and {top_strong_push:.0f} top contacts in "
-            "100 s."
-        ),
-        why="Contacts are located on the solution itself, so that no ball enters the other.",
-    ),
-)
-
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return the angles from rest, with a push, and by the clamp at two steps."""
@@ -108,7 +48,7 @@ def data(quick: bool = False) -> xr.Dataset:
                 initial_offset=0.0,
                 times=times,
                 contact=ClampContact(clamp_step=step),
-            )  # fmt: skip
+            )
     return stack(runs, title=TITLE)
 
 
@@ -119,7 +59,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     angle = {str(case): dataset.angle.sel(case=case).values for case in dataset.case.values}
     late = angle["weak_push"][time > DURATION - 10.0]
     exact = [values for case, values in angle.items() if case.endswith(("rest", "push"))]
-    found: dict[str, float] = {
+    result: dict[str, float] = {
         "low": low,
         "high": high,
         "rise_strong_rest": float(angle["strong_rest"].max() - low),
@@ -129,13 +69,13 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "lowest_gap": float(min(values.min() for values in exact) - low),
     }
     for name, drive in DRIVES.items():
-        found[f"acceleration_{name}"] = drive.largest_acceleration / toy.gravity
+        result[f"acceleration_{name}"] = drive.largest_acceleration / toy.gravity
     for kind in ("coarse", "fine"):
-        found[f"onset_{kind}"] = measure.first_above(time, angle[f"strong_{kind}"], low + ONSET)
+        result[f"onset_{kind}"] = measure.first_above(time, angle[f"strong_{kind}"], low + ONSET)
     for kind in ("bottom", "top"):
         count = dataset[f"{kind}_contacts"].sel(case="strong_push")
-        found[f"{kind}_strong_push"] = float(count)
-    return found | {"onset_ratio": found["onset_fine"] / found["onset_coarse"]}
+        result[f"{kind}_strong_push"] = float(count)
+    return result | {"onset_ratio": result["onset_fine"] / result["onset_coarse"]}
 
 
 @style.styled

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import grids, paper, style
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.contacts import ClampContact
 
 if TYPE_CHECKING:
@@ -31,99 +31,6 @@ CLAMP_POINTS, QUICK_CLAMP_POINTS = 50, 20
 QUICK_CLAMP_DURATION = 150.0  # s
 MOVED = 0.01  # rad above the wall: a ball has visibly left it
 TOY = replace(paper.TOY, damping=0.0)
-# The start is not printed; from rest nothing would move below lift-off.
-PUSH_WORDS = f"The start is not printed: at rest on the wall, and {PUSH:g} rad above it, are tried."
-
-STATEMENTS = (
-    Statement(
-        name="map-pair",
-        where="Fig. 5, text",
-        words=(
-            "although Fig. 5 still retains the same overall structure as Figs. 3(c)-(d), its "
-            "boundaries have become blurred"
-        ),
-        assumed=(
-            Limit("agree_push", "points of the same class (2 rad) as without walls, push", low=0.8),
-            Limit("agree_rest", "the same from rest", low=0.8),
-            Limit("blur_push", "outliers over those without walls, push", low=1.2),
-        ),
-        assumption=PUSH_WORDS,
-        finding=(
-            "In the map of Fig. 5, {agree_rest:.0%} of the points from rest and {agree_push:.0%} "
-            "with a push fall into the same class as without walls; {outliers_free:.2%} of the "
-            "points differ from their surroundings without walls, {outliers_rest:.2%} from rest "
-            "and {outliers_push:.2%} with the push."
-        ),
-        why=(
-            "Between impacts the equation is the same. From rest, though, the left boundary is the "
-            "lift-off curve √(l/A0) and sharp: {left_rest:.2f} against {lift_off:.2f} at A0 = 0.3 "
-            "m. Where balls bounce on both sides of it, impacts make it ragged. A fixed-step clamp "
-            "of 1 ms instead leaves the wall at {clamp_moved:.0%} of the points below lift-off, "
-            "and passes 2 rad at {clamp_crossed:.0%} of them."
-        ),
-    ),
-    Statement(
-        name="map-pair-band",
-        where="text on Fig. 5",
-        words="Notably, the secondary resonance region no longer appears in Fig. 5",
-        assumed=(
-            Limit("band_rest", "mean energy near ω/ω0 = 1 over that beside it, rest", high=1.5),
-            Limit("band_push", "the same with the push", high=1.5),
-        ),
-        assumption=PUSH_WORDS,
-        finding=(
-            "In the map of Fig. 5 the mean energy near ω/ω0 = 1 is at most {band_rest:.2f} times "
-            "that beside this band from rest and {band_push:.2f} times with a push; without walls "
-            "it is {band_free:.0f} times."
-        ),
-        why=(
-            "From rest nothing leaves the wall there. Small bounces off a wall beside the lowest "
-            "point are quicker than ω0 and change their pace with their height, so that no narrow "
-            "resonance builds up."
-        ),
-    ),
-    Statement(
-        name="map-pair-amplitude",
-        where="text on Fig. 5",
-        words="a larger driving amplitude is required to observe the resonance effect",
-        assumed=(
-            Limit("more_rest", "smallest A0 for 2 rad over that without walls, rest", low=1.2),
-            Limit("more_push", "the same with the push", low=1.2),
-        ),
-        assumption=PUSH_WORDS,
-        finding=(
-            "In the map of Fig. 5 the angle first reaches 2 rad at A0 = {tip_rest:.3f} m from "
-            "rest (ω/ω0 = {at_rest:.2f}), at {tip_push:.3f} m with a push ({at_push:.2f}) and at "
-            "{tip_free:.3f} m without walls ({at_free:.2f}); at ω/ω0 = 4 the order is reversed, "
-            "with {four_rest:.2f}, {four_push:.2f} and {four_free:.2f} m."
-        ),
-        why=(
-            "It holds for the smallest amplitude of the map, not for each frequency: on the right "
-            "side the walls make more of the plane unstable."
-        ),
-    ),
-    Statement(
-        name="pair-range",
-        where="Abstract",
-        words=(
-            "parametric resonance consistently occurs within a characteristic frequency ratio "
-            "range (ω/ω0) starting from 2"
-        ),
-        printed=(
-            Limit("left_rest", "left edge (2 rad) at A0 = 0.3 m, rest", 1.95, 2.05),
-            Limit("left_push", "left edge (2 rad) at A0 = 0.3 m, push", 1.95, 2.05),
-        ),
-        finding=(
-            "For A0 = 0.2, 0.3 and 0.5 m the resonance range of the colliding pair begins at ω/ω0 "
-            "= {left_rest_2:.2f}, {left_rest:.2f} and {left_rest_5:.2f} from rest and at "
-            "{left_push_2:.2f}, {left_push:.2f} and {left_push_5:.2f} with a push."
-        ),
-        why=(
-            "It depends on amplitude and start. From rest the range begins at the lift-off curve "
-            "√(l/A0), with a push near the tongue of eq14; both move to the left as A0 grows."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -163,26 +70,26 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     below = grids.acceleration_ratio(dataset) < 1.0
     below_clamp = grids.acceleration_ratio(dataset, f"{CLAMP}_") < 1.0
     active = {case: dataset.crossings.sel(case=case) > 0.0 for case in (FREE, REST, PUSHED)}
-    found: dict[str, float] = {}
+    result: dict[str, float] = {}
     for case, points in active.items():
-        chosen = dataset.sel(case=case)
-        found[f"agree_{case}"] = float((points.values == active[FREE].values).mean())
-        found[f"outliers_{case}"] = grids.outliers(points.values)
-        found[f"band_{case}"] = grids.band_gain(chosen.mean_energy)
-        found[f"tip_{case}"], found[f"at_{case}"] = grids.smallest_amplitude(points)
+        part = dataset.sel(case=case)
+        result[f"agree_{case}"] = float((points.values == active[FREE].values).mean())
+        result[f"outliers_{case}"] = grids.outliers(points.values)
+        result[f"band_{case}"] = grids.band_gain(part.mean_energy)
+        result[f"tip_{case}"], result[f"at_{case}"] = grids.smallest_amplitude(points)
         column = points.sel(frequency_ratio=4.0, method="nearest").values
-        found[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
-        edge = map_boundary(chosen, "crossings", 1.0).left_edge
+        result[f"four_{case}"] = float(dataset.drive_amplitude[int(np.argmax(column))])
+        edge = map_boundary(part, "crossings", 1.0).left_edge
         for name, amplitude in (("_2", 0.2), ("", 0.3), ("_5", 0.5)):
             here = edge.sel(drive_amplitude=amplitude, method="nearest")
-            found[f"left_{case}{name}"] = float(here)
+            result[f"left_{case}{name}"] = float(here)
     rise = dataset.largest_angle.sel(case=REST).values - low
     clamp_rise = dataset.clamp_largest_angle.values - low
-    return found | {
-        "blur_push": found["outliers_push"] / found["outliers_free"],
+    return result | {
+        "blur_push": result["outliers_push"] / result["outliers_free"],
         "lift_off": (TOY.length / 0.3) ** 0.5,
-        "more_rest": found["tip_rest"] / found["tip_free"],
-        "more_push": found["tip_push"] / found["tip_free"],
+        "more_rest": result["tip_rest"] / result["tip_free"],
+        "more_push": result["tip_push"] / result["tip_free"],
         "rest_moved": float((rise[below] > MOVED).mean()),
         "clamp_moved": float((clamp_rise[below_clamp] > MOVED).mean()),
         "clamp_crossed": float((dataset.clamp_crossings.values[below_clamp] > 0.0).mean()),
@@ -200,9 +107,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     handles = []
     for row, (name, norm, cmap) in enumerate(grids.SCALES):
-        for column, (title, chosen, prefix) in enumerate(columns):
+        for column, (title, part, prefix) in enumerate(columns):
             panel = axes[row, column]
-            values = chosen[f"{prefix}{name}"]
+            values = part[f"{prefix}{name}"]
             mesh = grids.draw_cells(panel, values, norm=norm(), cmap=cmap)
             handles = [grids.draw_overlay(panel, TOY, each) for each in ("tongue", "lift_off")]
             style.panel_title(panel, "abcdef"[3 * row + column], title)

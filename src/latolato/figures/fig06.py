@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import paper, style
 from latolato.figures.cases import SAMPLES_PER_PERIOD, instants, stack
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic
 
 if TYPE_CHECKING:
@@ -37,104 +37,6 @@ KEPT = (
 )
 # A toy of a quarter of the length that moves alike, twice as fast.
 SCALE = 0.25
-
-_PUSHED = f"The pair starts at rest {paper.PUSH_WORDS}; as printed all powers vanish."
-
-STATEMENTS = (
-    Statement(
-        name="power-decides-trend",
-        where="Fig. 6a and text",
-        words=(
-            "When the input power predominantly resides in the positive regime, the total energy "
-            "demonstrates an increasing trend"
-        ),
-        printed=(Limit("work_rest", "work of the drive from rest", low=1e-6, unit="J"),),
-        assumed=(
-            Limit(
-                "same_sign",
-                "share of drive periods in which net work and change of energy have one sign",
-                low=0.9,
-            ),
-        ),
-        assumption=_PUSHED,
-        finding=(
-            "In Fig. 6 the energy changes in the direction of the drive's work in {same_sign:.0%} "
-            "of the drive periods."
-        ),
-        why=(
-            "Change of energy = work - losses: the ledger closes to {residual:.0e} of the largest "
-            "energy, and damping takes {loss_share:.1%} of the work's turnover."
-        ),
-    ),
-    Statement(
-        name="small-dissipation",
-        where="Fig. 6 and text",
-        words="the input power's substantial magnitude advantage over the … dissipative power",
-        printed=(Limit("work_rest", "work of the drive from rest", low=1e-6, unit="J"),),
-        assumed=(Limit("power_ratio", "mean |input power| over mean dissipated power", low=10.0),),
-        assumption=_PUSHED,
-        finding=(
-            "In Fig. 6 the mean magnitudes of the drive's power and of the damping's power are "
-            "{mean_input:.2f} W and {mean_damping:.3f} W, a factor of {power_ratio:.0f}."
-        ),
-        why="C l θ'² is small beside m l A0 ω² |θ' sin θ| once the swing is large.",
-    ),
-    Statement(
-        name="envelope-of-energies",
-        where="Fig. 6b and text",
-        words=(
-            "the total energy curve also serves as the envelope for both kinetic and potential "
-            "energy"
-        ),
-        printed=(
-            Limit(
-                "excess_eq2",
-                "largest excess of kinetic over total energy with eq2's U",
-                high=1e-9,
-                unit="J",
-            ),
-        ),
-        assumed=(
-            Limit("excess", "largest excess of T or U over E", high=1e-9, unit="J"),
-            Limit("touch_potential", "smallest (E - U)/E of the swings", high=1e-3),
-        ),
-        assumption=(
-            "U = m g l (1 - cos θ) is meant, counted from the lowest point, and a push as in the "
-            "other claims."
-        ),
-        finding=(
-            "In Fig. 6 the total energy is never below T or U if U is counted from the lowest "
-            "point; with eq2's U = -m g l cos θ the kinetic energy would exceed it by up to "
-            "{excess_eq2:.2f} J."
-        ),
-        why="Both parts must be positive for their sum to be an envelope: eq2 makes U negative.",
-    ),
-    Statement(
-        name="envelope-of-power",
-        where="Fig. 6a and text",
-        words=(
-            "the total energy curve effectively approximates the envelope of the input power curve"
-        ),
-        printed=(
-            Limit(
-                "peak_ratio_change",
-                "peak power over peak energy [1/s], changed by a toy that moves alike at another "
-                "size",
-                0.9,
-                1.1,
-            ),
-        ),
-        finding=(
-            "The largest drive power in W over the largest energy in J is {peak_ratio:.2f} for "
-            "the toy of Fig. 6 and {peak_ratio_short:.2f} for a toy of a quarter of the length "
-            "that moves alike."
-        ),
-        why=(
-            "Joule and watt differ by a time: at this length their numbers happen to be alike. "
-            "The ratio follows √(g/l)."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:

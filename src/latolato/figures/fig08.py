@@ -9,7 +9,7 @@ import numpy as np
 from latolato.analysis.closed_forms import mathieu_growth_rate, mathieu_threshold_amplitude
 from latolato.figures import measure, paper, style
 from latolato.figures.cases import SAMPLES_PER_PERIOD, Residuals, instants, quantity, stack
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic
 from latolato.physics.pendulum import Mathieu
 
@@ -27,58 +27,6 @@ CAPTION = (
 DURATION = 180.0  # s
 LATE = 20.0  # s, the last stretch, in which the motion has settled
 BELOW, ABOVE = 0.99, 1.01  # of the threshold
-
-STATEMENTS = (
-    Statement(
-        name="ratio-1.942",
-        where="Fig. 8, caption",
-        words="driving frequency ω = 10.09 rad/s and the frequency ratio ω/ω0 = 1.942",
-        printed=(Limit("ratio", "ω/ω0 from the printed l and g", 1.9415, 1.9425),),
-        finding="With the parameters printed for Fig. 8 the frequency ratio ω/ω0 is {ratio:.5f}.",
-        why="ω0 = √(g/l) = {natural:.4f} rad/s with l = 0.3630 m and g = 9.8 m/s².",
-    ),
-    Statement(
-        name="growth-and-saturation",
-        where="Fig. 8 and text",
-        words=(
-            "exponential increase in the small-angle regime and finite growth in the large-angle "
-            "regime … the amplitude of angular variation gradually stabilizes"
-        ),
-        assumed=(
-            Limit("growth_error", "relative error of exponential growth below 10°", high=0.05),
-            Limit("largest", "largest angle", high=np.pi, unit="rad"),
-            Limit(
-                "last_spread", "spread of the turning points in the last 20 s, relative", high=0.05
-            ),
-        ),
-        assumption=f"{paper.SINGLE_WORDS}, neither of which is printed.",
-        finding=(
-            "The swing of Fig. 8 grows at {growth:.4f} 1/s (linear theory {hill:.4f} 1/s), "
-            "reaches {largest_degrees:.1f}° after {largest_time:.1f} s and settles at "
-            "{settled_degrees:.1f}°."
-        ),
-        why="The same detuning as in Fig. 2, with the experiment's length and damping.",
-    ),
-    Statement(
-        name="threshold-of-fig-8",
-        is_method_check=True,
-        where="Fig. 8",
-        words="the experimental results align well with numerical simulations",
-        assumed=(
-            Limit("rate_below", "growth rate 1% below the threshold", high=0.0, unit="1/s"),
-            Limit("rate_above", "growth rate 1% above the threshold", low=0.0, unit="1/s"),
-        ),
-        assumption="The experiment's driving amplitude was above the threshold.",
-        finding=(
-            "With the l, m, C and ω printed for Fig. 8, growth needs A0 ≥ {threshold_mm:.2f} mm; "
-            "runs 1 % below and above change at {rate_below:.4f} and {rate_above:+.4f} 1/s."
-        ),
-        why=(
-            "ω/ω0 = {ratio:.3f} lies in the tongue only when the tongue is wide enough. The "
-            "comparison itself needs the paper's data."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -190,10 +138,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     rate = float(dataset.growth_rate.interp(drive_amplitude=paper.SINGLE_AMPLITUDE))
     when, sizes = measure.peaks(time, run.angle.values, run.angular_velocity.values)
     start = int(np.flatnonzero(sizes > np.deg2rad(5.0))[0])
-    shown = time <= when[np.argmax(sizes)]
-    envelope = np.rad2deg(sizes[start]) * np.exp(rate * (time[shown] - when[start]))
+    growing = time <= when[np.argmax(sizes)]
+    envelope = np.rad2deg(sizes[start]) * np.exp(rate * (time[growing] - when[start]))
     for sign in (-1.0, 1.0):
-        a.plot(time[shown], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
+        a.plot(time[growing], sign * envelope, color=style.INK, lw=style.THIN, ls="--")
     a.set_ylim(-100.0, 100.0)
     a.set_xlim(0.0, DURATION)
     a.set_xlabel(style.label(dataset.time))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import grids, paper, style
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.figures.map import CLASSES
 
 if TYPE_CHECKING:
@@ -31,37 +31,6 @@ LATE = "largest_angle_after_transient"
 WEAK, STRONG = math.pi / 4.0, math.pi / 2.0
 # A start at 1 degree that is above this after the transient has grown.
 GROWN = math.radians(5.0)
-
-STATEMENTS = (
-    Statement(
-        name="below-45-rare",
-        where="text on Fig. 9",
-        words=(
-            "cases with angles below 45° were rare, indicating sharp parametric resonance "
-            "transitions"
-        ),
-        printed=(
-            Limit("below", "part of the growing points that stay below 45° after 240 s", high=0.1),
-        ),
-        assumed=(Limit("left_jumps", "rows whose leftmost growing point reaches 45°", low=0.9),),
-        assumption=(
-            "The trials that grow lie at the left edge, at A0 ≥ 10 mm; A0 and the start at 1° are "
-            "not printed."
-        ),
-        finding=(
-            "In the map of Fig. 9, {below:.0%} of the growing points stay below 45°: the right "
-            "side of the region, and all of it up to A0 = {all_below_mm:.1f} mm; at the left edge "
-            "{left_jumps:.0%} of the amplitudes from 10 mm on jump to 45° or more at the first "
-            "growing point."
-        ),
-        why=(
-            "The lasting swing falls steadily with the frequency, from {left_angle:.0f} degrees at "
-            "the left edge to nothing at the right one (A0 = 20 mm, ω/ω0 = {left_edge:.3f} to "
-            "{right_edge:.3f}). Both edges of growth are those of the damped eq14 within "
-            "{edge_shift:.3f}."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -131,26 +100,24 @@ def draw(dataset: xr.Dataset) -> Figure:
 
     figure, axes = style.new_figure(1, 2, sharey=True, height=3.5)
     a, b = axes[0]
-    chosen = dataset.isel(case=0)
+    grid = dataset.isel(case=0)
     ratio, amplitude = dataset.frequency_ratio.values, dataset.drive_amplitude.values
-    mesh = grids.draw_cells(
-        a, chosen.mean_energy, norm=LogNorm(1e-4, 1.0, clip=True), cmap="viridis"
-    )
+    mesh = grids.draw_cells(a, grid.mean_energy, norm=LogNorm(1e-4, 1.0, clip=True), cmap="viridis")
     bar = figure.colorbar(mesh, ax=a, aspect=26, pad=0.02, extend="min")
     bar.outline.set_visible(False)
     colours = CLASSES["motion_class"]
     # Zero is a class here, not a missing value.
-    shown = (chosen.motion_class + 1.0).rename("motion_class")
+    classes = (grid.motion_class + 1.0).rename("motion_class")
     grids.draw_cells(
         b,
-        shown,
+        classes,
         norm=BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3),
         cmap=ListedColormap(list(colours.values())),
     )
     handles = [grids.draw_overlay(panel, paper.SINGLE, "tongue") for panel in (a, b)][:1]
     for values, level, colour, text in (
-        (chosen[LATE], WEAK, style.ORANGE, "45° after 240 s"),
-        (chosen.largest_angle, STRONG, style.RED, "90° at any time"),
+        (grid[LATE], WEAK, style.ORANGE, "45° after 240 s"),
+        (grid.largest_angle, STRONG, style.RED, "90° at any time"),
     ):
         a.contour(ratio, amplitude, values.values, levels=[level], colors=[colour], linewidths=1.1)
         handles.append(Line2D([], [], color=colour, lw=1.1, label=text))
@@ -159,7 +126,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         for name, colour in colours.items()
     ]
     for panel, letter, text in (
-        (a, "a", grids.label(chosen.mean_energy)),
+        (a, "a", grids.label(grid.mean_energy)),
         (b, "b", "class of motion"),
     ):
         style.panel_title(panel, letter, text)

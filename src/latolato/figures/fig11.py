@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import grids, paper, style
 from latolato.figures.cases import Floats
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TITLE = "The response of the colliding pair against frequency"
-BAND = (2.2, 2.6)  # w/w0, shaded in the paper
 AMPLITUDES = (0.015, 0.020, 0.025, 0.030)  # m, assumed: four sets, none printed
 START = 0.15  # rad above the low contact angle, assumed
 STARTS = (0.1, 0.2, 0.3)  # rad
@@ -31,82 +30,7 @@ CAPTION = (
     f"{START:g} rad above the wall. (b) A0 = {1e3 * MIDDLE:g} mm: other starts, and one motion "
     "followed as the frequency rises and falls step by step."
 )
-ASSUMED = (
-    f"A0 = 15 to 30 mm, r/l = {paper.COUPLED.radius / paper.COUPLED.length:g}, e = "
-    f"{paper.COUPLED.restitution:g} and a start {START:g} rad above the wall, none of them printed."
-)
 LATE = "largest_angle_after_transient"
-
-STATEMENTS = (
-    Statement(
-        name="response-peaks",
-        where="Fig. 11",
-        words="each curve exhibits a peak occurring at frequency ratios between 2.2 and 2.6",
-        assumed=(
-            Limit("first_peak", "lowest ω/ω0 of the four peaks", low=BAND[0]),
-            Limit("last_peak", "highest ω/ω0 of the four peaks", high=BAND[1]),
-        ),
-        assumption=ASSUMED,
-        finding=(
-            "The response curves of Fig. 11 peak at ω/ω0 = {peak_0:.2f}, {peak_1:.2f}, "
-            "{peak_2:.2f} and {peak_3:.2f}, with {height_0:.0f}, {height_1:.0f}, {height_2:.0f} "
-            "and {height_3:.0f} degrees, for A0 = 15, 20, 25 and 30 mm."
-        ),
-        why=(
-            "They are where the start still reaches the large motion; with starts of 0.1 to 0.3 "
-            "rad the peak at 25 mm lies anywhere from {lowest_start:.2f} to {highest_start:.2f}."
-        ),
-    ),
-    Statement(
-        name="response-flanks",
-        where="text on Fig. 11",
-        words=(
-            "The left side of each peak appears steeper than the right side, and with increasing "
-            "driving amplitude, these peaks gradually shift leftward"
-        ),
-        assumed=(
-            Limit("flanks", "half width on the right over that on the left, smallest", low=3.0),
-            Limit("largest_shift", "shift of ω/ω0 from one A0 to the next, largest", high=-0.01),
-        ),
-        assumption=ASSUMED,
-        finding=(
-            "Left of the peaks of Fig. 11 the angle falls to half its height within "
-            "{left_half:.3f} in ω/ω0, right of them within {right_half:.2f} or more; from A0 = 15 "
-            "to 30 mm the peak moves by {whole_shift:+.2f}."
-        ),
-        why=(
-            "A pendulum that softens has a branch of large motion that rises towards low "
-            "frequencies; left of the peak the start falls off it, back to rest on the wall."
-        ),
-    ),
-    Statement(
-        name="flank-is-boundary",
-        where="text on Fig. 11",
-        words=(
-            "These phenomena precisely correspond to the left and right boundaries observed in "
-            "numerical calculations (Fig. 5), thereby confirming the theoretical results"
-        ),
-        printed=(
-            Limit(
-                "start_spread",
-                "spread of the peak in ω/ω0 over starts of 0.1 to 0.3 rad",
-                high=0.05,
-            ),
-            Limit("hysteresis", "difference of falling and rising frequency in the band", high=5.0),
-        ),
-        finding=(
-            "The left flank of Fig. 11 at A0 = 25 mm moves by {start_spread:.2f} in ω/ω0 with the "
-            "start; followed downwards in frequency the same motion lasts to ω/ω0 = "
-            "{down_end:.2f} and {down_height:.0f} degrees, and in the band it is up to "
-            "{hysteresis:.0f} degrees larger than on the way up."
-        ),
-        why=(
-            "The left flank is the end of a start's basin, not an edge of the parameters: this is "
-            "hysteresis. The experiment would show it by changing the frequency during a run, as "
-            "Fig. 12 does."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -165,7 +89,8 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         np.degrees(dataset[f"followed_{LATE}"].sel(followed_direction=way).values)
         for way in ("up", "down")
     )
-    inside = (ratio >= BAND[0] - 1e-9) & (ratio <= BAND[1] + 1e-9)
+    first, last = paper.PEAK_RATIOS
+    inside = (ratio >= first - 1e-9) & (ratio <= last + 1e-9)
     end = int(np.argmax(down))
     return {
         **{f"peak_{i}": float(peak) for i, peak in enumerate(peaks)},
@@ -212,7 +137,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         (a, "a", f"start {START:g} rad above the wall"),
         (b, "b", f"$A_0$ = {1e3 * MIDDLE:g} mm"),
     ):
-        panel.axvspan(*BAND, color=style.ORANGE, alpha=0.22, lw=0, zorder=0)
+        panel.axvspan(*paper.PEAK_RATIOS, color=style.ORANGE, alpha=0.22, lw=0, zorder=0)
         panel.set_xlim(*RATIOS)
         panel.set_ylim(0.0, None)
         panel.set_xlabel(style.label(dataset.frequency_ratio))

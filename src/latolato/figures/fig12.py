@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import paper, style
 from latolato.figures.cases import Floats, Residuals, instants, quantity, stack, variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import FrequencySchedule, Harmonic
 
 if TYPE_CHECKING:
@@ -37,88 +37,18 @@ PUSHES = (0.0, 0.05, 0.1, 0.2)  # rad above the contact angle
 LARGE = np.deg2rad(20.0)
 _ROUNDING = 0.0005  # half of the last printed digit of a ratio
 
-_ASSUMED = f"{paper.COUPLED_WORDS}, and a start at rest in contact; none of these is printed."
-
-STATEMENTS = (
-    Statement(
-        name="stepping-frequency",
-        where="Fig. 12 and text",
-        words="The maximum achievable angle of the balls increased significantly",
-        assumed=(
-            Limit("gain", "lasting angle with the step over that from rest without it", low=2.0),
-            Limit(
-                "share_rounding",
-                "share of first-stage ratios rounding to 3.136 that succeed",
-                low=0.25,
-            ),
-        ),
-        assumption=f"{_ASSUMED} Compared with a start at rest without the first stage.",
-        finding=(
-            "With the step in frequency the pair of Fig. 12 settles at {stepped_degrees:.1f}°, "
-            "and without it, from rest, at {rest_degrees:.1f}° (contact); the step succeeds for "
-            "{share_rounding:.0%} of the ratios that round to 3.136 and for {share_phases:.0%} of "
-            "the drive phases at 3.136, and otherwise the balls fall back to rest or to hops of "
-            "{small_degrees:.1f}°."
-        ),
-        why=(
-            "Stage 1 lifts off (A0 ω²/g = {acceleration_1:.2f} > 1), stage 2 alone does not "
-            "({acceleration_2:.2f}). The first hops are chaotic, so success depends on unprinted "
-            "digits."
-        ),
-    ),
-    Statement(
-        name="compensation",
-        where="text on Fig. 12",
-        words=(
-            "This preliminary high-frequency excitation provided sufficient initial energy … to "
-            "compensate for energy and momentum losses"
-        ),
-        printed=(
-            Limit("gain_over_push", "lasting angle with the step over that after a push", low=1.05),
-        ),
-        finding=(
-            "After a push of 0.2 rad, stage 2 of Fig. 12 alone settles at the same "
-            "{pushed_degrees:.1f}° for {share_pushed:.0%} of the drive phases (with both stages: "
-            "{stepped_degrees:.1f}°)."
-        ),
-        why=(
-            "The lasting motion is an attractor of stage 2: the first stage decides whether it is "
-            "reached, not how large it is, and adds no energy to it."
-        ),
-    ),
-    Statement(
-        name="transition-time",
-        where="Fig. 12, caption",
-        words="Frequency shift at about 4.166 s and the transition time less than 0.5 s",
-        assumed=(
-            Limit(
-                "ramp_change", "lasting angle with a ramp of 0.5 s over that without", 0.99, 1.01
-            ),
-        ),
-        assumption=_ASSUMED,
-        finding=(
-            "In Fig. 12 a ramp of 0.5 s leads to {ramped_degrees:.2f}° and a sudden step to "
-            "{stepped_degrees:.2f}°; stage 1 needs A0 > {threshold_mm:.1f} mm."
-        ),
-        why=(
-            "The attractor does not know how it was reached; below g/ω1² nothing lifts off in "
-            "stage 1."
-        ),
-    ),
-)
-
 
 def data(quick: bool = False) -> xr.Dataset:
     """Return curves for two ramps and several phases, and the lasting angles of many starts."""
     w0 = paper.COUPLED.natural_frequency
     first, second = paper.STAGE_RATIOS
     phases = np.arange(PHASES) * (2.0 * np.pi / PHASES)
-    shown = phases[:: PHASES // 4]
+    starts = phases[:: PHASES // 4]
     times = instants(DURATION, first * w0)
     runs = {
         f"{ramp:g} s, {i}": _stepped(first, ramp, phase, times)
         for ramp in RAMPS
-        for i, phase in enumerate(shown)
+        for i, phase in enumerate(starts)
     }
     runs["rest"] = _alone(0.0, 0.0, times)
     ratios = first + np.linspace(-_ROUNDING, _ROUNDING, 81 if quick else 161)
@@ -278,10 +208,10 @@ def _draw_phases(dataset: xr.Dataset, axis: Axes) -> None:
     for row, (_, angles) in enumerate(rows):
         colour = style.BLUE if row == 0 else style.GREEN
         for is_large in (True, False):
-            chosen = (angles > LARGE) == is_large
+            mask = (angles > LARGE) == is_large
             axis.plot(
-                phases[chosen],
-                np.full(chosen.sum(), row),
+                phases[mask],
+                np.full(mask.sum(), row),
                 "o",
                 ms=4.2,
                 mew=0.7,

@@ -155,9 +155,9 @@ def draw_cells(axes: Axes, values: xr.DataArray, *, norm: Any, cmap: str | Color
         Side(str(dim), values[dim].values, values[dim].attrs, str(dim), False)
         for dim in values.dims
     )
-    shown = np.ma.masked_where(~(values.values > 0.0), values.values)
+    cells = np.ma.masked_where(~(values.values > 0.0), values.values)
     mesh = axes.pcolormesh(
-        x.edges, y.edges, shown, cmap=cmap, norm=norm, shading="flat", rasterized=True
+        x.edges, y.edges, cells, cmap=cmap, norm=norm, shading="flat", rasterized=True
     )
     axes.set_xlim(float(x.edges[0]), float(x.edges[-1]))
     axes.set_ylim(float(y.edges[0]), float(y.edges[-1]))

@@ -153,10 +153,10 @@ def write(path: Path | str) -> Path:
 
     from latolato.core.atomic import atomic_path
 
-    drawn = BytesIO()
+    content = BytesIO()
     with style.use_style():
-        draw(data()).savefig(drawn, format="png", dpi=DPI, facecolor=style.NIGHT)
-    small = Image.open(drawn).convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
+        draw(data()).savefig(content, format="png", dpi=DPI, facecolor=style.NIGHT)
+    small = Image.open(content).convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
     with atomic_path(path) as unfinished:
         small.save(unfinished, optimize=True)
     return Path(path)

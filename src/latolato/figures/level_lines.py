@@ -43,11 +43,11 @@ def lines_of(drawing: Drawing, levels: Sequence[float]) -> tuple[list[Line], int
     y, x = drawing.sides
     stride = _complete(drawing.status)
     values = drawing.values[::stride, ::stride]
-    along_x, along_y = (_measured(side.values, side.is_log)[::stride] for side in (x, y))
+    along_x, along_y = (_to_scale(side.values, side.is_log)[::stride] for side in (x, y))
     if min(values.shape) < 2:
         return [], 0
     columns, rows = (np.arange(n, dtype=np.float64) for n in values.shape[::-1])
-    found, tiny = [], 0
+    lines, tiny = [], 0
     for level in levels:
         for line in contour_lines(columns, rows, values, level):
             if np.ptp(line, axis=0).max() < _TINY and min(values.shape) >= _FEW:
@@ -55,8 +55,10 @@ def lines_of(drawing: Drawing, levels: Sequence[float]) -> tuple[list[Line], int
                 continue
             at_x = np.interp(line[:, 0], columns, along_x)
             at_y = np.interp(line[:, 1], rows, along_y)
-            found.append(Line(float(level), _valued(at_x, x.is_log), _valued(at_y, y.is_log)))
-    return found, tiny
+            lines.append(
+                Line(float(level), _from_scale(at_x, x.is_log), _from_scale(at_y, y.is_log))
+            )
+    return lines, tiny
 
 
 def _complete(status: Any) -> int:
@@ -67,9 +69,9 @@ def _complete(status: Any) -> int:
     return stride
 
 
-def _measured(values: Floats, is_log: bool) -> Floats:
+def _to_scale(values: Floats, is_log: bool) -> Floats:
     return np.log(values) if is_log else values
 
 
-def _valued(places: Floats, is_log: bool) -> Floats:
+def _from_scale(places: Floats, is_log: bool) -> Floats:
     return np.exp(places) if is_log else places

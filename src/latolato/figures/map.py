@@ -71,58 +71,58 @@ def _variable(known: list[str], name: str | None) -> str:
 def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
     """Raise InputError unless one or two dimensions are left."""
     if len(lengths) > 2:
-        shown = ", ".join(f"{dim} ({length})" for dim, length in lengths.items())
+        dims = ", ".join(f"{dim} ({length})" for dim, length in lengths.items())
         raise InputError(
-            f"{variable} varies over {shown}; a picture shows two of them: select a value of the "
+            f"{variable} varies over {dims}; a picture shows two of them: select a value of the "
             f"others, as in `latolato plot FILE --select {next(iter(lengths))}=VALUE`"
         )
     if not lengths:
         raise InputError(f"{variable} is a single value: select fewer dimensions")
 
 
-def _ordered(dims: list[str], right: str | None) -> list[str]:
+def _order(dims: list[str], right: str | None) -> list[str]:
     """Return dimensions with one, usually a frequency, last, for it goes to the right."""
     return sorted(dims, key=lambda dim: dim == right if right else dim in marks.FREQUENCIES)
 
 
-def _selected(
+def _select(
     grid: xr.Dataset, variable: str, select: Mapping[str, Any]
 ) -> tuple[xr.Dataset, dict[str, str]]:
     """Return the part of a dataset at given values, and these in words."""
-    told: dict[str, str] = {}
-    for name, wanted in select.items():
-        known = list(map(str, grid[variable].dims))
-        if name not in known:
-            raise InputError(f"{variable} has no dimension '{name}': {suggest(name, known)}")
+    selection: dict[str, str] = {}
+    for name, value in select.items():
+        dims = list(map(str, grid[variable].dims))
+        if name not in dims:
+            raise InputError(f"{variable} has no dimension '{name}': {suggest(name, dims)}")
         coordinate = grid[name].values
         if coordinate.dtype.kind == "U":
-            if wanted not in coordinate:
-                raise InputError(f"{name} must be one of {', '.join(coordinate)}, got {wanted!r}")
-            index = int(np.flatnonzero(coordinate == wanted)[0])
+            if value not in coordinate:
+                raise InputError(f"{name} must be one of {', '.join(coordinate)}, got {value!r}")
+            index = int(np.flatnonzero(coordinate == value)[0])
         elif name not in grid.coords:
-            index = int(wanted)
+            index = int(value)
             if not 0 <= index < grid.sizes[name]:
-                raise InputError(f"{name} is an index below {grid.sizes[name]}, got {wanted!r}")
+                raise InputError(f"{name} is an index below {grid.sizes[name]}, got {value!r}")
         else:
-            index = _nearest(name, coordinate, float(wanted))
+            index = _nearest(name, coordinate, float(value))
         grid = grid.isel({name: index})
         if name in grid.coords and coordinate.dtype.kind != "U":
-            told[name] = in_words(grid, name, float(grid[name]))
+            selection[name] = in_words(grid, name, float(grid[name]))
         else:
-            told[name] = f"{name} {wanted}"
-    return grid, told
+            selection[name] = f"{name} {value}"
+    return grid, selection
 
 
-def _nearest(name: str, values: Floats, wanted: float) -> int:
+def _nearest(name: str, values: Floats, value: float) -> int:
     """Return the index of the nearest value; half a spacing beyond the ends is too far."""
     ordered = np.sort(values)
     slack = 0.5 * float(np.max(np.diff(ordered), initial=0.0)) + 1e-9 * float(np.abs(ordered).max())
-    if not ordered[0] - slack <= wanted <= ordered[-1] + slack:
+    if not ordered[0] - slack <= value <= ordered[-1] + slack:
         raise InputError(
-            f"{name} runs from {ordered[0]:g} to {ordered[-1]:g} here, got {wanted:g}; select a "
+            f"{name} runs from {ordered[0]:g} to {ordered[-1]:g} here, got {value:g}; select a "
             "value in between"
         )
-    return int(np.argmin(np.abs(values - wanted)))
+    return int(np.argmin(np.abs(values - value)))
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Look:
     lines : sequence of latolato.figures.contours.Line
         Lines of equal values.
     unit : tuple of str and float
-        Name of the unit in which these are told, and how many SI units it is.
+        Name of the unit of these, and how many SI units it is.
     label : str
         What is equal along them.
     """
@@ -167,8 +167,8 @@ class Drawing:
         right: str | None = None,
     ) -> None:
         self.name = _variable(list(map(str, grid.data_vars)), variable)
-        grid, told = _selected(grid, self.name, select)
-        rest = _ordered(list(map(str, grid[self.name].dims)), right)
+        grid, selection = _select(grid, self.name, select)
+        rest = _order(list(map(str, grid[self.name].dims)), right)
         _check_dims({d: grid.sizes[d] for d in rest}, self.name)
         self.sides = [side_of(grid, dim) for dim in rest]
         for side in self.sides:
@@ -176,7 +176,7 @@ class Drawing:
             grid = grid.isel({side.dim: order})
         data = grid[self.name].transpose(*rest)
         self.grid, self.data, self.log = grid, data, log
-        self.title = title_of(grid, told, self.name)
+        self.title = title_of(grid, selection, self.name)
         self.values = np.array(data.values, dtype=np.float64)
         status = grid.get("status")
         if status is not None and set(status.dims) <= set(data.dims):
@@ -246,7 +246,7 @@ class Drawing:
         from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 
         y, x = self.sides
-        shown = np.ma.masked_invalid(self.values)
+        values = np.ma.masked_invalid(self.values)
         low, high = look.limits or self.limits
         if self.classes:
             colours: Any = ListedColormap(list(self.classes.values()))
@@ -257,9 +257,9 @@ class Drawing:
             colours = mpl.colormaps[look.colours]
             norm = LogNorm(low, high) if self.log else Normalize(low, high)
         if self.log:
-            shown = np.ma.masked_less_equal(shown, 0.0)
+            values = np.ma.masked_less_equal(values, 0.0)
         options: dict[str, Any] = {"shading": "flat", "rasterized": True}
-        cells = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, norm=norm, **options)
+        cells = axes.pcolormesh(x.edges, y.edges, values, cmap=colours, norm=norm, **options)
         for mask, colour in self._special():
             if mask.any():
                 patch = np.ma.masked_array(np.zeros(mask.shape), ~mask)
@@ -277,8 +277,11 @@ class Drawing:
     def _special(self) -> list[tuple[Any, str]]:
         """Return the cells that have a colour of their own, and it."""
         nothing = np.isnan(self.values)
-        found = [(nothing & (self.status >= 0), NO_ANSWER), (nothing & (self.status < 0), NOT_YET)]
-        return [*found, (self.values == 0.0, ZERO)] if self.log else found
+        special = [
+            (nothing & (self.status >= 0), NO_ANSWER),
+            (nothing & (self.status < 0), NOT_YET),
+        ]
+        return [*special, (self.values == 0.0, ZERO)] if self.log else special
 
     def _legend_of_cells(self) -> list[Any]:
         """Return legend entries for classes and for cells without a value."""
@@ -287,10 +290,10 @@ class Drawing:
         def patch(colour: str, text: str) -> Any:
             return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
 
-        found = []
+        entries = []
         for number, (text, colour) in enumerate(self.classes.items()):
             if self.name != "status" or (self.values == number).any():
-                found.append(patch(colour, text))
+                entries.append(patch(colour, text))
         nothing = np.isnan(self.values)
         late, lost = nothing & (self.status < 0), nothing & (self.status >= 0)
         if lost.any():
@@ -298,17 +301,17 @@ class Drawing:
                 (int((lost & (self.status == number)).sum()), name.replace("_", " "))
                 for number, name in enumerate(STATUS_NAMES)
             ]
-            shown = ", ".join(
+            reasons = ", ".join(
                 f"{n} {name if number >= EVENT_LIMIT else 'without value'}"
                 for number, (n, name) in enumerate(counts)
                 if n
             )
-            found.append(patch(NO_ANSWER, f"no answer ({shown})"))
+            entries.append(patch(NO_ANSWER, f"no answer ({reasons})"))
         if late.any():
-            found.append(patch(NOT_YET, f"not computed yet ({int(late.sum())})"))
+            entries.append(patch(NOT_YET, f"not computed yet ({int(late.sum())})"))
         if self.log and (self.values == 0.0).any():
-            found.append(patch(ZERO, "zero"))
-        return found
+            entries.append(patch(ZERO, "zero"))
+        return entries
 
     def curves(self) -> Figure:
         """Return curves over the longer dimension."""

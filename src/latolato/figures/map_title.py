@@ -1,4 +1,4 @@
-"""What the line above a picture of a sweep tells: its system and what does not vary."""
+"""The lines above a picture of a sweep: its system and what does not vary."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from latolato.figures import style
 if TYPE_CHECKING:
     import xarray as xr
 
-# Parameters that the line above the picture tells.
-_TOLD = (
+# Parameters that the lines name.
+_PARAMETERS = (
     *("length", "mass", "radius", "restitution", "damping", "quadratic_damping"),
     *("coulomb_damping", "initial_angle", "initial_offset", "drive_amplitude", "frequency_ratio"),
     *("drive_frequency", "duration", "transient"),
 )
-# Parameters of observables, which the line tells with these only.
+# Parameters of observables, which the lines name with these only.
 _OF_VARIABLE = {
     "crossings": ("crossing_angle",),
     "motion_class": ("strong_angle", "weak_angle"),
@@ -27,29 +27,29 @@ _OF_VARIABLE = {
 }
 
 
-def title_of(grid: xr.Dataset, told: Mapping[str, str], variable: str) -> list[str]:
-    """Return what the picture of a variable is of, in lines; `told` is what was selected."""
+def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> list[str]:
+    """Return what the picture of a variable is of, in lines; `selection` is in words."""
     attributes = grid.attrs
     varied = {str(name) for name, c in grid.coords.items() if c.dims}
     words = [f"{attributes.get('system', 'sweep')}"]
     targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
-    named = []
-    for name in (*_TOLD, *_OF_VARIABLE.get(variable, ())):
+    others = []
+    for name in (*_PARAMETERS, *_OF_VARIABLE.get(variable, ())):
         value = attributes.get(name)
-        if not isinstance(value, (int, float)) or name in told or name in varied:
+        if not isinstance(value, (int, float)) or name in selection or name in varied:
             continue
-        if varied & set(targets.get(name, ())) or set(told) & set(targets.get(name, ())):
+        if varied & set(targets.get(name, ())) or set(selection) & set(targets.get(name, ())):
             continue
         if value == 0.0 and name not in ("damping", "initial_offset"):
             continue
-        named.append(in_words(grid, name, float(value)))
+        others.append(in_words(grid, name, float(value)))
     if attributes.get("contact") == "clamp":
         words.append("a fixed-step artefact")
     if attributes.get("continuation"):
         words.append(f"following {attributes['continuation']}")
-    first = ", ".join([*words, *told.values()])
+    first = ", ".join([*words, *selection.values()])
     lines, line = [], first
-    for word in named:
+    for word in others:
         if len(plain_text(line)) + len(plain_text(word)) > 84:
             lines.append(line)
             line = word
@@ -73,9 +73,9 @@ def in_words(grid: xr.Dataset, name: str, value: float) -> str:
         name, unit, value = name.replace("_", " "), "deg", math.degrees(value)
     if name == "transient":
         unit = "s"
-    shown = f"{value:.4g}"
-    if "e" in shown:
-        digits, _, power = shown.partition("e")
-        shown = rf"${digits}\times10^{{{int(power)}}}$"
+    text = f"{value:.4g}"
+    if "e" in text:
+        digits, _, power = text.partition("e")
+        text = rf"${digits}\times10^{{{int(power)}}}$"
     tail = "" if unit == "1" else "°" if unit == "deg" else f" {style.pretty_unit(unit)}"
-    return f"{f'${symbol}$' if symbol else name} = {shown}{tail}"
+    return f"{f'${symbol}$' if symbol else name} = {text}{tail}"

@@ -25,16 +25,16 @@ def peaks(time: Floats, angle: Floats, angular_velocity: Floats) -> tuple[Floats
     is of fourth order in their spacing (1e-6 of the angle for 50 samples per swing).
     """
     outward = np.where(angle >= 0.0, angular_velocity, -angular_velocity)
-    found = np.flatnonzero((outward[:-1] > 0.0) & (outward[1:] <= 0.0))
-    h = time[found + 1] - time[found]
-    x0, x1 = angle[found], angle[found + 1]
-    v0, v1 = angular_velocity[found] * h, angular_velocity[found + 1] * h
+    index = np.flatnonzero((outward[:-1] > 0.0) & (outward[1:] <= 0.0))
+    h = time[index + 1] - time[index]
+    x0, x1 = angle[index], angle[index + 1]
+    v0, v1 = angular_velocity[index] * h, angular_velocity[index + 1] * h
     # x = x0 + v0 s + b s^2 + a s^3 with s in [0, 1]; its slope is zero at the turning point.
     a, b = 2.0 * (x0 - x1) + v0 + v1, 3.0 * (x1 - x0) - 2.0 * v0 - v1
     root = np.sqrt(np.maximum(b * b - 3.0 * a * v0, 0.0))
     # The root within the interval, written so that nothing cancels.
     s = np.clip(v0 / -(b - np.sign(v0) * root), 0.0, 1.0)
-    return time[found] + s * h, np.abs(x0 + s * (v0 + s * (b + s * a)))
+    return time[index] + s * h, np.abs(x0 + s * (v0 + s * (b + s * a)))
 
 
 def beats(times: Floats, sizes: Floats) -> tuple[Floats, Floats]:

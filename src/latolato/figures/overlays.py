@@ -195,9 +195,9 @@ def tongue(context: Context, largest: float) -> tuple[Floats, Floats, Floats]:
         opened = 0.0
     # Denser near the tip, where a damped tongue is round.
     amplitudes = opened + (largest - opened) * np.linspace(0.0, 1.0, _SAMPLES) ** 2
-    found = np.array([edges(float(a)) for a in amplitudes]) * context.natural_frequency
-    found[~np.isfinite(found)] = np.nan
-    return amplitudes, found[:, 0], found[:, 1]
+    frequencies = np.array([edges(float(a)) for a in amplitudes]) * context.natural_frequency
+    frequencies[~np.isfinite(frequencies)] = np.nan
+    return amplitudes, frequencies[:, 0], frequencies[:, 1]
 
 
 def _line(axes: Axes, x: Any, y: Any, text: str, dashes: Any) -> Any:
@@ -278,7 +278,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
             f"{', '.join(FREQUENCIES)}, got {', '.join(columns) or 'none'}"
         )
     units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
-    found = []
+    trials = []
     for number, row in enumerate(table, start=1):
         kind = (row["class"] or "").strip().lower()
         if kind not in TRIALS:
@@ -293,5 +293,5 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
             )
         except InputError as error:
             raise InputError(f"trial {number} of {path}: {error}") from None
-        found.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
-    return found
+        trials.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
+    return trials

@@ -43,27 +43,23 @@ SINGLE_AMPLITUDE = 0.015  # m, assumed: not printed
 SINGLE_START = math.radians(1.0)  # rad, assumed: not printed
 
 # Colliding-pair experiment: text and captions of Figs. 10 and 12.
-COUPLED_LENGTH = 0.2450  # m
-COUPLED_MASS = 0.10644  # kg
-COUPLED_DAMPING = 0.00506  # kg m/s
+ONE_BALL = Pendulum(length=0.2450, mass=0.10644, damping=0.00506)  # the other is parked aside
 COUPLED = LatoLato(
-    length=COUPLED_LENGTH,
-    mass=COUPLED_MASS,
-    damping=COUPLED_DAMPING,
-    radius=0.08 * COUPLED_LENGTH,  # assumed: not printed
+    length=ONE_BALL.length,
+    mass=ONE_BALL.mass,
+    damping=ONE_BALL.damping,
+    radius=0.08 * ONE_BALL.length,  # assumed: not printed
     restitution=0.9,  # assumed: not printed
 )
+PEAK_RATIOS = (2.2, 2.6)  # w/w0, between which the curves of Fig. 11 peak; shaded there
 STAGE_RATIOS = (3.136, 2.389)  # w/w0
 SWITCH_TIME = 4.166  # s
 LONGEST_RAMP = 0.5  # s, the paper's bound
 COUPLED_AMPLITUDE = 0.030  # m, assumed: not printed
 
 
-# The assumed values above in words, for captions and assumptions.
+# The assumed values above in words, for captions.
 PUSH_WORDS = f"{PUSH:g} rad above the contact angle"
-SINGLE_WORDS = (
-    f"A0 = {1e3 * SINGLE_AMPLITUDE:g} mm and a start at {math.degrees(SINGLE_START):.0f}°"
-)
 COUPLED_WORDS = (
     f"A0 = {1e3 * COUPLED_AMPLITUDE:g} mm, r/l = {COUPLED.radius / COUPLED.length:g} and e = "
     f"{COUPLED.restitution:g}"

@@ -40,8 +40,8 @@ def plot(
     curves : bool
         Draw a curve for each value of the shorter of two dimensions, at most 12, not a map.
     select : mapping, optional
-        Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is taken
-        and told. A dimension without numbers takes its text or its index.
+        Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is
+        taken and named in the title. A dimension without numbers takes its text or its index.
     overlays : sequence of {"tongue", "lift_off"}
         Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
         the sweep's linear damping, and where the pivot's acceleration reaches gravity.
@@ -89,8 +89,7 @@ def plot(
     if is_analysis(run):
         if not is_plain:
             raise InputError("an analysis is drawn whole: variable, log and the like fit a sweep")
-        found: Figure = picture_of(str(run.attrs["analysis"]))(run)
-        return found
+        return picture_of(str(run.attrs["analysis"]))(run)
     if is_map(run):
         from latolato.figures.map import Drawing
 

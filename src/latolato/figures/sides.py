@@ -44,14 +44,14 @@ class Side:
         values = np.log(self.values) if self.is_log else self.values
         if len(values) == 1:
             half = 0.5 if self.is_log else 0.5 * abs(values[0]) or 0.5
-            found = np.array([values[0] - half, values[0] + half])
+            ends = np.array([values[0] - half, values[0] + half])
         else:
             middle = 0.5 * (values[1:] + values[:-1])
             first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
-            found = np.concatenate([[first], middle, [last]])
+            ends = np.concatenate([[first], middle, [last]])
         if self.is_log:
-            return np.asarray(np.exp(found))
-        return np.maximum(found, 0.0) if values[0] >= 0.0 else found
+            return np.asarray(np.exp(ends))
+        return np.maximum(ends, 0.0) if values[0] >= 0.0 else ends
 
 
 def values_along(grid: xr.Dataset, dim: str) -> Floats:
@@ -97,12 +97,12 @@ def side_of(grid: xr.Dataset, dim: str) -> Side:
 
 
 def spaced(side: Side, log: Any) -> Side:
-    """Return an axis drawn linear or logarithmic, as it comes where nothing is said.
+    """Return an axis drawn linear or logarithmic, or as it is if `log` is None.
 
     Raises
     ------
     InputError
-        If a logarithm is asked for of what is not above zero.
+        If an axis that does not begin above zero is to be logarithmic.
     """
     if log is None or log == side.is_log:
         return side

@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.figures import paper
 from latolato.figures.cases import instants, quantity, stack, variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic
 
 if TYPE_CHECKING:
@@ -22,60 +22,6 @@ TOY = replace(paper.TOY, damping=0.0)
 AMPLITUDES = (0.15, 0.2)  # m
 # This part above the lift-off ratio the pair must leave the wall.
 BESIDE = 1e-3
-# A start that stays within rounding of the wall does not move.
-STILL = 1e-12  # rad
-OFTEN = paper.SWEEP_DURATION / 5.0  # top contacts: one in five seconds
-
-STATEMENTS = (
-    Statement(
-        name="push-needed",
-        where="Abstract, text on Fig. 11 and Conclusions",
-        words=(
-            "under periodic driving at moderate frequencies, the system requires initial "
-            "perturbations … The absence of required perturbations at high frequencies might be "
-            "attributed to … disturbances"
-        ),
-        printed=(
-            Limit("rise_below", "rise from rest below lift-off", high=STILL, unit="rad"),
-            Limit("pushed_below", "largest angle below lift-off after a push", low=1.0, unit="rad"),
-            Limit("rise_above", "smallest rise from rest above lift-off", low=0.1, unit="rad"),
-        ),
-        finding=(
-            "At A0 = 0.2 m a pair at rest stays at rest below ω/ω0 = √(l/A0) = {lift_off:.3f}, "
-            "where a push of 0.2 rad leads to {pushed_below:.2f} rad; a thousandth above this "
-            "ratio a start from rest reaches {reached_above:.2f} rad, and at every higher ratio "
-            "of the scan it reaches more than 0.2 rad."
-        ),
-        why=(
-            "A resting pair lifts off only while the pivot falls faster than gravity, A0 ω² > g: "
-            "high frequencies need no disturbance. That noise helped cannot be excluded from the "
-            "paper's data."
-        ),
-    ),
-    Statement(
-        name="top-at-0.2",
-        where="text on Fig. 5",
-        words=(
-            "the driving amplitude A0 reaches approximately 0.2 m, the … balls can frequently "
-            "achieve the maximum angular displacement"
-        ),
-        printed=(
-            Limit(
-                "most_tops",
-                "top contacts in 300 s at the best ratio, A0 = 0.2 m from rest",
-                low=OFTEN,
-            ),
-        ),
-        finding=(
-            "From rest the balls meet at the top up to {most_tops:.0f} times in 300 s at A0 = 0.2 "
-            "m (ω/ω0 = {best_ratio:.2f}), and up to {most_tops_lower:.0f} times at 0.15 m."
-        ),
-        why=(
-            "From rest the pair needs lift-off, √(l/A0), to lie in the resonance range. The "
-            "motion is chaotic: the count depends on the ratio's digits, its size does not."
-        ),
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -96,7 +42,7 @@ def data(quick: bool = False) -> xr.Dataset:
     starts.append((AMPLITUDES[-1], (1.0 + BESIDE) * lift_off, 0.0))
     runs = {str(i): run(*start) for i, start in enumerate(starts)}
     amplitudes, ratios, offsets = np.transpose(starts)
-    largest = [float(found.angle.max()) for found in runs.values()]
+    largest = [float(each.angle.max()) for each in runs.values()]
     return (
         stack(runs, title=TITLE, keep=())
         .assign(

@@ -10,7 +10,7 @@ import numpy as np
 from latolato.analysis.closed_forms import mathieu_tongue_edges
 from latolato.figures import measure, paper
 from latolato.figures.cases import Floats, instants, quantity, stack, variable
-from latolato.figures.claim import Limit, Numbers, Statement
+from latolato.figures.claim import Numbers
 from latolato.physics.contacts import pair_impact
 from latolato.physics.drives import CrankSlider, Drive, Harmonic
 from latolato.physics.pendulum import equivalent_pendulum
@@ -23,92 +23,6 @@ ROD_SHARE = 0.1  # of the total mass, the paper's "approximately 1/10"
 BALL_RATIO = 0.08  # r/l, assumed as in Fig. 12
 CRANK_RATIO = 0.1  # crank over connecting rod, assumed
 SETTLING = 150.0  # s
-
-STATEMENTS = (
-    Statement(
-        name="rod-mass",
-        where="Theoretical Framework (a)",
-        words="The massless rod assumption m_rod = 0 remains valid even in practical scenarios",
-        printed=(
-            Limit("rod_shift", "relative shift of ω0 by rods of 1/10 of the mass", -0.01, 0.01),
-        ),
-        finding=(
-            "Uniform rods of a tenth of the total mass raise ω0 by {rod_shift:.2%}; a solid ball "
-            "of r/l = 0.08 lowers it by {ball_loss:.2%}."
-        ),
-        why=(
-            "Small, yet more than the {edge_distance:.2%} between the printed edge 1.92 and the "
-            "computed {edge:.3f}: the paper's l must be read as the length of the equivalent "
-            "pendulum."
-        ),
-    ),
-    Statement(
-        name="sinusoidal-motor",
-        where="Experimental verification",
-        words=(
-            "produces near-perfect sinusoidal vibration. Given the rotary arm's significantly "
-            "shorter length compared to the connecting rod"
-        ),
-        assumed=(
-            Limit("height_overtone", "second harmonic of the pivot's height, relative", high=0.05),
-        ),
-        assumption=(
-            "The connecting rod is ten times as long as the crank; neither length is printed."
-        ),
-        finding=(
-            "With a connecting rod ten times as long as the crank, the second harmonic is "
-            "{height_overtone:.1%} of the pivot's height but {acceleration_overtone:.1%} of its "
-            "acceleration, which is what drives; the lasting amplitude of Fig. 8 changes by "
-            "{amplitude_change:+.3%}."
-        ),
-        why="Differentiating twice multiplies the second harmonic, λ/4 of the height, by four.",
-    ),
-    Statement(
-        name="momentum",
-        where="text before eq11",
-        words="At the moment of the collision, the system's momentum is conserved",
-        printed=(
-            Limit(
-                "linear_change",
-                "change of the linear momentum at a bottom contact, relative",
-                high=1e-6,
-            ),
-        ),
-        assumed=(
-            Limit(
-                "angular_change",
-                "change of the angular momentum about the pivot, relative",
-                high=1e-12,
-            ),
-        ),
-        assumption="Angular momentum about the pivot is meant.",
-        finding=(
-            "In the toy of Fig. 4 a contact changes the linear momentum by {linear_change:.1%} of "
-            "the sum of both balls' momenta, and the angular momentum about the pivot by "
-            "{angular_percent:.1g}%."
-        ),
-        why=(
-            "The rods meet at an angle, so the pivot takes up linear momentum. In terms of linear "
-            "velocities eq11 holds for equal lengths only: for l2 = 0.9 l1 it would change the "
-            "angular momentum by {eq11_change:.1%}."
-        ),
-    ),
-    Statement(
-        name="line-before-eq7",
-        where="line before eq7",
-        words="ml θ'' + mgl sin θ = -C θ'",
-        printed=(
-            Limit(
-                "frequency_ratio", "ω0 of this line over that of eq7, l = 0.3630 m", 0.999, 1.001
-            ),
-        ),
-        finding=(
-            "The line before eq7 would give ω0 = {frequency_line:.3f} rad/s for the experiment's "
-            "pendulum; eq7 gives {frequency_eq7:.3f} rad/s."
-        ),
-        why="Its units do not fit: m l² θ'' + m g l sin θ = -C l θ' leads to eq7, which is right.",
-    ),
-)
 
 
 def data(quick: bool = False) -> xr.Dataset:

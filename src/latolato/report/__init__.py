@@ -18,7 +18,7 @@ from latolato.report.powers import rewritten_powers
 if TYPE_CHECKING:
     from rich.table import Table
 
-# Shapes beside the words, so that no verdict is told by colour alone.
+# Shapes beside the words, so that no verdict depends on colour alone.
 SHAPES = {
     Verdict.REPRODUCED: "●",
     Verdict.ASSUMED: "△",
@@ -149,25 +149,21 @@ def _write(
     from latolato.io.files import save
     from latolato.report.page import Part, render
 
-    modules = catalogue.evidence()
-    pictures = catalogue.figures()
+    entries = catalogue.evidence()
     left_out: tuple[str, ...] = ()
     if chain.is_missing():
-        films = [name for name, module in modules.items() if catalogue.needs_video(module)]
+        films = [name for name, entry in entries.items() if entry.needs_video]
         left_out = tuple(f"{catalogue.title_of(name)}: {chain.MISSING}" for name in films)
-        modules = {name: module for name, module in modules.items() if name not in films}
+        entries = {name: entry for name, entry in entries.items() if name not in films}
     parts = []
-    for done, (name, module) in enumerate(modules.items()):
+    for done, (name, entry) in enumerate(entries.items()):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)
-            more = {"full": True} if full and catalogue.needs_video(module) else {}
-            dataset = module.data(quick=quick, **more)
-        tell((done + _COMPUTED) / len(modules))
-        caption = None
-        if name in pictures:
-            picture = pictures[name]
-            caption = picture.CAPTION
-            figure = picture.draw(dataset)
+            more = {"full": True} if full and entry.needs_video else {}
+            dataset = entry.data(quick=quick, **more)
+        tell((done + _COMPUTED) / len(entries))
+        if entry.draw:
+            figure = entry.draw(dataset)
             for suffix in (".png", ".svg"):
                 path = folder / f"{name}{suffix}"
                 style.save_figure(figure, path, dpi=QUICK_DPI if quick else DPI)
@@ -175,14 +171,14 @@ def _write(
         parts.append(
             Part(
                 name=name,
-                title=module.TITLE,
-                caption=caption,
+                title=entry.title,
+                caption=entry.caption if entry.draw else None,
                 dataset=dataset,
-                claims=tuple(catalogue.judge(module, dataset)),
-                warnings=tuple(dict.fromkeys(str(found.message) for found in caught)),
+                claims=tuple(entry.judge(dataset)),
+                warnings=tuple(dict.fromkeys(str(warning.message) for warning in caught)),
             )
         )
-        tell((done + 1.0) / len(modules))
+        tell((done + 1.0) / len(entries))
     page = render(parts, folder, quick=quick, left_out=left_out)
     with atomic_path(folder / INDEX) as unfinished:  # an error then names the file
         unfinished.write_text(page, encoding="utf-8")

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 TITLE = "Parametric resonance of the Lato Lato 2.0, recalculated"
 LIBRARIES = ("latolato", "numpy", "scipy", "numba", "xarray", "matplotlib")
 # Left out of tables of parameters: what changes no number, and zeros of what is rarely used.
-_UNTOLD = ("frame",)
+_OMITTED = ("frame",)
 _OFTEN_ZERO = ("quadratic_damping", "coulomb_damping", "drive_phase", "initial_angular_velocity")
 _CLASSES = {
     Verdict.REPRODUCED: "yes",
@@ -284,21 +284,21 @@ def _scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return the runs' parameters as flat dictionaries."""
     if "scenario" not in dataset:
         return []
-    found = []
+    runs = []
     for text in dataset.scenario.values:
         flat: dict[str, Any] = {}
         for part, entries in json.loads(str(text)).items():
             for name, value in entries.items():
                 flat[f"{part} kind" if name == "kind" else name] = value
-        found.append(flat)
-    return found
+        runs.append(flat)
+    return runs
 
 
 def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return the sweeps' parameters as flat dictionaries, an axis as the words for its values."""
     if "plan" not in dataset:
         return []
-    found = []
+    sweeps = []
     for text in dataset.plan.values:
         plan = json.loads(str(text))
         flat: dict[str, Any] = {}
@@ -318,8 +318,8 @@ def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
             flat[name] = plan[name]
         if plan["continuation"]:
             flat["followed along"] = _meaning(plan["continuation"])
-        found.append(flat)
-    return found
+        sweeps.append(flat)
+    return sweeps
 
 
 def _parameters(dataset: xr.Dataset) -> str:
@@ -335,7 +335,9 @@ def _parameters(dataset: xr.Dataset) -> str:
         names = dict.fromkeys(name for run in runs for name in run)
         for name in names:
             values = list(dict.fromkeys(json.dumps(run.get(name)) for run in runs))
-            if name not in _UNTOLD and not (name in _OFTEN_ZERO and set(values) <= {"0.0", "null"}):
+            if name not in _OMITTED and not (
+                name in _OFTEN_ZERO and set(values) <= {"0.0", "null"}
+            ):
                 rows.append((name, [json.loads(value) for value in values]))
     body = "".join(_parameter(name, values) for name, values in rows)
     head = _head(("parameter", "value"))
@@ -431,7 +433,7 @@ def _method(parts: Sequence[Part]) -> str:
         rows.append("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
     heads = ("part", "", "exact runs", "tolerance [rad]", "step [ms]", "contacts", "worst residual")
     versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
-    told = [f"{part.name}: {text}" for part in parts for text in part.warnings]
+    notes = [f"{part.name}: {text}" for part in parts for text in part.warnings]
     return (
         "<p>"
         + _text(
@@ -447,7 +449,7 @@ def _method(parts: Sequence[Part]) -> str:
         )
         + f'</p><div class="scroll"><table class="numbers">{_head(heads)}'
         + f"<tbody>{''.join(rows)}</tbody></table></div>{_method_of_maps(parts)}"
-        + (f"<p>Warnings of the runs:</p>{_list(told)}" if told else "")
+        + (f"<p>Warnings of the runs:</p>{_list(notes)}" if notes else "")
         + f'<p class="meta">{_text(f"Python {platform.python_version()}, {versions}.")}</p>'
     )
 
@@ -483,8 +485,8 @@ def _method_of_maps(parts: Sequence[Part]) -> str:
 
 def _rerun(parts: Sequence[Part]) -> str:
     """Return how to make the report, one figure and one run again."""
-    drawn = [part for part in parts if part.caption is not None]
-    example = next((part.name for part in drawn if _scenarios(part.dataset)), drawn[0].name)
+    pictures = [part for part in parts if part.caption is not None]
+    example = next((part.name for part in pictures if _scenarios(part.dataset)), pictures[0].name)
     code = (
         f"from latolato.figures import {example}\n"
         "from latolato.figures.style import save_figure\n\n"

@@ -28,8 +28,8 @@ def rewritten_powers(text: str, raise_: Callable[[str], str]) -> str:
     '0 and 10^16'
     """
 
-    def power(found: re.Match[str]) -> str:
-        factor, sign, exponent = found.groups()
+    def power(match: re.Match[str]) -> str:
+        factor, sign, exponent = match.groups()
         ten = "10" + raise_(sign.replace("+", "") + exponent)
         return ten if factor == "1" else f"{factor}{_TIMES}{ten}"
 

@@ -121,12 +121,12 @@ def render(table: xr.Dataset, video: Video) -> str:
 def worst_frames(table: xr.Dataset) -> list[tuple[int, str]]:
     """Return frames that deserve a look, with the reason: some of each flag, largest errors."""
     balls = range(1, balls_of(table) + 1)
-    found: dict[int, str] = {}
+    reasons: dict[int, str] = {}
     for flag in reversed(FLAGS[1:]):
         for b in balls:
             numbers = np.flatnonzero(table[f"flag_{b}"].values == flag)
             for number in numbers[:: max(1, len(numbers) // 2)][:1]:
-                found.setdefault(int(number), f"ball {b} {flag}")
+                reasons.setdefault(int(number), f"ball {b} {flag}")
     for b in balls:
         ok = table[f"flag_{b}"].values == "ok"
         off = np.where(ok, np.abs(circle_distances(table, b)), np.nan)
@@ -135,8 +135,8 @@ def worst_frames(table: xr.Dataset) -> list[tuple[int, str]]:
             order = np.argsort(np.where(np.isfinite(values), -values, np.inf))
             for number in order[:2]:
                 if np.isfinite(values[number]):
-                    found.setdefault(int(number), f"ball {b}: {text}")
-    return sorted(found.items())[:_WORST]
+                    reasons.setdefault(int(number), f"ball {b}: {text}")
+    return sorted(reasons.items())[:_WORST]
 
 
 def _figures(table: xr.Dataset) -> list[tuple[Figure, str]]:
@@ -191,15 +191,15 @@ def _angle_figure(table: xr.Dataset) -> Figure:
 def _mark(axes: Axes, times: np.ndarray, values: np.ndarray, flags: np.ndarray) -> None:
     """Mark the samples that are not ok; lost ones stand at the foot of the panel."""
     for flag, (colour, shape) in MARKS.items():
-        chosen = flags == flag
-        if not chosen.any():
+        mask = flags == flag
+        if not mask.any():
             continue
         if flag == "lost":
             transform = axes.get_xaxis_transform()
-            axes.plot(times[chosen], np.full(chosen.sum(), 0.02), shape, color=colour, ms=3,
+            axes.plot(times[mask], np.full(mask.sum(), 0.02), shape, color=colour, ms=3,
                       label=flag, transform=transform, clip_on=False)  # fmt: skip
         else:
-            axes.plot(times[chosen], values[chosen], shape, color=colour, ms=3, mew=0.5, label=flag)
+            axes.plot(times[mask], values[mask], shape, color=colour, ms=3, mew=0.5, label=flag)
 
 
 def _circle_figure(table: xr.Dataset) -> Figure:
@@ -250,8 +250,8 @@ def _sigma_figure(table: xr.Dataset) -> Figure:
     """Draw the histogram of standard deviations."""
     figure, axes = new_figure(1, 1, width=5.0, height=2.0)
     for b in range(1, balls_of(table) + 1):
-        chosen = table[f"flag_{b}"].values == "ok"
-        sigma = 1e3 * table[f"angle_sigma_{b}"].values[chosen]
+        ok = table[f"flag_{b}"].values == "ok"
+        sigma = 1e3 * table[f"angle_sigma_{b}"].values[ok]
         sigma = sigma[np.isfinite(sigma) & (sigma > 0.0)]
         if sigma.size:
             low, high = sigma.min() * 0.95, np.quantile(sigma, 0.995) * 1.05
@@ -351,8 +351,8 @@ def _graph(figure: Figure, text: str) -> str:
     content = io.BytesIO()
     with use_style():
         figure.savefig(content, format="png", dpi=140, metadata={"Software": None})
-    shown = _image(content.getvalue(), "image/png", text)
-    return f"<figure>{shown}<figcaption>{escape(text)}</figcaption></figure>"
+    image = _image(content.getvalue(), "image/png", text)
+    return f"<figure>{image}<figcaption>{escape(text)}</figcaption></figure>"
 
 
 def _image(content: bytes, kind: str, text: str) -> str:
@@ -385,9 +385,9 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, is_told=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        shown = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")
+        image = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")
         text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
-        cells.append(f"<figure>{shown}<figcaption>{text}</figcaption></figure>")
+        cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"
 
 
@@ -396,9 +396,9 @@ def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray
     from latolato.experiment.blobs import import_cv2
 
     centres = artist.centres[: number + 1, b]
-    seen = centres[np.isfinite(centres).all(axis=1)]
+    places = centres[np.isfinite(centres).all(axis=1)]
     height, width = picture.shape[:2]
-    centre = seen[-1] if len(seen) else np.array([width / 2.0, height / 2.0])
+    centre = places[-1] if len(places) else np.array([width / 2.0, height / 2.0])
     half = int(max(_AROUND * artist.radius, 24.0))
     u, v = np.rint(centre).astype(int)
     padded = np.pad(picture, ((half, half), (half, half), (0, 0)), mode="edge")

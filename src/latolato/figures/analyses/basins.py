@@ -58,7 +58,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.pi_ticks(panel.xaxis, parts=4 if limits[0][1] - limits[0][0] < 4.0 else 2)
     panel.set_xlabel(style.label(x))
     panel.set_ylabel(style.label(y))
-    panel.set_title(_told(dataset), fontsize=style.SMALL)
+    panel.set_title(_title(dataset), fontsize=style.SMALL)
     figure.legend(handles=_legend(dataset), loc="outside right center")
     return figure
 
@@ -76,8 +76,8 @@ def _draw_attractor(panel: Any, attractor: xr.Dataset, colour: str) -> None:
     )  # fmt: skip
 
 
-def _told(dataset: xr.Dataset) -> str:
-    """Return what is said above the map."""
+def _title(dataset: xr.Dataset) -> str:
+    """Return the title of the map."""
     entropy, border = (dataset[n].item() for n in ("basin_entropy", "boundary_basin_entropy"))
     fractal = " > ln 2: fractal boundary" if border > math.log(2.0) else ""
     text = f"basin entropy {entropy:.3f}, on boundaries {border:.3f}{fractal}"
@@ -94,7 +94,7 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
     def patch(colour: str, text: str) -> Any:
         return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
 
-    found = []
+    entries = []
     numbers = dataset["attractor"].values
     for number in numbers[numbers < len(_COLOURS)]:
         row = dataset.sel(attractor=number)
@@ -111,14 +111,14 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
         text = f"{what}, up to {angle:.0f}°"
         if status != "rest" and math.isfinite(turns):
             text += f", {turns:.3g} per period"
-        found.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
+        entries.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
     rest = numbers >= len(_COLOURS)
     if rest.any():
         share = 100.0 * dataset["basin_fraction"].values[rest].sum()
-        found.append(patch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
+        entries.append(patch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
         moving = 100.0 * dataset["not_settled_fraction"].item()
         still = f", {moving:.2f} % not settled" if moving else ""
-        found.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
-    return found
+        entries.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
+    return entries

@@ -58,7 +58,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             texts.append("both ways differ")
         if np.isnan(dataset["is_hysteretic"].values).any():
             handles.append(Patch(facecolor="none", edgecolor=style.PALE_GREY, hatch=_HATCH))
-            texts.append("cannot be told")
+            texts.append("undecided")
     figure.legend(handles, texts, loc="outside lower center", ncols=len(handles), markerscale=2.0)
     return figure
 

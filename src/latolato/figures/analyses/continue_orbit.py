@@ -61,8 +61,8 @@ def draw(dataset: xr.Dataset) -> Figure:
             colour = style.BLUE if column == 0 else style.GREY
             for first, last, is_stable in _runs(stable):
                 end = min(last + 1, len(x))
-                shown = x[first:end], np.maximum(size[first:end, column], _FLOOR)
-                _line(moduli, *shown, is_stable, colour, style.LINE)
+                curve = x[first:end], np.maximum(size[first:end, column], _FLOOR)
+                _line(moduli, *curve, is_stable, colour, style.LINE)
         if size.max() > _WIDE * max(size.min(), _FLOOR):
             moduli.set_yscale("log")
         else:
@@ -124,7 +124,7 @@ def _pieces(
     x: Floats, y: Floats, stable: NDArray[np.bool_], places: Floats
 ) -> list[tuple[Floats, Floats, bool]]:
     """Return the branch in pieces of one stability, which meet in the special points."""
-    found: list[tuple[Floats, Floats, bool]] = []
+    pieces: list[tuple[Floats, Floats, bool]] = []
     unit = np.array([np.ptp(x) or 1.0, np.ptp(y) or 1.0])
     points = np.column_stack([x, y])
     before: Floats | None = None
@@ -139,8 +139,8 @@ def _pieces(
                     middle = places[int(np.argmin(far))]
             before = middle
             part = np.vstack([part, middle])
-        found.append((part[:, 0], part[:, 1], is_stable))
-    return found
+        pieces.append((part[:, 0], part[:, 1], is_stable))
+    return pieces
 
 
 def _mark(axes: Axes, dataset: xr.Dataset) -> list[Any]:
@@ -148,10 +148,10 @@ def _mark(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     kinds = dataset["special_kind"].values.astype(str)
     handles = []
     for kind, (marker, colour) in MARKS.items():
-        chosen = kinds == kind
-        if chosen.any():
+        mask = kinds == kind
+        if mask.any():
             (handle,) = axes.plot(
-                dataset["special_value"].values[chosen], dataset["special_angle"].values[chosen],
+                dataset["special_value"].values[mask], dataset["special_angle"].values[mask],
                 marker, ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6, ls="", zorder=4,
                 clip_on=False, label=kind.replace("_", " "),
             )  # fmt: skip

@@ -74,29 +74,29 @@ def _draw_plane(axes: Axes, multipliers: np.ndarray) -> None:
 def _rows(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """Return names and values of what is known."""
 
-    def found(name: str) -> float:
+    def value_of(name: str) -> float:
         return float(dataset[name].item())
 
-    if not math.isfinite(found("response_period")):
-        return [("defect", number(found("defect"), 2))]
+    if not math.isfinite(value_of("response_period")):
+        return [("defect", number(value_of("defect"), 2))]
     rows = []
     for i, value in enumerate(dataset["multipliers"].values, start=1):
-        shown = number(value.real, 5)
+        text = number(value.real, 5)
         if value.imag:
             sign = "+" if value.imag > 0 else "\N{MINUS SIGN}"
-            shown += f" {sign} {number(abs(value.imag), 5)} i"
-        rows.append((rf"$\mu_{i}$", shown))
-    rate = found("growth_rate")
+            text += f" {sign} {number(abs(value.imag), 5)} i"
+        rows.append((rf"$\mu_{i}$", text))
+    rate = value_of("growth_rate")
     rows += [
         ("growth rate", number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),
-        ("period", _counted(found("response_period"), "drive period")),
-        ("impacts in it", f"{found('impacts'):.0f}"),
+        ("period", _counted(value_of("response_period"), "drive period")),
+        ("impacts in it", f"{value_of('impacts'):.0f}"),
     ]
-    if found("turns"):
-        rows.append(("whole turns", number(found("turns"))))
-    if math.isfinite(found("slowest_impact")):
-        rows.append(("slowest impact", f"{number(found('slowest_impact'))} rad/s"))
-    return [*rows, (r"error of $\mu$", number(found("multiplier_error"), 1))]
+    if value_of("turns"):
+        rows.append(("whole turns", number(value_of("turns"))))
+    if math.isfinite(value_of("slowest_impact")):
+        rows.append(("slowest impact", f"{number(value_of('slowest_impact'))} rad/s"))
+    return [*rows, (r"error of $\mu$", number(value_of("multiplier_error"), 1))]
 
 
 def _counted(number: float, what: str) -> str:

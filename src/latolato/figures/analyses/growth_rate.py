@@ -10,7 +10,7 @@ import numpy as np
 from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
-from latolato.figures.analyses.tongues import told
+from latolato.figures.analyses.tongues import parameters_in_words
 from latolato.physics.drives import FixedPivot, Harmonic
 
 if TYPE_CHECKING:
@@ -57,5 +57,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.growth_rate))
     names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']}\n{told(about, *names)}")
+    axes.set_title(f"{about['position']}\n{parameters_in_words(about, *names)}")
     return figure

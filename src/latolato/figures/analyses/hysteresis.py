@@ -22,15 +22,15 @@ _COLOURS = {"up": style.BLUE, "down": style.RED}
 def draw(dataset: xr.Dataset) -> Figure:
     """Return a panel for each of up to four amplitudes, the loop shaded, jumps dashed."""
     count = dataset.sizes["drive_amplitude"]
-    chosen = np.unique(np.linspace(0, count - 1, min(count, _MOST_PANELS)).round().astype(int))
-    columns = min(len(chosen), 2)
-    rows = math.ceil(len(chosen) / columns)
+    indices = np.unique(np.linspace(0, count - 1, min(count, _MOST_PANELS)).round().astype(int))
+    columns = min(len(indices), 2)
+    rows = math.ceil(len(indices) / columns)
     figure, panels = style.new_figure(
         rows, columns, height=2.5 * rows if rows > 1 else 2.9, sharex=True, sharey=True
     )
-    for axis in panels.flat[len(chosen) :]:
+    for axis in panels.flat[len(indices) :]:
         axis.set_visible(False)
-    for number, (axis, i) in enumerate(zip(panels.flat, chosen, strict=False)):
+    for number, (axis, i) in enumerate(zip(panels.flat, indices, strict=False)):
         row = dataset.isel(drive_amplitude=int(i))
         _draw_loop(row, axis)
         name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm: {row.status.item()}"
@@ -38,7 +38,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.degree_axis(axis)
         if number % columns == 0:
             axis.set_ylabel(style.label(dataset.largest_angle))
-        if number + columns >= len(chosen):
+        if number + columns >= len(indices):
             axis.set_xlabel(style.label(dataset.frequency_ratio))
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis import inverted_limits
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
-from latolato.figures.analyses.tongues import plain_ticks, told
+from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,15 +32,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         for ratio in ratios:
-            found = inverted_limits(system, drive, frequency_ratio=float(ratio))
-            limits.append((float(found.low), float(found.high)))
+            answer = inverted_limits(system, drive, frequency_ratio=float(ratio))
+            limits.append((float(answer.low), float(answer.high)))
     low, high = np.array(limits).T / length
     rod = about.get("connecting_rod_length", math.inf)
     top = 1.05 * float(np.nanmax([*low, *high, *(float(dataset[n]) / length for n in _ENDS)]))
-    shown = np.where(np.isnan(high) & ~np.isnan(low), min(top, rod / length), high)
+    ceiling = np.where(np.isnan(high) & ~np.isnan(low), min(top, rod / length), high)
     figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
     axes = panels[0, 0]
-    axes.fill_between(ratios, low, shown, color=style.PALE_BLUE, lw=0.0)
+    axes.fill_between(ratios, low, ceiling, color=style.PALE_BLUE, lw=0.0)
     axes.plot(ratios, low, color=style.BLUE)
     axes.plot(ratios, high, color=style.RED)
     axes.plot(ratios, math.sqrt(2.0) / ratios, color=style.GREY, ls=(0, (4, 3)), lw=style.THIN)
@@ -59,5 +59,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel("driving amplitude over length $A_0/l$")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"upright is stable inside\n{told(about, *names)}")
+    axes.set_title(f"upright is stable inside\n{parameters_in_words(about, *names)}")
     return figure

@@ -23,15 +23,15 @@ def system_of(dataset: xr.Dataset) -> System:
     if kind is BallPair:
         balls = {side: Ball(**_known(Ball, about, f"{side}_")) for side in ("right", "left")}
         return BallPair(**balls, gravity=about["gravity"], restitution=about["restitution"])
-    found: System = kind(**_known(kind, about))
-    return found
+    system: System = kind(**_known(kind, about))
+    return system
 
 
 def drive_of(dataset: xr.Dataset) -> Drive:
     """Return the drive of an analysis."""
     kind = drives[dataset.attrs["drive"]]
-    found: Drive = kind(**_known(kind, {**_VARIED, **dataset.attrs}))
-    return found
+    drive: Drive = kind(**_known(kind, {**_VARIED, **dataset.attrs}))
+    return drive
 
 
 def _known(kind: type, about: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _MEANING = {
     "regular": "neighbours come together",
     "chaotic": "neighbours part exponentially",
-    "marginal": "neither can be told in this time",
+    "marginal": "undecided in this time",
     "rest": "the motion forgets its past",
 }
 

@@ -29,14 +29,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Return a map, a curve or one number of the rate at which departures grow."""
     short = [str(d) for d, n in dataset["transverse_exponent"].sizes.items() if n == 1]
     dataset = dataset.isel(dict.fromkeys(short, 0))
-    told = {name: in_words(dataset, name, float(dataset[name])) for name in short}
+    words = {name: in_words(dataset, name, float(dataset[name])) for name in short}
     rate = dataset["transverse_exponent"]
     if rate.ndim == 0:
         return _number(dataset)
     figure, panels = style.new_figure(width=0.75 * style.PAGE, height=3.9)
     axes = panels[0, 0]
     handles = _draw_map(axes, dataset) if rate.ndim == 2 else _draw_curve(axes, dataset)
-    axes.set_title("\n".join(title_of(dataset, told, "")), fontsize=style.SMALL)
+    axes.set_title("\n".join(title_of(dataset, words, "")), fontsize=style.SMALL)
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
@@ -61,12 +61,12 @@ def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
         "about zero", [style.BLUE, style.PAPER, style.RED]
     )
     # Where balls rest on each other departures vanish at once.
-    shown = np.where(np.isneginf(values), scale.vmin, values)
+    rates = np.where(np.isneginf(values), scale.vmin, values)
     options: dict[str, Any] = {"shading": "flat", "rasterized": True}
     cells = axes.pcolormesh(
-        x.edges, y.edges, np.ma.masked_invalid(shown), cmap=colours, norm=scale, **options
+        x.edges, y.edges, np.ma.masked_invalid(rates), cmap=colours, norm=scale, **options
     )
-    lost = ~np.isfinite(shown)
+    lost = ~np.isfinite(rates)
     if lost.any():
         patch = np.ma.masked_array(np.zeros(lost.shape), ~lost)
         only: Any = ListedColormap([style.GREY])
@@ -85,14 +85,14 @@ def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
             getattr(axes, f"set_{axis}scale")("log")
     handles: list[Any] = []
     for name, look in {"broken": "-", "valid": "--"}.items():
-        chosen = status == name
-        if not chosen.any():
+        mask = status == name
+        if not mask.any():
             continue
-        text = f"{name} ({100.0 * chosen.mean():.0f} % of the cells)"
+        text = f"{name} ({100.0 * mask.mean():.0f} % of the cells)"
         handles.append(Line2D([], [], color=style.INK, lw=style.LINE, ls=look, label=text))
-        if not chosen.all():
+        if not mask.all():
             axes.contour(
-                x.values, y.values, chosen.astype(float), [0.5], colors=style.INK,
+                x.values, y.values, mask.astype(float), [0.5], colors=style.INK,
                 linewidths=style.LINE, linestyles=look,
             )  # fmt: skip
     if lost.any():
@@ -112,11 +112,9 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     axes.plot(x, np.where(np.isfinite(y), y, np.nan), color=style.GREY, lw=style.THIN, zorder=2)
     handles = []
     for kind, colour in _COLOURS.items():
-        chosen = (status == kind) & np.isfinite(y)
-        if chosen.any():
-            (points,) = axes.plot(
-                x[chosen], y[chosen], "o", ms=3.0, color=colour, label=kind, zorder=3
-            )
+        mask = (status == kind) & np.isfinite(y)
+        if mask.any():
+            (points,) = axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=kind, zorder=3)
             handles.append(points)
     lost = ~np.isfinite(y)
     if lost.any():

@@ -53,12 +53,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     course.set_ylabel(style.label(dataset["section_angle"], short=True))
     plane.set_xlabel(style.label(dataset["section_angle"], short=True))
     plane.set_ylabel(style.label(dataset["section_angular_velocity"], short=True))
-    style.panel_title(course, "a", _told(dataset, cycle))
+    style.panel_title(course, "a", _title(dataset, cycle))
     style.panel_title(plane, "b", "once per drive period")
     return figure
 
 
-def _told(dataset: xr.Dataset, cycle: int) -> str:
+def _title(dataset: xr.Dataset, cycle: int) -> str:
     """Return the answer in words."""
     status = str(dataset["status"].values)
     if status == "rest":

@@ -65,14 +65,14 @@ def _numbers(dataset: xr.Dataset) -> Any:
     """Return the class of each cell by its place in `_CLASSES`."""
     names = list(_CLASSES)
     status, period = dataset["status"].values, dataset["response_period"].values
-    found = np.full(status.shape, names.index("no answer"))
+    classes = np.full(status.shape, names.index("no answer"))
     for name in ("rest", "grazing", "aperiodic", "not settled"):
-        found[status == name] = names.index(name)
+        classes[status == name] = names.index(name)
     regular = status == "periodic"
     for p in range(1, 5):
-        found[regular & (period == p)] = names.index(f"period {p}")
-    found[regular & (period > 4)] = names.index("longer period")
-    return found
+        classes[regular & (period == p)] = names.index(f"period {p}")
+    classes[regular & (period > 4)] = names.index("longer period")
+    return classes
 
 
 def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:

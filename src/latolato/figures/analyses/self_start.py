@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis import self_start
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
-from latolato.figures.analyses.tongues import plain_ticks, told
+from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,9 +29,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     ratios = np.geomspace(0.5 * place, 2.0 * place, _SAMPLES)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        found = [float(self_start(system, float(r), drive).drive_amplitude) for r in ratios]
+        amplitudes = np.array(
+            [float(self_start(system, float(r), drive).drive_amplitude) for r in ratios]
+        )
     cosine = system.gravity / (ratios * system.natural_frequency) ** 2
-    amplitudes = np.array(found)
     figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.0)
     axes = panels[0, 0]
     ceiling = 2.0 * float(np.nanmax([*amplitudes, *cosine]))
@@ -53,5 +54,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.drive_amplitude))
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
-    axes.set_title(f"leaves rest inside\n{told(about, *names)}")
+    axes.set_title(f"leaves rest inside\n{parameters_in_words(about, *names)}")
     return figure

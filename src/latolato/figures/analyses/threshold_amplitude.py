@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
-from latolato.figures.analyses.tongues import draw_tongues, told
+from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,18 +24,18 @@ def draw(dataset: xr.Dataset) -> Figure:
     system = system_of(dataset)
     length, ratio = system.balls[0].length, about["frequency_ratio"]
     amplitude = float(dataset.drive_amplitude)
-    found = not math.isnan(amplitude)
-    largest = max(2.0 * amplitude, _LEAST * length) if found else _WITHOUT * length
+    exists = not math.isnan(amplitude)
+    largest = max(2.0 * amplitude, _LEAST * length) if exists else _WITHOUT * length
     largest = min(largest, 0.9 * about.get("connecting_rod_length", math.inf))
     figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
     axes = panels[0, 0]
     draw_tongues(axes, system, drive_of(dataset), largest=largest)
     axes.set_xlim(min(0.5, 0.8 * ratio), max(3.2, 1.1 * ratio))
     axes.axvline(ratio, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)
-    if found:
+    if exists:
         axes.plot(ratio, amplitude / length, "o", ms=4.0, color=style.INK, clip_on=False)
         text = f"{1e3 * amplitude:.4g} mm"
         style.note(axes, text, (ratio, amplitude / length), (6.0, 0.0))
     names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"hanging is unstable inside\n{told(about, *names)}")
+    axes.set_title(f"hanging is unstable inside\n{parameters_in_words(about, *names)}")
     return figure

@@ -48,9 +48,9 @@ def draw(dataset: xr.Dataset) -> Figure:
 def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
     """Draw amplitude and place of the line against the frequency ratio, for some amplitudes."""
     count = dataset.sizes["drive_amplitude"]
-    chosen = np.unique(np.linspace(0, count - 1, min(count, _MOST_CURVES)).round().astype(int))
+    indices = np.unique(np.linspace(0, count - 1, min(count, _MOST_CURVES)).round().astype(int))
     ratio = dataset.frequency_ratio.values
-    for colour, i in zip(style.COLOURS, chosen, strict=False):
+    for colour, i in zip(style.COLOURS, indices, strict=False):
         row = dataset.isel(drive_amplitude=i)
         name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm"
         height.plot(ratio, row.peak_amplitude, color=colour, label=name)

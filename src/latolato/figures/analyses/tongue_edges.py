@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
-from latolato.figures.analyses.tongues import draw_tongues, told
+from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,5 +38,5 @@ def draw(dataset: xr.Dataset) -> Figure:
             shift = (-5.0, 5.0) if side == "right" else (5.0, 5.0)
             style.note(axes, f"{edge:.6f}", (edge, amplitude / length), shift, ha=side, va="bottom")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']} is unstable inside\n{told(about, *names)}")
+    axes.set_title(f"{about['position']} is unstable inside\n{parameters_in_words(about, *names)}")
     return figure

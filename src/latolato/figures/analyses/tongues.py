@@ -59,7 +59,7 @@ def _tip(
     """Return rows of amplitude, low and high between a closed amplitude and an open one."""
     if order == 0:
         return [(0.0, 0.0, math.inf)]
-    found: list[tuple[float, ...]] = []
+    rows: list[tuple[float, ...]] = []
     opened = row[0]
     for _ in range(_HALVINGS):
         middle = 0.5 * (closed + opened)
@@ -68,8 +68,8 @@ def _tip(
             closed = middle
         else:
             opened = middle
-            found.insert(0, (middle, *edges))
-    return found
+            rows.insert(0, (middle, *edges))
+    return rows
 
 
 def _edges(
@@ -78,13 +78,13 @@ def _edges(
     """Return the edges, NaN where closed, without a word."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        found = tongue_edges(
+        edges = tongue_edges(
             system, drive, drive_amplitude=float(amplitude), order=order, position=position
         )
-    return float(found.low), float(found.high)
+    return float(edges.low), float(edges.high)
 
 
-def told(about: Any, *names: str) -> str:
+def parameters_in_words(about: Any, *names: str) -> str:
     """Return parameters other than zero in words, such as ``C = 0.05 kg m/s``."""
     from latolato.core.quantities import QUANTITIES
 

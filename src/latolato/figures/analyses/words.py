@@ -59,8 +59,8 @@ def number(value: float, digits: int = 4) -> str:
     """
     if math.isnan(value):
         return "no value"
-    shown = f"{value:.{digits}g}"
-    if "e" in shown:
-        figures, _, power = shown.partition("e")
+    text = f"{value:.{digits}g}"
+    if "e" in text:
+        figures, _, power = text.partition("e")
         return rf"${figures}\times10^{{{int(power)}}}$"
-    return shown.replace("inf", "∞").replace("-", "\N{MINUS SIGN}")
+    return text.replace("inf", "∞").replace("-", "\N{MINUS SIGN}")
