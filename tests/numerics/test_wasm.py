@@ -83,7 +83,7 @@ def systems(random):
     ball, angle = ll.Ball(**toy), random.uniform(0.3, 1.2)
     heavy = ll.Ball(**{**toy, "mass": 1.2, "length": 1.05 * body["length"]}, **drags)
     one, two = {"initial_angle": angle}, {"initial_angle": (angle, -0.8 * angle)}
-    noise = ll.VelocityKicks(noise_strength=0.05, seed=int(random.integers(100)))
+    noise = ll.VelocityKicks(noise_strength=0.05, noise_seed=int(random.integers(100)))
     return {
         "free": (ll.Pendulum(**body), one),
         "linear drag": (ll.Pendulum(**body, damping=drags["damping"]), one),
