@@ -144,7 +144,7 @@ class Targets:
         if self.plot is not None:
             from latolato.figures.plot import picture_of
 
-            picture_of(name)
+            picture_of("analysis", name)
 
     def write(self, found: xr.Dataset) -> list[Path]:
         """Write what is asked for and return the names."""

@@ -21,6 +21,7 @@ from latolato.experiment.fits.least_squares import (
     lmfit_module,
     solve,
 )
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import noise_of, within
 from latolato.experiment.fits.swings import crossings
@@ -63,8 +64,10 @@ def fit_drive(
         A track table; `pivot_y` is fitted, from its first to its last passage through the middle.
     stages : int, optional
         Number of stages of constant frequency; by default found, up to 4.
-    start, end : float, optional
-        Piece of the table that is used [s].
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
     profile : bool
         Whether 95 percent intervals of amplitude and frequency are profiled.
 
@@ -145,6 +148,16 @@ def fit_drive(
         "source": table.attrs.get("source"),
     }  # fmt: skip
     return make_fit("drive", estimates, " ".join(words), curves, about, drive)
+
+
+fits.register("drive")(
+    FitKind(
+        function=fit_drive,
+        title="Measured drive",
+        headline=("drive_amplitude", "drive_frequency", "drive_frequency_final", "drive_phase"),
+        system=lambda _, apparatus, table: apparatus.guess(table) if apparatus.length else None,
+    )
+)
 
 
 @dataclass(frozen=True)

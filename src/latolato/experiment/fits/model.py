@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -21,6 +20,7 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.pivots import Pivot, pivot_for
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
@@ -75,8 +75,10 @@ def fit_model(
     ball : int, optional
         Which ball a system of one angle is about; by default 1, and for a `LatoLato` with both
         balls in the table half the difference of their angles.
-    start, end : float, optional
-        Piece of the table that is used [s].
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
     window : float, optional
         Time after which the motion begins afresh [s]; by default as long as the model follows.
     profile : bool
@@ -148,12 +150,23 @@ def fit_model(
         "autocorrelation": found.correlation, "effective_samples": found.effective_samples,
         "outliers": int((~found.kept).sum()), "windows": len(model.windows),
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
-        "system_description": json.dumps(systems.described(best)),
         "source": table.attrs.get("source"),
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive
     verdict = _verdict(estimates, found, model, lost, unknown)
-    return make_fit("model", estimates, verdict, curves, about, kept_drive)
+    return make_fit("model", estimates, verdict, curves, about, kept_drive, best)
+
+
+fits.register("model")(
+    FitKind(
+        function=fit_model,
+        title="Model",
+        is_slow=True,
+        hint="Length, damping and restitution that describe the whole motion best, on the "
+        "measured pivot. The computed motion is then laid over video and curve.",
+        is_predicted=True,
+    )
+)
 
 
 def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:

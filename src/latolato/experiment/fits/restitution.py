@@ -25,6 +25,7 @@ from latolato.experiment.fits.flights import (
 )
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.pivots import pivot_for
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
 from latolato.experiment.table import balls_of, checked_table
@@ -74,9 +75,11 @@ def fit_restitution(
     drive : Drive, optional
         How the pivot moves; by default as measured.
     ball : int
-        Which ball of a table with one meets a wall.
-    start, end : float, optional
-        Piece of the table that is used [s].
+        Which ball meets a wall, of a table with one.
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
 
     Returns
     -------
@@ -172,6 +175,9 @@ def fit_restitution(
     if unseen:
         verdict += f" {unseen} further turns are no impacts that can be seen."
     return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
+
+
+fits.register("restitution")(FitKind(function=fit_restitution, title="Restitution", fewest_balls=2))
 
 
 @dataclass(frozen=True)
