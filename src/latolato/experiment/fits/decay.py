@@ -87,7 +87,7 @@ def fit_decay(
 ) -> Fit:
     """Return damping, decay rate and length from a ball that swings freely on a pivot at rest.
 
-    Paper eq7 in full (``method="equation"``) and the envelope of eq13 (``"envelope"``).
+    Paper eq7 in full, and the envelope of eq13.
 
     Parameters
     ----------

@@ -57,7 +57,8 @@ def fit_model(
 ) -> Fit:
     """Return the parameters of a system that describe measured angles best.
 
-    Paper eq10 with impacts by eq11, as `simulate` solves them.
+    Paper eq10 with impacts by eq11, as `simulate` solves them. The pivot moves as it was measured
+    unless a drive is given; the values of the system are first guesses of what varies.
 
     Parameters
     ----------
@@ -70,8 +71,9 @@ def fit_model(
         `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves more than 2
         percent of the amplitude; "measured" takes the spline always.
     vary : sequence of str, optional
-        Parameters of the system, of the drive, and ``angle_offset``; by default `length`,
-        `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and so on.
+        Parameters that are fitted: of the system, of the drive, and ``angle_offset``; by default
+        `length`, `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and
+        so on.
     ball : int, optional
         Which ball a system of one angle is about; by default 1, and for a `LatoLato` with both
         balls in the table half the difference of their angles.
