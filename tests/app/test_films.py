@@ -194,8 +194,8 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
     description = {"pivot": places[0], "balls": places[1:]}
     limits = Allowance().limits
     job = {
-        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4",
-        "description": description, "limits": dataclasses.asdict(limits), "width": 200, "height": 160,
+        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "width": 200, "height": 160,
+        "description": description, "limits": dataclasses.asdict(limits),
     }  # fmt: skip
     stages = []
     done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
