@@ -19,6 +19,7 @@ import typer
 from latolato.cli import app as app_command
 from latolato.cli import compare as compare_command
 from latolato.cli import importing as import_command
+from latolato.cli import reproduce as reproduce_command
 from latolato.cli import simulate as run_command
 from latolato.cli import trials as trials_command
 from latolato.cli import videos as video_commands
@@ -64,6 +65,7 @@ app.command("synthesise", cls=EachOptionOnce)(
     with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
 )
 app.command("track", cls=EachOptionOnce)(video_commands.track)
+app.command("reproduce", cls=EachOptionOnce)(reproduce_command.reproduce)
 app.command("app", cls=EachOptionOnce)(app_command.app)
 
 
@@ -388,22 +390,6 @@ def plot(
         raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
     for path in targets.draw(dataset) + animation.write(dataset):
         print(path)
-
-
-@app.command(cls=EachOptionOnce)
-def reproduce(
-    quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
-    full: Annotated[
-        bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
-    ] = False,
-    output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
-) -> None:
-    """Reproduce the paper's figures and judge its claims in a report."""
-    from latolato import report
-
-    with bar("reproducing") as progress:
-        result = report.reproduce(output, quick=quick, full=full, progress=progress)
-    report.print_claims(result)
 
 
 @app.command()
