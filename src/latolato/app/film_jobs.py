@@ -84,7 +84,7 @@ async def work(
         ) from None
     except EndedError as error:
         raise JobError(_reason(error.code, film)) from None
-    result: dict[str, Any] = done["found"]
+    result: dict[str, Any] = done["result"]
     return result
 
 
@@ -114,7 +114,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
         # Here: with little memory it fails, which is reported as any other failure.
         from latolato.app.film_work import WORK
 
-        return {"found": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
+        return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
         raise InputError("this video needs more memory than it may take: scale it down") from None
     except (InputError, OSError) as error:

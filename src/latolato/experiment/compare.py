@@ -86,7 +86,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
 
 
 def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
-    """Return the system that a fit found and the standard deviations of its numbers.
+    """Return the system of a fit and the standard deviations of its numbers.
 
     Raises
     ------

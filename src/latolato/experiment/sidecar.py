@@ -1,4 +1,4 @@
-"""What a tracking was told, kept beside its table as TOML: enough to make the same table again."""
+"""The set-up of a tracking, kept beside its table as TOML: enough to make the same table again."""
 
 from __future__ import annotations
 

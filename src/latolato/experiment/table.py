@@ -238,7 +238,7 @@ def read_table(path: str | Path) -> xr.Dataset:
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
         if suffix != ".nc":
-            columns |= more  # a misspelt name in a text file is told
+            columns |= more  # a misspelt name in a text file is refused
             more = {}
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
@@ -296,15 +296,15 @@ def _check_increasing(name: str, values: Any) -> None:
 
 def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as plain numbers and texts, without those that are None."""
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     for key, value in given.items():
         plain = value.item() if hasattr(value, "item") else value
         if plain is None:
             continue
         if not isinstance(plain, (bool, int, float, str)):
             raise InputError(f"attribute '{key}' must be a number or a text, got {value!r}")
-        found[str(key)] = int(plain) if isinstance(plain, bool) else plain
-    return found
+        attributes[str(key)] = int(plain) if isinstance(plain, bool) else plain
+    return attributes
 
 
 def _write_csv(table: xr.Dataset, path: Path) -> None:
@@ -358,12 +358,12 @@ def _read_csv(path: Path) -> Parts:
         if not line.startswith("#"):
             break
         count += 1
-        told = line[1:].strip()
-        column = _COLUMN.fullmatch(told)
+        text = line[1:].strip()
+        column = _COLUMN.fullmatch(text)
         if column:
             units[column["name"]] = column["units"]
         else:
-            key, _, value = told.partition(":")
+            key, _, value = text.partition(":")
             attributes[key.strip()] = _as_value(value.strip())
     rows = [row for row in csv.reader(lines[count:]) if row]
     if not rows:
@@ -375,11 +375,11 @@ def _read_csv(path: Path) -> Parts:
                 f"'{path}': row {i + 1} has {len(row)} cells below {len(names)} column names"
             )
     cells = zip(*body, strict=True) if body else [()] * len(names)
-    found = {
+    columns = {
         name: list(values) if name.startswith("flag_") else [value or "nan" for value in values]
         for name, values in zip(names, cells, strict=True)
     }
-    return found, units, attributes
+    return columns, units, attributes
 
 
 def _write_parquet(table: xr.Dataset, path: Path) -> None:

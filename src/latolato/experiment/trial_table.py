@@ -355,11 +355,11 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
             columns[name] = cells
             continue
         unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-        found = []
+        values = []
         for number, cell in enumerate(cells, start=1):
             try:
-                found.append(float(to_si(name, cell, unit)) if cell else math.nan)
+                values.append(float(to_si(name, cell, unit)) if cell else math.nan)
             except InputError as error:
                 raise InputError(f"trial {number}: {error}") from None
-        columns[name] = found
+        columns[name] = values
     return columns, attributes

@@ -128,34 +128,34 @@ def fit_model(
 
     period = math.tau / system.natural_frequency
     levels = [x * period for x in _LEVELS] if window is None else [window]
-    found, model, lost = _longest(data, laws, shared, levels, origin)
+    solution, model, lost = _longest(data, laws, shared, levels, origin)
     if profile:
-        found = solve(
-            model, {n: replace(model.guesses()[n], value=v) for n, v in found.values.items()},
+        solution = solve(
+            model, {n: replace(model.guesses()[n], value=v) for n, v in solution.values.items()},
             data, jacobian=model.jacobian, profiles=names,
         )  # fmt: skip
-    widening, unknown = _by_pivots(data, system, moving, names, found, model)
-    estimates = {name: _estimate(found, name, widening[name]) for name in names}
-    best, best_drive = laws(found.values)
+    widening, unknown = _by_pivots(data, system, moving, names, solution, model)
+    estimates = {name: _estimate(solution, name, widening[name]) for name in names}
+    best, best_drive = laws(solution.values)
     curves = {
         "time": ("sample", data.times),
         "ball_number": ("sample", data.series),
         "angle": ("sample", data.values),
-        "angle_fit": ("sample", found.curve),
-        "angle_residual": ("sample", found.residuals),
-        "is_outlier": ("sample", ~found.kept),
+        "angle_fit": ("sample", solution.curve),
+        "angle_residual": ("sample", solution.residuals),
+        "is_outlier": ("sample", ~solution.kept),
         "window_start": ("window", np.array([w.begin for w in model.windows])),
     }
     about = {
         "start": first, "end": last, "samples": len(data), "pivot": moving.words,
-        "scatter": found.scatter, "chi_square": found.chi_square,
-        "autocorrelation": found.correlation, "effective_samples": found.effective_samples,
-        "outliers": int((~found.kept).sum()), "windows": len(model.windows),
+        "scatter": solution.scatter, "chi_square": solution.chi_square,
+        "autocorrelation": solution.correlation, "effective_samples": solution.effective_samples,
+        "outliers": int((~solution.kept).sum()), "windows": len(model.windows),
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
         "source": table.attrs.get("source"),
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive
-    verdict = _verdict(estimates, found, model, lost, unknown)
+    verdict = _verdict(estimates, solution, model, lost, unknown)
     return make_fit("model", estimates, verdict, curves, about, kept_drive, best)
 
 
@@ -202,15 +202,15 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
 
 def _known(system: System, drive: Drive) -> list[str]:
     """Return what could vary."""
-    found = ["angle_offset"]
+    names = ["angle_offset"]
     for law in (system, drive):
         for f in fields(law):
             value = getattr(law, f.name, None)
             if is_dataclass(value) and f.name in _SIDES:
-                found += [f"{f.name}_{inner.name}" for inner in fields(value)]
+                names += [f"{f.name}_{inner.name}" for inner in fields(value)]
             elif isinstance(value, float) and "quantity" in f.metadata:
-                found.append(f.name)
-    return found
+                names.append(f.name)
+    return names
 
 
 def _value(system: System, drive: Drive, name: str) -> float:
@@ -278,10 +278,10 @@ def _longest(
         model = WindowedModel(data, laws, shared, begins, origin)
         states = None
         if best is not None:
-            found, before = best
-            shared = {n: replace(g, value=found.values[n]) for n, g in shared.items()}
+            solution, before = best
+            shared = {n: replace(g, value=solution.values[n]) for n, g in shared.items()}
             model = WindowedModel(data, laws, shared, begins, origin)
-            states = before.states_at(found.values, begins)
+            states = before.states_at(solution.values, begins)
         try:
             trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
         except ConvergenceError:
@@ -305,7 +305,7 @@ def _by_pivots(
     system: System,
     moving: Pivot,
     names: Sequence[str],
-    found: Solution,
+    solution: Solution,
     model: WindowedModel,
 ) -> tuple[dict[str, float], int]:
     """Return the standard deviations that the uncertainty of the pivot's motion alone makes.
@@ -320,37 +320,41 @@ def _by_pivots(
         def laws(p: Mapping[str, float], drive: Drive = other) -> tuple[System, Drive]:
             return _changed(system, drive, {name: p[name] for name in names})
 
-        shared = {n: replace(g, value=found.values[n]) for n, g in model.shared.items()}
+        shared = {n: replace(g, value=solution.values[n]) for n, g in model.shared.items()}
         moved = WindowedModel(data, laws, shared, begins, model.origin)
-        guesses = {n: replace(g, value=found.values[n]) for n, g in moved.guesses().items()}
+        guesses = {n: replace(g, value=solution.values[n]) for n, g in moved.guesses().items()}
         try:
-            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=found)
+            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=solution)
         except ConvergenceError:
             lost += 1
             continue
         for name in names:
-            squares[name] += weight * (trial.values[name] - found.values[name]) ** 2
+            squares[name] += weight * (trial.values[name] - solution.values[name]) ** 2
     return {name: math.sqrt(square) for name, square in squares.items()}, lost
 
 
-def _estimate(found: Solution, name: str, further: float) -> Estimate:
+def _estimate(solution: Solution, name: str, further: float) -> Estimate:
     """Return an estimate with a further independent deviation."""
-    value, own = found.values[name], found.sigma(name)
+    value, own = solution.values[name], solution.sigma(name)
     sigma = math.hypot(own, further)
-    low, high = found.intervals.get(name, (math.nan, math.nan))
+    low, high = solution.intervals.get(name, (math.nan, math.nan))
     wider = sigma / own if own > 0.0 else 1.0
     ends = value - wider * (value - low), value + wider * (high - value)
     return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
 def _verdict(
-    told: Mapping[str, Estimate], found: Solution, model: WindowedModel, lost: int, unknown: int
+    estimates: Mapping[str, Estimate],
+    solution: Solution,
+    model: WindowedModel,
+    lost: int,
+    unknown: int,
 ) -> str:
-    """Return what was found in plain words, and which fits did not converge."""
-    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in told.items())
+    """Return the result in plain words, and which fits did not converge."""
+    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in estimates.items())
     count = len(model.windows)
     words = f"{values[0].upper()}{values[1:]}; the angle is described to "
-    words += f"{1e3 * found.scatter:.3g} mrad"
+    words += f"{1e3 * solution.scatter:.3g} mrad"
     words += " in one piece." if count == 1 else f" in {count} pieces that begin afresh."
     if lost:
         pieces = "one piece" if lost == 1 else f"{lost} pieces"
@@ -360,9 +364,9 @@ def _verdict(
             f" {unknown} of the fits that tell how the pivot's uncertainty counts did not "
             "converge: the standard deviations are too small."
         )
-    share = float(np.mean(~found.kept))
+    share = float(np.mean(~solution.kept))
     if share > _MOST_OUTLIERS:
         words += f" The model does not follow {100 * share:.2g} % of the samples: do not trust it."
     elif share > 0.0:
-        words += f" {int((~found.kept).sum())} outliers were left out."
+        words += f" {int((~solution.kept).sum())} outliers were left out."
     return words

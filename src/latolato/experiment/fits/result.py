@@ -203,7 +203,7 @@ def make_fit(
     attributes : mapping
         Numbers and texts; None is left out.
     drive, system : Drive, System, optional
-        What was found of the pivot, and of what swings.
+        The fitted laws of the pivot and of what swings.
     """
     import xarray as xr
 
