@@ -147,4 +147,5 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return how many trials there are of each class, for reading."""
     classes = ", ".join(f"{count} {name}" for name, count in summary["classes"].items())
     trials, sets = len(summary["trials"]), len(summary["sets"])
-    return {"trials": f"{trials} in {sets} set{'s' * (sets != 1)}: {classes}"}
+    words = f"{trials} trial{'s' * (trials != 1)} in {sets} set{'s' * (sets != 1)}"
+    return {"table": f"{words}: {classes}"}
