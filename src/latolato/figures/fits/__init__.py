@@ -87,12 +87,12 @@ def draw_correlation(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     most = min(40, len(values) // 4)
     power = float(values @ values) or 1.0
     lags = np.arange(1, most + 1)
-    shares = [float(values[lag:] @ values[:-lag]) / power for lag in lags]
+    correlations = [float(values[lag:] @ values[:-lag]) / power for lag in lags]
     chance = 2.0 / np.sqrt(len(values))
     axes.axhspan(-chance, chance, color=style.PALE_GREY, lw=0.0, label="by chance (95 %)")
     axes.axhline(0.0, color=style.GREY, lw=style.THIN)
-    axes.vlines(lags, 0.0, shares, color=style.BLUE, lw=1.0)
-    axes.set_ylim(min(-0.25, 1.2 * min(shares)), max(0.4, 1.2 * max(shares)))
+    axes.vlines(lags, 0.0, correlations, color=style.BLUE, lw=1.0)
+    axes.set_ylim(min(-0.25, 1.2 * min(correlations)), max(0.4, 1.2 * max(correlations)))
     axes.set_xlabel("residuals so many samples apart")
     axes.set_ylabel("correlation")
     axes.legend(loc="upper right")
