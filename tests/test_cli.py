@@ -424,7 +424,7 @@ def test_json_is_strict_and_has_null_for_what_never_happened():
     def refuse(constant):
         raise ValueError(constant)
 
-    assert json.loads(printed, parse_constant=refuse)["slack_time"] is None
+    assert json.loads(printed, parse_constant=refuse)["compression_time"] is None
 
 
 def test_a_warning_is_one_line_on_standard_error(capsys):
@@ -492,7 +492,7 @@ def test_reproduce_hands_folder_and_quickness_on_and_prints_claims(monkeypatch):
     claim = Claim(
         name="tension", where="Fig. 1", words="the string is tight", finding="it is slack for 1 s",
         criteria=(("slack: 1 s (at most 0 s)", False),), assumption="", why="",
-        verdict=Verdict.NOT_AS_PRINTED, numbers={"slack": math.inf},
+        verdict=Verdict.NOT_AS_PRINTED, numbers={"compression": math.inf},
     )  # fmt: skip
     calls = []
 
@@ -508,7 +508,7 @@ def test_reproduce_hands_folder_and_quickness_on_and_prints_claims(monkeypatch):
     assert printed.endswith(f"{Path('there') / 'index.html'}\n")
     summary = json.loads(run("reproduce", "--output", "there", "--json").stdout)
     assert summary["claims"][0]["verdict"] == "not as printed"
-    assert summary["claims"][0]["numbers"] == {"slack": None}
+    assert summary["claims"][0]["numbers"] == {"compression": None}
     assert summary["left_out"] == ["Figure 7: no videos"]
     assert summary["files"] == [str(Path("there") / "index.html")]
 

@@ -238,7 +238,7 @@ def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         drive: Any = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1)
         begun = ll.simulate(system, drive, initial_angle=0.6, duration=4.0)
     else:
-        system, drive = ll.Pendulum(**ball), ll.Static()
+        system, drive = ll.Pendulum(**ball), ll.FixedPivot()
         if job["kind"] == "driven":
             rate = 60.0
             drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)

@@ -82,7 +82,7 @@ def trials(
     A bad file is named and left out; the exit code is then 1.
     """
     from latolato.experiment.trial_table import SUFFIXES, write_trials
-    from latolato.experiment.trials import gather_trials
+    from latolato.experiment.trials import collect_trials
     from latolato.scenario.units import to_si
 
     Targets(output).check("the name of a trial table", SUFFIXES)
@@ -98,7 +98,7 @@ def trials(
     with bar("trials") as progress, warnings.catch_warnings():
         # The summary contains them.
         warnings.simplefilter("ignore", RuntimeWarning)
-        table = gather_trials(source, sets=sets, workers=workers, progress=progress, **given)
+        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **given)
     files = [str(write_trials(table, output))] if output is not None else []
     failed = [text for text in table.attrs["failed"].split(" | ") if text]
     summary = summarise(table)
@@ -137,7 +137,8 @@ def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
         note = f", {row['note']}" if row["note"] else ""
         lines.append(
             f"{row['set']:10} {1e3 * row['drive_amplitude']:9.3f} {row['frequency_ratio']:7.4f} "
-            f"{degrees(row['largest_angle']):8.1f}° {degrees(row['stabilised_angle']):8.1f}°  "
+            f"{degrees(row['largest_angle']):8.1f}° "
+            f"{degrees(row['largest_angle_after_transient']):8.1f}°  "
             f"{row['class']}{mark}  {row['source']}{note}"
         )
     return "\n".join(lines)

@@ -201,7 +201,7 @@ def _swing_fit(
 
     from latolato.experiment.fits.motion import angles_at, step_of
     from latolato.experiment.fits.swings import period_factor
-    from latolato.physics.drives import Static
+    from latolato.physics.drives import FixedPivot
     from latolato.physics.pendulum import Pendulum
 
     frequency = 2.0 * math.pi / period * period_factor(float(swing[0]))
@@ -210,12 +210,12 @@ def _swing_fit(
         drags = {drag: rate}
         return Pendulum(length=1.0, mass=1.0, gravity=frequency**2, **drags)
 
-    step = step_of(pendulum(frequency, 0.0), Static(), 2.0 * frequency)
+    step = step_of(pendulum(frequency, 0.0), FixedPivot(), 2.0 * frequency)
 
     def rest(p: np.ndarray) -> np.ndarray:
         system = pendulum(frequency * math.exp(p[1]), p[2])
         start = [p[3] - p[0]], [p[4]]
-        path = angles_at(system, Static(), *start, times, step=step)[0] + p[0]
+        path = angles_at(system, FixedPivot(), *start, times, step=step)[0] + p[0]
         return np.where(np.isfinite(path), path - swing, math.pi)
 
     guess = np.array([0.0, 0.0, 0.02 * frequency, float(swing[0]), 0.0])

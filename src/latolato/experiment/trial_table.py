@@ -41,8 +41,8 @@ COUNTS = {
 COLUMNS = (
     "set", "source", "drive_amplitude", "drive_amplitude_sigma", "drive_frequency",
     "drive_frequency_sigma", "frequency_ratio", "largest_angle", "largest_angle_sigma",
-    "stabilised_angle", "stabilised_angle_sigma", "class", "borderline", "swings", "balls",
-    "length", "set_by", "note",
+    "largest_angle_after_transient", "largest_angle_after_transient_sigma", "class", "borderline",
+    "swings", "balls", "length", "set_by", "note",
 )  # fmt: skip
 # Amplitudes of one set differ by less than this share, or by so many standard deviations.
 _SAME, _SAME_SIGMAS = 0.04, 4.0
@@ -132,7 +132,8 @@ def trial_table(
     if "drive_amplitude" not in given or not {"drive_frequency", "frequency_ratio"} & given.keys():
         raise InputError(
             "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
-            f"and class or largest_angle and stabilised_angle; got {', '.join(columns) or 'none'}"
+            "and class or largest_angle and largest_angle_after_transient; "
+            f"got {', '.join(columns) or 'none'}"
         )
     count = len(given["drive_amplitude"])
     if count == 0:
@@ -153,11 +154,13 @@ def trial_table(
         given["frequency_ratio"] = given["drive_frequency"] / natural
     given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
     largest = given.setdefault("largest_angle", unknown.copy())
-    lasting = given.setdefault("stabilised_angle", unknown.copy())
+    lasting = given.setdefault("largest_angle_after_transient", unknown.copy())
     sigmas = [given.get(f"{name}_angle_sigma", unknown) for name in ("largest", "stabilised")]
     if "class" not in given:
         if not (np.isfinite(largest) & np.isfinite(lasting)).all():
-            raise InputError("a trial table without class needs largest_angle and stabilised_angle")
+            raise InputError(
+                "a trial table without class needs largest_angle and largest_angle_after_transient"
+            )
         given["class"] = np.array([CLASSES[i] for i in class_of(largest, lasting)])
     given.setdefault("borderline", is_borderline(largest, sigmas[0], lasting, sigmas[1]))
     if "set" not in given:
@@ -197,7 +200,7 @@ def checked_trials(trials: Any) -> xr.Dataset:
     if not isinstance(trials, xr.Dataset):
         raise InputError(f"trials must be a trial table, got {type(trials).__name__}: read_trials")
     if trials.attrs.get("table") != _KIND:
-        raise InputError("the dataset is no trial table; make one with gather_trials or read it")
+        raise InputError("the dataset is no trial table; make one with collect_trials or read it")
     return trials
 
 

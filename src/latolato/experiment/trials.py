@@ -71,8 +71,8 @@ def trial_of(
     Notes
     -----
     As in `latolato.observables.MotionClass`, `largest_angle` is the largest abs(angle) of either
-    ball at any time and `stabilised_angle` the largest one of the last part, both at turning
-    points between samples, by the parabola through the three samples about each. The largest of n
+    ball at any time and `largest_angle_after_transient` the largest one of the last part, both at
+    turning points between samples, by the parabola through the three samples about each. The largest of n
     noisy turning points is too large: with m the expected largest of n standard normal numbers,
     noise s and motion that varies by v itself, ``m (sqrt(v^2 + s^2) - v)`` is taken off. The
     standard deviation is that of the largest of n, ``sqrt(v^2 + s^2)/sqrt(1 + 0.8 ln n)``, and
@@ -119,8 +119,8 @@ def trial_of(
         "frequency_ratio": frequency.value * math.sqrt(length / gravity),
         "largest_angle": whole[0],
         "largest_angle_sigma": whole[1],
-        "stabilised_angle": lasting[0],
-        "stabilised_angle_sigma": lasting[1],
+        "largest_angle_after_transient": lasting[0],
+        "largest_angle_after_transient_sigma": lasting[1],
         "class": ("none", "weak", "strong")[int(class_of(whole[0], lasting[0]))],
         "borderline": bool(is_borderline(*whole, *lasting)),
         "swings": swings,
@@ -130,7 +130,7 @@ def trial_of(
     }
 
 
-def gather_trials(
+def collect_trials(
     sources: str | Path | xr.Dataset | Iterable[Any],
     *,
     length: float | None = None,

@@ -24,7 +24,7 @@ from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.samples import angles_of, noise_of
 from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.table import checked_table
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System, systems
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ def _spread(
 
 def _period(drive: Any, system: System) -> float:
     """Return the period that means are taken over [s]."""
-    if isinstance(drive, Static):
+    if isinstance(drive, FixedPivot):
         return math.tau / system.natural_frequency / 2.0
     slowest = [
         float(value)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.analysis.stroboscopic import wilson
+from latolato.analysis.stroboscopic import wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
 from latolato.experiment.comparison.parameters import (
@@ -108,7 +108,7 @@ def compare_map(
     agrees = measured == computed
     n = len(agrees)
     share, kappa = float(agrees.mean()), cohen_kappa(measured, computed)
-    low, high = (float(end) for end in wilson(int(agrees.sum()), n)[1:])
+    low, high = (float(end) for end in wilson_interval(int(agrees.sum()), n)[1:])
     variables: dict[str, Any] = {}
     chances, by_parameters, kappa_sigma = np.full(n, np.nan), 0.0, math.nan
     if count:
@@ -234,7 +234,7 @@ def _drawn(
     columns = {"drive_amplitude": amplitude.ravel(), "drive_frequency": frequency.ravel()}
     columns |= {name: np.repeat(values, n) for name, values in given.items()}
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
-    largest, lasting = about("largest_angle"), about("stabilised_angle")
+    largest, lasting = about("largest_angle"), about("largest_angle_after_transient")
     classes = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
     angles = np.isfinite(largest) & np.isfinite(lasting)
     seen = np.where(angles, class_of(largest, lasting), classes)

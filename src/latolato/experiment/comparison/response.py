@@ -97,9 +97,9 @@ def compare_response(
     checked_trials(trials)
     if not isinstance(system, Pendulum):
         raise InputError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
-    lasting = trials["stabilised_angle"].values
+    lasting = trials[LATE].values
     if not np.isfinite(lasting).all():
-        raise InputError("response curves need the stabilised_angle of every trial")
+        raise InputError("response curves need the largest_angle_after_transient of every trial")
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     points = checked_count("points", points)
@@ -146,7 +146,7 @@ def compare_response(
     late = run[LATE].values
     curves = late[: -len(frequency)].reshape(count, len(names), points)
     seen, computed_peaks = [], []
-    sigma = np.nan_to_num(trials["stabilised_angle_sigma"].values)
+    sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
@@ -156,16 +156,16 @@ def compare_response(
         computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
                           each[0].kind))  # fmt: skip
     variables: dict[str, Any] = {
-        "stabilised_angle": variable("trial", lasting, "stabilised_angle"),
-        "stabilised_angle_sigma": variable("trial", sigma, "stabilised_angle_sigma"),
+        LATE: variable("trial", lasting, LATE),
+        f"{LATE}_sigma": variable("trial", sigma, f"{LATE}_sigma"),
         "trial_ratio": variable("trial", ratio, "frequency_ratio"),
         "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
         "source": plain("trial", trials["source"].values.astype(str), "file of the trial"),
         "angle_at_trial": variable(
-            "trial", late[-len(frequency) :], "stabilised_angle", "computed lasting angle there"
+            "trial", late[-len(frequency) :], LATE, "computed lasting angle there"
         ),
         "angle_computed": variable(
-            ("set_name", "frequency_ratio"), curves[0], "stabilised_angle",
+            ("set_name", "frequency_ratio"), curves[0], LATE,
             "computed lasting angle",
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
@@ -177,7 +177,7 @@ def compare_response(
                 f"{words} of the {kind} peak",
             )  # fmt: skip
         variables[f"peak_{kind}_height"] = variable(
-            "set_name", [peak.height for peak in peaks], "stabilised_angle",
+            "set_name", [peak.height for peak in peaks], LATE,
             f"height of the {kind} peak",
         )  # fmt: skip
         variables[f"peak_{kind}_kind"] = plain(

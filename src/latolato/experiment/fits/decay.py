@@ -37,7 +37,7 @@ from latolato.experiment.fits.samples import (
 from latolato.experiment.fits.sight import ABOVE, ASIDE, Sight, sight_guesses
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
 from latolato.experiment.table import checked_table
-from latolato.physics.drives import Static
+from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import GRAVITY, Pendulum
 
 if TYPE_CHECKING:
@@ -446,13 +446,13 @@ def _fit_equation(
     largest = float(np.max(np.abs(data.values)))
     speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
     about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
-    step = step_of(about, Static(), speed)
+    step = step_of(about, FixedPivot(), speed)
     sight = Sight.of(data)
 
     def model(p: Mapping[str, float]) -> Floats:
         system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
         start = (p["initial_angle"],), (p["initial_angular_velocity"],)
-        angles: Floats = angles_at(system, Static(), *start, times, step=step)[0]
+        angles: Floats = angles_at(system, FixedPivot(), *start, times, step=step)[0]
         # A trial too wild to be followed to the end is a bad fit, not an error.
         return np.where(np.isfinite(angles), sight.seen(angles, p), _WILD)
 

@@ -26,7 +26,7 @@ from latolato.experiment.fits.samples import angles_of, is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.table import checked_table
-from latolato.physics.drives import Drive, MeasuredPivot, Static, drives
+from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import System, systems
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ def fit_model(
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
         "source": table.attrs.get("source"),
     }  # fmt: skip
-    kept_drive = None if isinstance(best_drive, (MeasuredPivot, Static)) else best_drive
+    kept_drive = None if isinstance(best_drive, (MeasuredPivot, FixedPivot)) else best_drive
     verdict = _verdict(estimates, solution, model, lost, unknown)
     return make_fit("model", estimates, verdict, curves, about, kept_drive, best)
 

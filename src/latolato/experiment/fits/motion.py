@@ -11,13 +11,13 @@ from latolato.experiment.fits.least_squares import Floats
 from latolato.numerics.integrate import Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL
-from latolato.physics.contacts import ContactLaw, NoContact
-from latolato.physics.drives import Drive, MeasuredPivot, Static, Stretch
+from latolato.physics.contacts import ContactLaw, PassThrough
+from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, Stretch
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
 TOLERANCE = 1e-8
-_NO_CONTACT = NoContact()
+_PASS_THROUGH = PassThrough()
 
 
 class LaterDrive:
@@ -60,7 +60,7 @@ def angles_at(
     times: Floats,
     *,
     step: float,
-    law: ContactLaw = _NO_CONTACT,
+    law: ContactLaw = _PASS_THROUGH,
     rest_speed: float = 1e-5,
 ) -> Floats:
     """Return angles at instants from 0 on, shape (angle, time) [rad]; NaN where the motion fails.
@@ -84,7 +84,7 @@ def angles_at(
     end = max(float(times[-1]), 1e-9)
     run = integrate(
         system,
-        drive if drive is not None else Static(),
+        drive if drive is not None else FixedPivot(),
         begin,
         np.ascontiguousarray(times, dtype=np.float64),
         end,

@@ -11,7 +11,7 @@ from latolato.core.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
-from latolato.physics.drives import Drive, MeasuredPivot, Static
+from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot
 from latolato.simulation.start import checked_drive
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def measured_pivot(
         Take the spline, whatever the motion.
     """
     if not is_driven(table, length):
-        return Pivot(Static(), 0.0, [], "the pivot is at rest")
+        return Pivot(FixedPivot(), 0.0, [], "the pivot is at rest")
     if not spline:
         try:
             fit = fit_drive(table, profile=False)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
 from latolato.experiment.fits.motion import LaterDrive, angles_at, step_of
 from latolato.experiment.fits.sight import SEEN, Sight
-from latolato.physics.contacts import Exact
+from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import walls_of
@@ -169,7 +169,7 @@ class WindowedModel:
         """Return angles at instants, shape (angle, instant)."""
         begun = _within_walls(system, state[:, 0])
         start = begun.tolist(), state[:, 1].tolist()
-        return angles_at(system, drive, *start, times, step=self.step, law=Exact())
+        return angles_at(system, drive, *start, times, step=self.step, law=ExactContact())
 
 
 def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
@@ -204,7 +204,7 @@ def _within_walls(system: System, angles: Floats) -> Floats:
     """Return angles that noise has put beyond a wall, moved onto it."""
     if not system.has_contacts:
         return angles
-    low, high = walls_of(system, Exact())
+    low, high = walls_of(system, ExactContact())
     if len(angles) == 1:
         return np.clip(angles, low, high)
     gap = float(angles[0] - angles[1])

@@ -118,7 +118,7 @@ export function trialTable(trials, films, open) {
     el("td", {}, withSigma(row.drive_frequency, row.drive_frequency_sigma)),
     el("td", {}, short(row.frequency_ratio ?? NaN, 4)),
     el("td", {}, degrees(row.largest_angle, row.largest_angle_sigma)),
-    el("td", {}, degrees(row.stabilised_angle, row.stabilised_angle_sigma)),
+    el("td", {}, degrees(row.largest_angle_after_transient, row.largest_angle_after_transient_sigma)),
     el("td", {}, t(`class_${row.class}`), row.borderline ? ` (${t("borderline")})` : ""),
     el("td", { class: "soft" }, row.note)));
   const named = new Set(trials.map((row) => row.film));
