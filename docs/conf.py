@@ -150,6 +150,18 @@ def laws(registry: Any) -> str:
     return "".join(parts)
 
 
+def fit_words() -> str:
+    """Return a table of the fits of track tables."""
+    from latolato.experiment.fits import fits
+    from latolato.scenario.analysis_options import summary_of
+
+    rows = [
+        (f"`{name}`", f"`{kind.function.__name__}`", summary_of(kind.function))
+        for name, kind in fits.items()
+    ]
+    return table(("name", "function", "result"), rows)
+
+
 def directive(owner: str, name: str, thing: Any) -> str:
     """Return the autodoc directive for one public name."""
     kind = "autoclass" if inspect.isclass(thing) else "autofunction"
@@ -225,6 +237,7 @@ def write_generated() -> None:
         "systems": laws(systems),
         "drives": laws(drives),
         "observables": laws(observables),
+        "fits": fit_words(),
         "api": public_names(),
         "analysis": analysis_names(),
         "cli": command_line(),

@@ -485,19 +485,32 @@ def test_the_citation_names_software_and_paper_as_the_citation_file_does():
     assert printed == ll.cite() + "\n"
 
 
-def test_reproduce_hands_folder_and_quickness_on(monkeypatch):
+def test_reproduce_hands_folder_and_quickness_on_and_prints_claims(monkeypatch):
     from latolato import report
+    from latolato.figures.claim import Claim, Verdict
 
-    asked = []
+    claim = Claim(
+        name="tension", where="Fig. 1", words="the string is tight", finding="it is slack for 1 s",
+        criteria=(("slack: 1 s (at most 0 s)", False),), assumption="", why="",
+        verdict=Verdict.NOT_AS_PRINTED, numbers={"compression": math.inf},
+    )  # fmt: skip
+    calls = []
 
     def reproduce(folder, *, quick, full, progress):
-        asked.append((folder, quick))
-        return "result"
+        calls.append((folder, quick, full))
+        return report.Result(folder / "index.html", (claim,), ("Figure 7: no videos",))
 
     monkeypatch.setattr(report, "reproduce", reproduce)
-    monkeypatch.setattr(report, "print_claims", print)
-    assert run("reproduce", "--quick", "--output", "there").stdout == "result\n"
-    assert asked == [(Path("there"), True)]
+    printed = run("reproduce", "--quick", "--output", "there").stdout
+    assert calls == [(Path("there"), True, False)]
+    assert "the string is tight" in printed
+    assert "Figure 7: no videos" in printed
+    assert printed.endswith(f"{Path('there') / 'index.html'}\n")
+    summary = json.loads(run("reproduce", "--output", "there", "--json").stdout)
+    assert summary["claims"][0]["verdict"] == "not as printed"
+    assert summary["claims"][0]["numbers"] == {"compression": None}
+    assert summary["left_out"] == ["Figure 7: no videos"]
+    assert summary["files"] == [str(Path("there") / "index.html")]
 
 
 def test_a_bar_is_drawn_on_a_screen_for_long_work_only(monkeypatch, capsys):

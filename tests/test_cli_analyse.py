@@ -205,10 +205,10 @@ def test_options_are_made_from_the_signature_and_from_the_docstring():
 
 
 def test_a_parameter_that_cannot_be_typed_is_refused_only_if_needed():
-    def needs(system, *, table: Mapping[str, float]):
+    def needs(system, *, weights: Mapping[str, float]):
         """Return nothing."""
 
-    with pytest.raises(TypeError, match="needs 'table', which cannot be typed"):
+    with pytest.raises(TypeError, match="needs 'weights', which cannot be typed"):
         options_of(needs)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from latolato import report
+from latolato.cli.reproduce import print_result
 from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
 from latolato.io.files import load
@@ -204,7 +205,7 @@ def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path):
     assert "the ledger is open" in result.index.read_text(encoding="utf-8")
 
 
-def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch, capsys):
+def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch):
     from latolato.figures import chain
 
     only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
@@ -215,8 +216,6 @@ def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch, ca
     assert text.startswith("Figure 7: it needs the extra video")
     assert 'pip install ".[video]"' in html.unescape(result.index.read_text())
     assert not (tmp_path / "out" / "fig07.png").exists()
-    report.print_claims(result)
-    assert text in capsys.readouterr().out
     with pytest.raises(ValueError, match="films every trial"):
         report.reproduce(tmp_path / "out", full=True)
 
@@ -305,12 +304,12 @@ def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
 
 
 def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
-    report.print_claims(made[0])
-    output = capsys.readouterr().out
-    assert str(made[0].index) in output.replace("\n", "")
-    words = " ".join(output.split())
+    print_result(made[0], as_json=False)
+    shown = capsys.readouterr().out
+    assert str(made[0].index) in shown.replace("\n", "")
+    words = " ".join(shown.split())
     assert words.count("Assumed:") == sum(bool(claim.assumption) for claim in made[0].claims)
     assert "what the paper says" in words
     for verdict in Verdict:
         count = sum(claim.verdict is verdict for claim in made[0].claims)
-        assert output.count(report.SHAPES[verdict]) == count
+        assert shown.count(report.SHAPES[verdict]) == count

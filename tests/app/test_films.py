@@ -21,7 +21,7 @@ from starlette.testclient import TestClient
 import latolato as ll
 from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
-from latolato.app.film_options import Told
+from latolato.app.film_options import Description
 from latolato.app.film_store import Allowance, shown_name
 from latolato.app.film_work import WORK
 from latolato.app.films import GREETING
@@ -145,11 +145,11 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
             # A pixel off is what a click is off.
             assert abs(u - truth.attrs[f"{name}_pixel_u"]) < 2.0
             assert abs(v - truth.attrs[f"{name}_pixel_v"]) < 2.0
-        told = {
+        description = {
             "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
             "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
         }  # fmt: skip
-        done = page.do(do="track", film=film, told=told)["done"]
+        done = page.do(do="track", film=film, description=description)["done"]
         damping = done["fits"]["decay"]["values"]["damping"]
         assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
         assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
@@ -191,11 +191,11 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
     places = [
         [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
     ]
-    told = {"pivot": places[0], "balls": places[1:]}
+    description = {"pivot": places[0], "balls": places[1:]}
     limits = Allowance().limits
     job = {
-        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "told": told,
-        "limits": dataclasses.asdict(limits), "width": 200, "height": 160,
+        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "width": 200, "height": 160,
+        "description": description, "limits": dataclasses.asdict(limits),
     }  # fmt: skip
     stages = []
     done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
@@ -406,10 +406,10 @@ def test_an_upload_that_breaks_off_or_stands_still_leaves_nothing():
 )
 def test_the_name_of_an_upload_is_never_a_path(page, name):
     answer = page.upload(b"x", name.encode("utf-8"))
-    told = answer.json()["name"]
-    assert 0 < len(told) <= 80
-    assert not set("/\\\0\n") & set(told)
-    assert told == shown_name(name) or "é" in name
+    name_there = answer.json()["name"]
+    assert 0 < len(name_there) <= 80
+    assert not set("/\\\0\n") & set(name_there)
+    assert name_there == shown_name(name) or "é" in name
     page.do(do="remove", film=answer.json()["film"])
 
 
@@ -440,7 +440,7 @@ FRAMES = st.one_of(
     st.text(max_size=60),
     st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"job": true}']),
     st.dictionaries(
-        st.sampled_from(["job", "do", "film", "told", "kind", "file"]),
+        st.sampled_from(["job", "do", "film", "description", "kind", "file"]),
         st.one_of(
             st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=10),
             st.sampled_from(["look", "track", "fit", "export"]), st.lists(st.integers()),
@@ -462,7 +462,7 @@ def test_a_frame_of_bytes_is_answered_with_one_line(page):
 
 
 @pytest.mark.parametrize(
-    "told, message",
+    "description, message",
     [
         ([], "must be an object"),
         ({"lenght": "1 m"}, "unknown name 'lenght'"),
@@ -477,9 +477,9 @@ def test_a_frame_of_bytes_is_answered_with_one_line(page):
         ({"balls": [[1, float("inf")]]}, "balls must be a column and a row"),
     ],
 )
-def test_what_is_told_of_a_video_is_checked(told, message):
+def test_the_description_of_a_video_is_checked(description, message):
     with pytest.raises(InputError, match=re.escape(message)):
-        Told.from_json(told)
+        Description.from_json(description)
 
 
 def test_a_server_that_is_stopped_removes_its_films_and_ends_their_work(tmp_path, monkeypatch):

@@ -7,8 +7,11 @@ import pytest
 
 import latolato as ll
 from latolato.cli.main import main
-from latolato.experiment.fits.result import load_fit
+from latolato.experiment.fits import fits
+from latolato.experiment.fits.result import load_fit, quantity_of
 from latolato.experiment.table import read_table, write_table
+from latolato.figures.plot import picture_of
+from latolato.scenario.analysis_options import options_of
 from track_tables import decay_table, drive_table, motion_table
 
 BODY = {"length": 0.3630, "mass": 0.10804, "damping": 0.00274}
@@ -32,6 +35,14 @@ def test_a_decay_is_fitted_drawn_stored_and_told_as_json(decay, tmp_path, capsys
     assert (tmp_path / "again.png").read_bytes() == picture.read_bytes()
     assert main(["plot", str(result), "--animate", str(tmp_path / "again.gif")]) == 2
     assert "a fit" in capsys.readouterr().err
+
+
+def test_a_parameter_varies_by_its_name_as_options_spell_it(decay, capsys):
+    system = ["--system", "pendulum", "--length", "0.36", "--mass", "0.1", "--damping", "0.003"]
+    several = ["--vary", "length", "--vary", "damping,angle-offset"]
+    assert main(["fit", "model", str(decay), *system, *several, "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert list(summary["values"]) == ["length", "damping", "angle_offset"]
 
 
 def test_drive_restitution_and_model_have_a_command_and_a_picture(tmp_path, capsys):
@@ -74,6 +85,17 @@ def test_a_table_of_another_program_is_imported_or_fitted_at_once(tmp_path, caps
     assert "decay_rate_envelope" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("name", fits)
+def test_every_fit_has_options_words_and_a_picture(name):
+    kind = fits[name]
+    for option in options_of(kind.function).values():
+        assert option.description != option.name.replace("_", " ")  # its docstring says more
+    assert kind.title
+    assert kind.hint or not kind.is_slow
+    assert all(quantity_of(each).long_name for each in kind.headline)
+    assert callable(picture_of("fit", name))
+
+
 @pytest.mark.parametrize(
     "arguments, said",
     [
@@ -82,6 +104,7 @@ def test_a_table_of_another_program_is_imported_or_fitted_at_once(tmp_path, caps
         (["decay", "TABLE", "--column", "time"], "--column must be NAME=COLUMN"),
         (["decay", "TABLE", "--output", "fit.txt"], "must end in .nc"),
         (["decay", "TABLE", "--law", "cubic"], "unknown drag law"),
+        (["decai", "TABLE"], "unknown fit 'decai': did you mean 'decay'?"),
         (["drive", "TABLE"], "'pivot_y' of the track table holds no number"),
         (["restitution", "TABLE"], "no impact is seen"),
         (["model", "TABLE"], "name the system"),

@@ -52,7 +52,7 @@ def true_pixel(take, number, ball=1):
     """Return u and v of a ball's centre by the truth."""
     truth = take.truth()
     x, y = (float(truth[f"ball_{ball}_{axis}"][number]) for axis in "xy")
-    u, v = take.studio.view.shown(x, y)
+    u, v = take.studio.view.in_picture(x, y)
     return float(u), float(v)
 
 
@@ -139,7 +139,7 @@ def test_a_rolling_shutter_shows_the_ball_as_it_is_when_its_stored_row_is_read(r
     )
     truth = take.truth()
     x, y = 0.363 * math.sin(angle), float(truth.pivot_y[14]) - 0.363 * math.cos(angle)
-    late_u, late_v = (float(number) for number in view.shown(x, y))
+    late_u, late_v = (float(number) for number in view.in_picture(x, y))
     assert math.dist((u, v), (late_u, late_v)) > 0.6  # pixel
     # The pivot moves on by up to 0.2 m/s, and the rows of the ball differ by its diameter.
     near = scale * 0.2 * row_time * row + 0.3

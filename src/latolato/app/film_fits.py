@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.film_options import Told
 from latolato.app.given import options_of
 from latolato.core.errors import InputError
-from latolato.experiment.fits.decay import fit_decay
-from latolato.experiment.fits.drive import fit_drive
-from latolato.experiment.fits.model import fit_model
-from latolato.experiment.fits.restitution import fit_restitution
+from latolato.experiment.fits import fits
 from latolato.experiment.fits.result import Fit, quantity_of
 from latolato.experiment.table import balls_of
 from latolato.experiment.trials import trial_of
-from latolato.physics.drives import Drive, FixedPivot
-from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum, System, systems
+from latolato.physics.pendulum import LatoLato, System
 from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Where nothing is said: mass [kg], first guesses of damping [kg m/s] and restitution, ball over
-# length.
-_MASS, _DAMPING, _RESTITUTION, _SMALL = 0.1, 0.003, 0.9, 1.0 / 12.0
+    from latolato.app.film_options import Description
+
+# Instants and angles of each ball that a page draws.
+Motion = list[tuple[Any, Any]]
 # Gaps between samples that a model's curve is drawn across [s].
 _GAP = 0.15
 # Draws of a comparison: its spread is not shown.
@@ -39,24 +33,25 @@ _DRAWS = 1
 
 
 def fits_of(
-    table: xr.Dataset, told: Told, folder: Path, size: tuple[int, int]
+    table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int]
 ) -> dict[str, dict[str, Any]]:
-    """Return the fits that need no choice: each with its numbers, or why there are none."""
+    """Return the fits that need no click: each with its numbers, or why there are none."""
     if str(table.attrs.get("geometry")) == "unknown":
         return {}
-    kinds = ["drive", "decay"] + (["restitution"] if balls_of(table) == 2 else [])
-    found: dict[str, dict[str, Any]] = {}
-    for kind in kinds:
+    cards: dict[str, dict[str, Any]] = {}
+    for name, kind in fits.items():
+        if kind.is_slow or balls_of(table) < kind.fewest_balls:
+            continue
         try:
-            found[kind] = fit_of(kind, table, told, folder, size)
+            cards[name] = fit_of(name, table, description, folder, size)
         except InputError as error:
-            # What to do about it in Python is no help here.
-            found[kind] = {"kind": kind, "error": str(error).partition("; ")[0]}
-    return found
+            error.way_out = None  # what to do about it in Python is no help here
+            cards[name] = {"kind": name, "error": str(error)}
+    return cards
 
 
 def fit_of(
-    kind: str, table: xr.Dataset, told: Told, folder: Path, size: tuple[int, int]
+    name: str, table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int]
 ) -> dict[str, Any]:
     """Return one fit as the page shows it; a model of the angle is written to ``model.bin``.
 
@@ -65,49 +60,25 @@ def fit_of(
     InputError
         If the table does not allow it.
     """
-    gravity = told.gravity or GRAVITY
-    length = told.length or table.attrs.get("length")
-    drive: Drive = FixedPivot()
-    system: System | None = None
-    model: list[Any] | None = None
-    verdict = ""
-    start: tuple[float, float] | None = None
+    kind, apparatus = fits[name], description.apparatus(table)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        if kind == "decay":
-            fit = fit_decay(table, mass=told.mass, length=length, gravity=gravity)
-            times, angles = fit.dataset["time"].values, fit.dataset["angle_fit"].values
-            model = [(times, angles)]
-            start = start_of(times, angles)
-            system = _decaying(fit, told, length, gravity)
-        elif kind == "drive":
-            fit = fit_drive(table)
-            drive = fit.drive or drive
-            if length:
-                system = _guess(table, told, length, gravity)
-        elif kind == "restitution":
-            fit = fit_restitution(table, length=length, radius=told.radius, gravity=gravity)
-        else:
-            if not length:
-                raise InputError("must be known: it is the scale of the motion", parameter="length")
-            guess = _guess(table, told, length, gravity)
-            fit = fit_model(table, guess)
-            system = _system_of(fit)
-            drive = fit.drive or drive
-            model, verdict = _laid(table, system, fit)
-            start = start_of(*model[0])
-    found = shown(fit)
+        fit = kind.fit(table, apparatus)
+        system = kind.system(fit, apparatus, table)
+        motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
+    card = card_of(fit)
     if verdict:
-        found["verdict"] = f"{found['verdict']} {verdict}"
+        card["verdict"] = f"{card['verdict']} {verdict}"
     if system is not None:
-        found["play"] = play_options(system, drive, start, table)
-    if model is not None:
-        (folder / "model.bin").write_bytes(model_block(table, kind, model, size))
-        found["model"] = True
-    return found
+        start = start_of(*motion[0]) if motion else None
+        card["play"] = play_options(system, fit, start, table)
+    if motion:
+        (folder / "model.bin").write_bytes(model_block(table, name, motion, size))
+        card["model"] = True
+    return card
 
 
-def shown(fit: Fit) -> dict[str, Any]:
+def card_of(fit: Fit) -> dict[str, Any]:
     """Return the numbers of a fit with label, symbol and unit."""
     values = fit.to_dict()["values"]
     for name, value in values.items():
@@ -122,60 +93,34 @@ def start_of(times: Any, angles: Any) -> tuple[float, float]:
     return float(angles[0]), float(speed)
 
 
-def _decaying(fit: Fit, told: Told, length: float | None, gravity: float) -> Pendulum:
-    """Return the pendulum that a decay has shown."""
-    length = length or fit["length"].value
-    mass = told.mass or _MASS
-    damping = 2.0 * fit["decay_rate"].value * mass * length if "decay_rate" in fit else 0.0
-    if "damping" in fit:
-        damping = fit["damping"].value
-    return Pendulum(length=length, mass=mass, damping=max(damping, 0.0), gravity=gravity)
+def _fitted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
+    """Return the fitted curve of the angle if there is one, and nothing to add to the verdict."""
+    if "angle_fit" not in fit.dataset:
+        return [], ""
+    return [(fit.dataset["time"].values, fit.dataset["angle_fit"].values)], ""
 
 
-def _guess(table: xr.Dataset, told: Told, length: float, gravity: float) -> Pendulum:
-    """Return what swings, with first guesses of what is not known."""
-    given: dict[str, Any] = {
-        "length": length,
-        "mass": told.mass or _MASS,
-        "damping": _DAMPING if told.damping is None else told.damping,
-        "gravity": gravity,
-    }
-    if balls_of(table) == 1:
-        return Pendulum(**given)
-    radius = told.radius or table.attrs.get("measured_radius") or _SMALL * length
-    restitution = _RESTITUTION if told.restitution is None else told.restitution
-    return LatoLato(**given, radius=float(radius), restitution=restitution)
-
-
-def _system_of(fit: Fit) -> Any:
-    """Return the system that a fit of a model found."""
-    from latolato.core.registry import rebuild
-
-    described = json.loads(fit.dataset.attrs["system_description"])
-    return rebuild(systems[described.pop("kind")], described)
-
-
-def _laid(table: xr.Dataset, system: Any, fit: Fit) -> tuple[list[Any], str]:
-    """Return the computed motion from the start on, or the fitted pieces where it is lost."""
+def _predicted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
+    """Return the motion computed from the start on and its verdict, or the curve where it fails."""
     from latolato.experiment.comparison.motion import compare_motion
 
+    assert fit.system is not None
     try:
-        found = compare_motion(table, system, fit.drive, draws=_DRAWS)
-        times, angles = found["time"].values, found["angle_computed"].values
-        verdict = str(found.attrs["verdict"])
+        comparison = compare_motion(table, fit.system, fit.drive, draws=_DRAWS)
     except InputError:
-        times, angles = fit.dataset["time"].values, fit.dataset["angle_fit"].values
-        verdict = ""
-    model = [(times, angles)]
-    if isinstance(system, LatoLato):
-        model.append((times, -angles))
-    return model, verdict
+        motion, verdict = _fitted(table, fit)
+    else:
+        motion = [(comparison["time"].values, comparison["angle_computed"].values)]
+        verdict = str(comparison.attrs["verdict"])
+    if isinstance(fit.system, LatoLato):
+        motion += [(times, -angles) for times, angles in motion]
+    return motion, verdict
 
 
 def play_options(
-    system: System, drive: Drive, start: tuple[float, float] | None, table: xr.Dataset
+    system: System, fit: Fit, start: tuple[float, float] | None, table: xr.Dataset
 ) -> dict[str, Any]:
-    """Return the options of a run that begins as the film does."""
+    """Return the options of a run that begins as the film does, on the pivot of a fit."""
     time = table["time"].values
     angle = np.stack([table[f"angle_{b}"].values for b in range(1, balls_of(table) + 1)])
     if start is None:
@@ -190,17 +135,18 @@ def play_options(
         "initial_angular_velocity": speed,
         "duration": float(math.ceil(time[-1] - time[0])),
     }
-    return options_of(Scenario(system=system, drive=drive, run=run))
+    laws: dict[str, Any] = {"system": system}
+    if fit.drive is not None:
+        laws["drive"] = fit.drive
+    return options_of(Scenario(**laws, run=run))
 
 
-def model_block(
-    table: xr.Dataset, kind: str, model: Sequence[tuple[Any, Any]], size: tuple[int, int]
-) -> bytes:
+def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, int]) -> bytes:
     """Return the model's angle in every frame and where its balls are in the picture."""
     from latolato.experiment.overlay import places_of
 
     time = table["time"].values
-    angles = np.stack([across(time, *each) for each in model])
+    angles = np.stack([across(time, *each) for each in motion])
     length = float(table.attrs.get("length") or math.nan)
     ghost = table.copy()
     for b, angle in enumerate(angles, start=1):
@@ -213,12 +159,12 @@ def model_block(
             ghost[f"ball_{b}_u"] = table["pivot_u"] + arm * np.sin(turned)
             ghost[f"ball_{b}_v"] = table["pivot_v"] + arm * np.cos(turned)
     _, centres = places_of(ghost, size)
-    centres = centres[:, : len(model)]
+    centres = centres[:, : len(motion)]
     return pack(
-        {"kind": kind, "balls": len(model)},
+        {"kind": kind, "balls": len(motion)},
         {
             "angle": angles.astype(np.float32),
-            "centre": centres.transpose(1, 2, 0).reshape(2 * len(model), -1).astype(np.float32),
+            "centre": centres.transpose(1, 2, 0).reshape(2 * len(motion), -1).astype(np.float32),
         },
     )
 
@@ -227,20 +173,23 @@ def across(wanted: Any, times: Any, values: Any) -> Any:
     """Return values at other instants, NaN beyond the ends and in gaps."""
     order = np.argsort(times)
     times, values = np.asarray(times)[order], np.asarray(values)[order]
-    found = np.interp(wanted, times, values, left=np.nan, right=np.nan)
+    between = np.interp(wanted, times, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(times, wanted), 0, len(times) - 1)
     before = np.clip(after - 1, 0, len(times) - 1)
-    found[(times[after] - times[before] > _GAP) & (times[after] != wanted)] = np.nan
-    return found
+    between[(times[after] - times[before] > _GAP) & (times[after] != wanted)] = np.nan
+    return between
 
 
-def trial_row(table: xr.Dataset, told: Told) -> tuple[dict[str, Any] | None, str | None]:
+def trial_row(
+    table: xr.Dataset, description: Description
+) -> tuple[dict[str, Any] | None, str | None]:
     """Return the row of the trial table, or None and why there is none."""
     if str(table.attrs.get("geometry")) == "unknown":
         return None, "no pivot in the picture: no angles"
     try:
-        gravity = told.gravity or GRAVITY
-        row = trial_of(table, length=told.length, gravity=gravity)
+        gravity = description.apparatus(table).gravity
+        row = trial_of(table, length=description.length, gravity=gravity)
     except InputError as error:
-        return None, str(error).partition("; ")[0]
+        error.way_out = None
+        return None, str(error)
     return row, None

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from latolato.app.film_store import Allowance, Film
     from latolato.app.processes import Workers
 
-Told = Callable[[str, float], Coroutine[Any, Any, None]]
+Tell = Callable[[str, float], Coroutine[Any, Any, None]]
 
 
 class Progress(Protocol):
@@ -33,14 +33,14 @@ def film_workers_of(state: Any) -> Workers:
         allowance: Allowance = state.films.allowance
         limits = Limits(memory=allowance.memory, cpu_time=allowance.cpu_time)
         state.film_jobs = Workers(anyio.CapacityLimiter(allowance.jobs), limits)
-    found: Workers = state.film_jobs
-    return found
+    workers: Workers = state.film_jobs
+    return workers
 
 
 async def work(
-    workers: Workers, film: Film, job: Mapping[str, Any], allowance: Allowance, told: Told
+    workers: Workers, film: Film, job: Mapping[str, Any], allowance: Allowance, tell: Tell
 ) -> dict[str, Any]:
-    """Return what a job on a film found; its process is killed if this is cancelled.
+    """Return the result of a job on a film; its process is killed if this is cancelled.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ async def work(
         What to ``do``, and how.
     allowance : Allowance
         What the work may take.
-    told : coroutine function of (str, float)
+    tell : coroutine function of (str, float)
         Called with the stage and the part of it that is done.
 
     Raises
@@ -74,7 +74,7 @@ async def work(
 
     def hear(message: Mapping[str, Any]) -> None:
         if "stage" in message:
-            anyio.from_thread.run(told, message["stage"], message["progress"])
+            anyio.from_thread.run(tell, message["stage"], message["progress"])
 
     try:
         done = await workers.do("film", given, film.folder, hear, seconds=allowance.wall_time)
@@ -84,8 +84,8 @@ async def work(
         ) from None
     except EndedError as error:
         raise JobError(_reason(error.code, film)) from None
-    found: dict[str, Any] = done["found"]
-    return found
+    result: dict[str, Any] = done["result"]
+    return result
 
 
 def _reason(code: int, film: Film) -> str:
@@ -111,10 +111,10 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
     """
     job = {**given, "folder": str(folder)}
     try:
-        # Here: with little memory it fails, which is told as any other failure.
+        # Here: with little memory it fails, which is reported as any other failure.
         from latolato.app.film_work import WORK
 
-        return {"found": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
+        return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
         raise InputError("this video needs more memory than it may take: scale it down") from None
     except (InputError, OSError) as error:

@@ -5,23 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.scenario.units import to_si
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.experiment.fits.apparatus import Apparatus
+
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
-# What else is said of the camera: unit, default, meaning.
+# What else describes the camera: unit, default, meaning.
 CAMERA: dict[str, tuple[str, float, str]] = {
     "slow_motion": ("1", 1.0, "slow motion: how many times slower than life it plays"),
     "row_time": ("s", 0.0, "time from row to row of a rolling shutter"),
     "lens_k1": ("1", 0.0, "radial lens coefficient k1"),
     "lens_k2": ("1", 0.0, "radial lens coefficient k2"),
 }
-FITS = ("decay", "drive", "restitution", "model")
 # Files that are made when they are asked for.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
@@ -29,8 +33,8 @@ _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """What was said, in SI units and pixels; None is unknown."""
+class Description:
+    """What a page says of a video, in SI units and pixels; None is unknown."""
 
     pivot: tuple[float, float] | None = None
     balls: tuple[tuple[float, float], ...] = ()
@@ -47,8 +51,8 @@ class Told:
     lens_k2: float = 0.0
 
     @classmethod
-    def from_json(cls, given: Any) -> Told:
-        """Return what a page says.
+    def from_json(cls, given: Any) -> Description:
+        """Return the description that a page sends.
 
         Raises
         ------
@@ -56,7 +60,7 @@ class Told:
             For unknown names, wrong types, units and values.
         """
         if not isinstance(given, Mapping):
-            raise InputError(f"what is told of a video must be an object, got {given!r}")
+            raise InputError(f"the description of a video must be an object, got {given!r}")
         known = ("pivot", "balls", "is_proposed", *SHARED, *CAMERA)
         for name in given:
             if name not in known:
@@ -64,18 +68,25 @@ class Told:
         balls = given.get("balls") or ()
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
             raise InputError("must be one place or two", parameter="balls")
-        found: dict[str, Any] = {
+        numbers: dict[str, Any] = {
             name: number(name, given.get(name)) for name in (*SHARED, *CAMERA) if given.get(name)
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
-            if name in found and not found[name] > 0.0:
-                raise InputError(f"must be positive, got {found[name]:g}", parameter=name)
+            if name in numbers and not numbers[name] > 0.0:
+                raise InputError(f"must be positive, got {numbers[name]:g}", parameter=name)
         return cls(
             pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
             balls=tuple(place("balls", ball) for ball in balls),
             is_proposed=bool(given.get("is_proposed")),
-            **found,
+            **numbers,
         )
+
+    def apparatus(self, table: xr.Dataset) -> Apparatus:
+        """Return what is known of what swings; the length is the table's where none is given."""
+        from latolato.experiment.fits.apparatus import Apparatus
+
+        known = {name: getattr(self, name) for name in SHARED if getattr(self, name) is not None}
+        return Apparatus(**{"length": table.attrs.get("length"), **known})
 
 
 def number(name: str, value: Any) -> float:
@@ -89,10 +100,10 @@ def number(name: str, value: Any) -> float:
     unit = CAMERA[name][0] if name in CAMERA else registry()["options"][name]["unit"]
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise InputError("must be a text or a number", parameter=name, value=value)
-    found = to_si(name, value, unit)
-    if not isinstance(found, float) or not math.isfinite(found):
+    converted = to_si(name, value, unit)
+    if not isinstance(converted, float) or not math.isfinite(converted):
         raise InputError("must be a finite number", parameter=name, value=value)
-    return found
+    return converted
 
 
 def place(name: str, value: Any) -> tuple[float, float]:
@@ -110,12 +121,29 @@ def place(name: str, value: Any) -> tuple[float, float]:
 def fields() -> dict[str, Any]:
     """Return how each quantity that a page asks for is shown, as in the registry of options."""
     options = registry()["options"]
-    found = {name: {**options[name], "suggested": None} for name in SHARED}
+    entries = {name: {**options[name], "suggested": None} for name in SHARED}
     for name, (unit, default, meaning) in CAMERA.items():
         units = _ROW_UNITS if name == "row_time" else [{"name": unit, "size": 1.0}]
-        found[name] = {
+        entries[name] = {
             "label": meaning, "symbol": "", "description": meaning, "unit": unit, "units": units,
             "several": False, "choices": [], "switch": False, "whole": False, "default": default,
             "usual": None, "low": None, "high": None, "suggested": None,
         }  # fmt: skip
-    return found
+    return entries
+
+
+def fit_kinds() -> list[dict[str, Any]]:
+    """Return the fits that a page offers, with their words."""
+    from latolato.experiment.fits import fits
+
+    return [
+        {
+            "kind": name,
+            "title": kind.title,
+            "headline": kind.headline,
+            "hint": kind.hint,
+            "is_slow": kind.is_slow,
+            "fewest_balls": kind.fewest_balls,
+        }
+        for name, kind in fits.items()
+    ]

@@ -18,7 +18,7 @@ from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 
 _LONGEST_NAME = 80
-# What lies in the folder of a film. The name of the upload is told, and never a path.
+# What lies in the folder of a film. Messages contain the name of the upload, never a path.
 UPLOAD = "film"
 FILES = {
     "shown.mp4": "video/mp4",
@@ -135,7 +135,7 @@ class Film:
     is_whole : bool
         Whether the upload has ended.
     about : dict
-        What the work on it found.
+        The results of the work on it.
     truth : dict
         Numbers that are true of a synthetic film.
     trial : dict, optional
@@ -297,7 +297,7 @@ class Store:
 
 
 def shown_name(text: str) -> str:
-    """Return the name of an upload as it is told: one line without folders or control characters.
+    """Return the name of an upload for messages: one line without folders or control characters.
 
     Examples
     --------

@@ -15,7 +15,7 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.film_fits import fit_of, fits_of, trial_row
-from latolato.app.film_options import EXPORTS, Told
+from latolato.app.film_options import EXPORTS, Description
 from latolato.core.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
@@ -47,28 +47,28 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     A copy that browsers play, with the same frames at the same times, is written beside it.
     """
     video = open_video(job["path"], limits=Limits(**job["limits"]))
-    size, times = write_shown(
+    size, times = write_copy(
         video, Path(job["folder"]) / "shown.mp4", lambda share: tell("reading", share)
     )
     if len(times) < _FEWEST:
         raise InputError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "width": video.width, "height": video.height, "shown": size, "frames": len(times),
-        "duration": times[-1] - times[0], "proposal": None, "told": None,
+        "duration": times[-1] - times[0], "proposal": None, "message": None,
     }  # fmt: skip
     try:
         task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError as error:
-        found["told"] = str(error)
-        return found
-    found["proposal"] = {
+        result["message"] = str(error)
+        return result
+    result["proposal"] = {
         "pivot": task.setup.pivot, "balls": task.setup.balls, "radius": task.radius,
     }  # fmt: skip
-    return found
+    return result
 
 
-def write_shown(
+def write_copy(
     video: Video, path: Path, progress: Callable[[float], None]
 ) -> tuple[tuple[int, int], list[float]]:
     """Write a video that browsers play; return its size and the times of its frames [s].
@@ -111,23 +111,21 @@ def write_shown(
 
 def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Track a video, write its table, and return what the table and the usual fits say."""
-    told = Told.from_json(job["told"])
-    if not told.balls:
+    description = Description.from_json(job["description"])
+    if not description.balls:
         raise InputError("balls must be pointed at: one place or two")
+    optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
+    given = {
+        name: getattr(description, name) for name in ("length", "radius", "gravity", "slow_motion")
+    }
     task = prepare(
         Path(job["path"]),
-        told.pivot,
-        told.balls,
-        {
-            "length": told.length, "radius": told.radius, "gravity": told.gravity,
-            "optics": Optics(
-                row_time=told.row_time, lens_k1=told.lens_k1, lens_k2=told.lens_k2
-            ),
-            "slow_motion": told.slow_motion, "limits": Limits(**job["limits"]),
-        },
-    )  # fmt: skip
+        description.pivot,
+        description.balls,
+        {**given, "optics": Optics(**optics), "limits": Limits(**job["limits"])},
+    )
     task.warnings.clear()
-    task.setup = replace(task.setup, is_proposed=told.is_proposed)
+    task.setup = replace(task.setup, is_proposed=description.is_proposed)
     table = run(task, lambda share: tell("tracking", share))
     table.attrs["source"] = job["name"]
     folder = Path(job["folder"])
@@ -140,14 +138,14 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     setup.write_text(text, encoding="utf-8")
     (folder / "points.bin").write_bytes(points_block(table, task.video))
     tell("fitting", 0.0)
-    trial, why = trial_row(table, told)
-    found = {
+    trial, why = trial_row(table, description)
+    result = {
         "warnings": task.warnings,
-        "fits": fits_of(table, told, folder, (task.video.width, task.video.height)),
+        "fits": fits_of(table, description, folder, (task.video.width, task.video.height)),
         "trial": trial,
         "no_trial": why,
     }
-    return plain(found)  # type: ignore[no-any-return]
+    return plain(result)  # type: ignore[no-any-return]
 
 
 def points_block(table: xr.Dataset, video: Video) -> bytes:
@@ -164,7 +162,7 @@ def points_block(table: xr.Dataset, video: Video) -> bytes:
     def rows(name: str) -> Any:
         return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
 
-    shown = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
+    names = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
              "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
              "length")  # fmt: skip
     return pack(
@@ -173,7 +171,7 @@ def points_block(table: xr.Dataset, video: Video) -> bytes:
             "width": video.width,
             "height": video.height,
             "balls": len(balls),
-            "attributes": {name: table.attrs[name] for name in shown if name in table.attrs},
+            "attributes": {name: table.attrs[name] for name in names if name in table.attrs},
             "shares": flag_shares(table),
             "typical_sigma": typical_sigma(table),
         },
@@ -197,7 +195,8 @@ def fit(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     folder = Path(job["folder"])
     table = read_table(folder / TABLE)
     size = (int(job["width"]), int(job["height"]))
-    return plain(fit_of(job["kind"], table, Told.from_json(job["told"]), folder, size))  # type: ignore[no-any-return]
+    description = Description.from_json(job["description"])
+    return plain(fit_of(job["kind"], table, description, folder, size))  # type: ignore[no-any-return]
 
 
 def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:

@@ -45,8 +45,8 @@ def routes() -> list[BaseRoute]:
 
 def store_of(app: Any) -> Store:
     """Return the films of a server."""
-    found: Store = app.state.films
-    return found
+    store: Store = app.state.films
+    return store
 
 
 async def _upload(request: Request) -> Response:
@@ -184,13 +184,14 @@ class _Clerk:
 
     async def serve(self) -> None:
         """Answer frames until the page goes."""
-        from latolato.app.film_options import EXAMPLES, fields
+        from latolato.app.film_options import EXAMPLES, fields, fit_kinds
 
         most = self._store.allowance
         await self.tell(
             {
                 "desk": self._desk.key,
                 "fields": await anyio.to_thread.run_sync(fields),
+                "fits": await anyio.to_thread.run_sync(fit_kinds),
                 "examples": EXAMPLES,
                 "limits": {"upload": most.upload, "duration": most.duration,
                            "pixels": most.pixels},
@@ -266,8 +267,8 @@ class _Clerk:
 
         async def run() -> None:
             try:
-                found = await doing(number)
-                await self.tell({"job": number, "done": found})
+                result = await doing(number)
+                await self.tell({"job": number, "done": result})
             except asyncio.CancelledError:
                 await self.tell({"job": number, "cancelled": True})
             except Exception as error:
@@ -293,14 +294,14 @@ class _Clerk:
         """Return what does a job on a film, when it is its turn."""
 
         async def answer(number: int) -> dict[str, Any]:
-            async def told(stage: str, progress: float) -> None:
+            async def tell(stage: str, progress: float) -> None:
                 await self.tell({"job": number, "stage": stage, "progress": progress})
 
             is_new = job["do"] == "example"
             try:
-                await told("waiting", 0.0)
+                await tell("waiting", 0.0)
                 workers = film_workers_of(self._socket.app.state)
-                found = await work(workers, film, job, self._store.allowance, told)
+                result = await work(workers, film, job, self._store.allowance, tell)
             except BaseException:
                 if is_new:
                     self._desk.remove(film.key)
@@ -308,13 +309,13 @@ class _Clerk:
             finally:
                 film.weigh()
             if job["do"] in ("look", "example"):
-                film.about = {"width": found["width"], "height": found["height"]}
-                film.truth = found.pop("truth", {})
-                found |= {"film": film.key, "name": film.name, "truth": film.truth}
+                film.about = {"width": result["width"], "height": result["height"]}
+                film.truth = result.pop("truth", {})
+                result |= {"film": film.key, "name": film.name, "truth": film.truth}
             if job["do"] == "track":
-                film.trial = found["trial"]
-                found["trials"] = await self._trials()
-            return found
+                film.trial = result["trial"]
+                result["trials"] = await self._trials()
+            return result
 
         return answer
 
@@ -335,7 +336,7 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
     InputError
         For anything that is not known, before a process begins.
     """
-    from latolato.app.film_options import EXAMPLES, EXPORTS, FITS, Told
+    from latolato.app.film_options import EXAMPLES, EXPORTS, Description
 
     do = given.get("do")
     if do == "example":
@@ -353,11 +354,13 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
         raise InputError(f"{film.name} could not be read")
     if do == "export":
         return film, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
-    told = given.get("told")
-    Told.from_json(told)
-    job = {"do": do, "told": told, **film.about}
+    description = given.get("description")
+    Description.from_json(description)
+    job = {"do": do, "description": description, **film.about}
     if do == "fit":
-        job["kind"] = _one_of("kind", given.get("kind"), FITS)
+        from latolato.experiment.fits import fits
+
+        job["kind"] = _one_of("kind", given.get("kind"), tuple(fits))
     return film, job
 
 

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, PlotOption, named_values, with_law_options
+from latolato.cli.laws import laws_of
+from latolato.cli.options import (
+    JsonOption,
+    OutputOption,
+    PlotOption,
+    named_values,
+    with_law_options,
+)
+from latolato.cli.results import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_START = ("initial_angle", "initial_offset")
+# What a computed response curve takes of a run.
+_START = ("initial_angle", "initial_offset", "duration")
 
 
 def compare(
@@ -72,9 +80,7 @@ def compare(
     end: Annotated[
         str | None, typer.Option(help="Last instant used, in s.", show_default=False)
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option(help="Result file: .nc.", rich_help_panel="Output")
-    ] = None,
+    output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
     **given: Any,
@@ -85,18 +91,38 @@ def compare(
     measured drive. Trials with --map give the agreement of their classes; with a system, a
     scenario or a fit the response curves and their peaks.
     """
-    from latolato.cli.simulate import check_targets
     from latolato.experiment.compare import compare as find
-    from latolato.experiment.fits.result import load_fit
     from latolato.experiment.table import read_table
-    from latolato.experiment.trial_table import is_trial_table, read_trials
-    from latolato.io.files import check_suffix, check_target, save
-    from latolato.scenario.units import to_si
+    from latolato.experiment.trial_table import read_trials
 
-    if output is not None:
-        check_suffix(output, (".nc",), "the result of a comparison")
-        check_target(output)
-    check_targets(None, plot, None, 1.0, 30.0)
+    targets = Targets(output, plot)
+    targets.check("the result of a comparison")
+    table, trials, scenario = _measured(table, trials, scenario)
+    computed, drive, options = _computed(scenario, map_, fit, given, of_trials=trials is not None)
+    if draws is not None:
+        options["draws"] = draws
+    if sigma:
+        options["sigmas"] = sigmas_of(sigma)
+    of_motion = {"match": match, "ball": ball, "start": start, "end": end}
+    of_trials = {"transient": transient}
+    own: Mapping[str, Any] = of_motion if trials is None else of_trials
+    unfit: Mapping[str, Any] = of_trials if trials is None else of_motion
+    if any(value is not None for value in unfit.values()):
+        names = ", ".join(f"--{name}" for name, value in unfit.items() if value is not None)
+        raise InputError(f"{names} does not belong to this comparison")
+    options |= {name: _si(name, value) for name, value in own.items() if value is not None}
+    measured = read_table(table) if table is not None else read_trials(Path(str(trials)))
+    dataset = find(measured, computed, drive, **options)
+    files = [str(path) for path in targets.write(dataset)]
+    print_summary(summarise(dataset) | {"files": files}, lines_of(dataset), as_json=as_json)
+
+
+def _measured(
+    table: Path | None, trials: Path | None, scenario: str | None
+) -> tuple[Path | None, Path | None, str | None]:
+    """Return the track table or the trial table, and the scenario, that words and options name."""
+    from latolato.experiment.trial_table import is_trial_table
+
     if table is not None and not table.exists() and trials is not None and scenario is None:
         table, scenario = None, str(table)  # the only word is the scenario's
     if table is not None and trials is not None:
@@ -105,61 +131,48 @@ def compare(
         table, trials = None, table
     if table is None and trials is None:
         raise InputError("name a track table, or trials with --trials")
-    options: dict[str, Any] = {} if draws is None else {"draws": draws}
-    computed: Any
-    drive = None
-    if map_ is not None:
-        if trials is None:
-            raise InputError("--map needs trials: --trials trials.csv")
-        if fit is not None or scenario is not None or _named(given):
-            raise InputError("--map says what is computed: leave out system, scenario and --fit")
-        computed = _map(map_)
-        system = None
-    elif fit is not None:
-        if scenario is not None or _named(given):
-            raise InputError("give a fit, or a system or scenario, not both")
-        computed = system = load_fit(fit)
-    else:
-        system, drive, run = _system(scenario, given)
-        computed = system
-        if trials is not None:
-            drive = None
-            options |= {k: run[k] for k in (*_START, "duration") if run.get(k) is not None}
-    if sigma:
-        options["sigmas"] = sigmas_of(sigma)
-    if trials is not None:
-        if transient is not None:
-            options["transient"] = to_si("transient", transient, "s")
-        unfit = {"--match": match, "--ball": ball, "--start": start, "--end": end}
-    else:
-        texts = {"match": match, "start": start, "end": end}
-        options |= {k: to_si(k, v, "s") for k, v in texts.items() if v is not None}
-        options |= {} if ball is None else {"ball": ball}
-        unfit = {"--transient": transient}
-    if any(value is not None for value in unfit.values()):
-        names = ", ".join(name for name, value in unfit.items() if value is not None)
-        raise InputError(f"{names} does not belong to this comparison")
-    measured = read_table(table) if table is not None else read_trials(Path(str(trials)))
-    found = find(measured, computed, drive, **options)
-    written = [save(found, output)] if output is not None else []
-    if plot is not None:
-        from latolato.figures.comparisons import draw_comparison
-        from latolato.figures.style import save_figure
+    return table, trials, scenario
 
-        written.append(save_figure(draw_comparison(found), plot))
-    values = summary(found) | {"files": [str(path) for path in written]}
-    print(json.dumps(values) if as_json else as_text(values))
+
+def _computed(
+    scenario: str | None,
+    grid: Path | None,
+    fit: Path | None,
+    given: Mapping[str, Any],
+    *,
+    of_trials: bool,
+) -> tuple[Any, Any, dict[str, Any]]:
+    """Return what is computed, its drive (None: as measured), and how it starts."""
+    has_system = scenario is not None or given.get("system") is not None
+    if grid is not None:
+        from latolato.io.files import load
+
+        if not of_trials:
+            raise InputError("--map needs trials: --trials trials.csv")
+        if fit is not None or has_system:
+            raise InputError("--map says what is computed: leave out system, scenario and --fit")
+        return load(grid), None, {}
+    if fit is not None:
+        from latolato.experiment.fits.result import load_fit
+
+        if has_system:
+            raise InputError("give a fit, or a system or scenario, not both")
+        return load_fit(fit), None, {}
+    missing = "name what is computed: --system, a scenario, --fit FILE or --map FILE"
+    system, drive, run = laws_of(given, scenario, missing=missing)
+    if not of_trials:
+        return system, drive, {}
+    return system, None, {k: _si(k, run[k]) for k in _START if run.get(k) is not None}
 
 
 def command() -> Callable[..., None]:
     """Return the command with an option for each parameter of systems, drives and starts."""
     from latolato.scenario.options import law_options
 
-    kept = (*_START, "duration")
     left = [
         o.name
         for o in law_options().values()
-        if o.owner == "noise" or (o.owner == "run" and o.name not in kept)
+        if o.owner == "noise" or (o.owner == "run" and o.name not in _START)
     ]
     return with_law_options(compare, without=left)
 
@@ -169,86 +182,49 @@ def sigmas_of(texts: Sequence[str]) -> dict[str, float]:
     from latolato.core.quantities import QUANTITIES
     from latolato.scenario.units import to_si
 
-    found = {}
+    sigmas = {}
     for name, value in named_values("--sigma", texts, "NAME=VALUE, as in 'length = 1 mm'").items():
         if name not in QUANTITIES:
             raise InputError(f"--sigma knows no '{name}': {suggest(name, list(QUANTITIES))}")
-        found[name] = float(to_si(name, value, QUANTITIES[name].unit))
-    return found
+        sigmas[name] = float(to_si(name, value, QUANTITIES[name].unit))
+    return sigmas
 
 
-def summary(found: xr.Dataset) -> dict[str, Any]:
-    """Return what the summary says: the verdict and all single numbers."""
-    names = [str(name) for name in found.data_vars if not found[name].dims]
+def summarise(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the verdict and all single numbers of a comparison as JSON knows them."""
+    from latolato.simulation.summary import plain
+
+    names = [str(name) for name in dataset.data_vars if not dataset[name].dims]
     return {
-        "comparison": found.attrs["comparison"],
-        "verdict": found.attrs["verdict"],
+        "comparison": dataset.attrs["comparison"],
+        "verdict": dataset.attrs["verdict"],
         "values": {
             name: {
-                "value": _number(found[name].item()),
-                "unit": found[name].attrs["units"],
-                "meaning": found[name].attrs["long_name"],
+                "value": plain(dataset[name].item()),
+                "unit": dataset[name].attrs["units"],
+                "meaning": dataset[name].attrs["long_name"],
             }
             for name in names
         },
     }
 
 
-def as_text(found: Mapping[str, Any]) -> str:
-    """Return the summary as lines for reading."""
-    lines = {"comparison": f"{found['comparison']}: {found['verdict']}"}
-    for name, each in found["values"].items():
-        unit = "" if each["unit"] == "1" else f" {each['unit']}"
-        shown = "unknown" if each["value"] is None else f"{each['value']:.5g}{unit}"
-        lines[name] = f"{shown} ({each['meaning']})"
-    lines["written"] = ", ".join(found["files"]) or "nothing; name a file with --output or --plot"
-    width = max(map(len, lines))
-    return "\n".join(f"{name:{width}} {text}" for name, text in lines.items())
+def lines_of(dataset: xr.Dataset) -> dict[str, str]:
+    """Return a comparison as names and texts for reading."""
+    summary = summarise(dataset)
+    lines = {"comparison": f"{summary['comparison']}: {summary['verdict']}"}
+    for name, number in summary["values"].items():
+        unit = "" if number["unit"] == "1" else f" {number['unit']}"
+        value = "unknown" if number["value"] is None else f"{number['value']:.5g}{unit}"
+        lines[name] = f"{value} ({number['meaning']})"
+    return lines
 
 
-def _number(value: float) -> float | None:
-    """Return a number as JSON knows it."""
-    return float(value) if value == value else None
-
-
-def _named(given: Mapping[str, Any]) -> bool:
-    """Return whether options name a system."""
-    return given.get("system") is not None
-
-
-def _map(path: Path) -> xr.Dataset:
-    """Return the dataset of a sweep."""
-    from latolato.io.files import load
-
-    return load(path)
-
-
-def _system(scenario: str | None, given: Mapping[str, Any]) -> tuple[Any, Any, dict[str, Any]]:
-    """Return system, drive (None: as measured) and start that scenario and options name."""
-    from latolato.scenario.options import changes
-    from latolato.scenario.scenario import changed_tables, find
-    from latolato.scenario.tables import law_from, without_ratios
-
-    plain = {k: v for k, v in given.items() if not (k == "drive" and v == "measured")}
-    changed = changes(plain)
-    has_drive = "drive" in changed
-    path = find(scenario) if scenario is not None else None
-    if path is None and "kind" not in changed.get("system", {}):
-        raise InputError("name what is computed: --system, a scenario, --fit FILE or --map FILE")
-    tables, _ = changed_tables(path, changed)
-    from latolato.physics.drives import drives
-    from latolato.physics.pendulum import systems
-
-    system = law_from(tables["system"], systems, "system", Path())
-    drive: Any = None
-    if has_drive:
-        drive = law_from(without_ratios(tables["drive"], system), drives, "drive", Path())
-    elif given.get("drive") == "measured":
-        drive = "measured"
+def _si(name: str, value: Any) -> Any:
+    """Return the value of an option in SI units; numbers of a ball have none."""
+    from latolato.core.quantities import QUANTITIES
     from latolato.scenario.units import to_si
 
-    run = tables.get("run", {})
-    units = {"initial_angle": "rad", "initial_offset": "rad", "duration": "s"}
-    return system, drive, {
-        k: to_si(k, run[k], unit) for k, unit in units.items() if run.get(k) is not None
-    }  # fmt: skip
+    if name == "ball":
+        return value
+    return to_si(name, value, QUANTITIES[name].unit if name in QUANTITIES else "s")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import _thread
 import gc
-import json
 import signal
 import sys
 import threading
@@ -19,11 +18,13 @@ import typer
 
 from latolato.cli import app as app_command
 from latolato.cli import compare as compare_command
-from latolato.cli import fit as fit_command
+from latolato.cli import importing as import_command
+from latolato.cli import reproduce as reproduce_command
 from latolato.cli import simulate as run_command
 from latolato.cli import trials as trials_command
 from latolato.cli import videos as video_commands
 from latolato.cli.analyse import AnalysisGroup
+from latolato.cli.fit import FitGroup
 from latolato.cli.options import (
     EachOptionOnce,
     JsonOption,
@@ -32,6 +33,7 @@ from latolato.cli.options import (
     UsageError,
     with_law_options,
 )
+from latolato.cli.results import Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError, refusal_of, report_of
 from latolato.io.progress import bar
 from latolato.scenario.options import changes
@@ -55,8 +57,9 @@ analyse_app = typer.Typer(
 )
 app.add_typer(analyse_app, name="analyse")
 app.add_typer(analyse_app, name="analyze", hidden=True)
-app.add_typer(fit_command.fit_app, name="fit")
-app.command("import", cls=EachOptionOnce)(fit_command.import_)
+fit_app = typer.Typer(cls=FitGroup, help="Fit physics to a track table.")
+app.add_typer(fit_app, name="fit")
+app.command("import", cls=EachOptionOnce)(import_command.import_)
 app.command("trials", cls=EachOptionOnce)(trials_command.trials)
 app.command("compare", cls=EachOptionOnce)(compare_command.command())
 for _spelling in ("synthesise", "synthesize"):
@@ -64,6 +67,7 @@ for _spelling in ("synthesise", "synthesize"):
         with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
     )
 app.command("track", cls=EachOptionOnce)(video_commands.track)
+app.command("reproduce", cls=EachOptionOnce)(reproduce_command.reproduce)
 app.command("app", cls=EachOptionOnce)(app_command.app)
 
 
@@ -110,20 +114,25 @@ def simulate(
     "1.6 Hz"; without one they are in SI units. Existing files are replaced.
     """
     begun = time.perf_counter()
+    targets = Targets(output, plot)
+    animation = run_command.Animation(animate, speed, fps)
     with _uncollected():
         ready = run_command.scenario_of(scenario, rerun, given)
-        run_command.check_targets(output, plot, animate, speed, fps)
+        targets.check("the name of a result file", (".nc", ".csv", ".parquet"))
+        animation.check()
         with bar("simulating") as progress:
             run = ready.record(progress=progress)
-        files = run_command.write(run, output, None, None, speed, fps)
-    files += run_command.write(run, None, plot, animate, speed, fps)
+        files = targets.save(run)
+    if plot is not None or animate is not None:
+        dataset = run.to_dataset()
+        files += targets.draw(dataset) + animation.write(dataset)
     from latolato.simulation.summary import summarise
 
-    found = summarise(run) | {
-        "wall_time": round(time.perf_counter() - begun, 3),
+    summary = summarise(run) | {
+        "wall_time": elapsed_since(begun),
         "files": [str(path) for path in files],
     }
-    print(json.dumps(found) if as_json else run_command.as_text(found))
+    print_summary(summary, run_command.lines_of(summary), as_json=as_json)
 
 
 @scenarios_app.callback(invoke_without_command=True)
@@ -143,7 +152,8 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
 
 
 @analyse_app.callback(invoke_without_command=True)
-def _list_analyses(context: typer.Context) -> None:
+@fit_app.callback(invoke_without_command=True)
+def _list_commands(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         print(context.get_help())
 
@@ -256,13 +266,13 @@ def _sweep(
     from latolato.cli import sweep as sweep_command
 
     look = {"--status": status, "--verify": verify}
-    asked = [name for name, store_path in look.items() if store_path is not None]
-    if asked:
+    looks = [name for name, store_path in look.items() if store_path is not None]
+    if looks:
         run_options = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
-        others = asked[1:] + [name for name, value in run_options.items() if value]
+        others = looks[1:] + [name for name, value in run_options.items() if value]
         if others:
             raise InputError(
-                f"{asked[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
+                f"{looks[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
             )
     if status is not None:
         sweep_command.print_status(status, as_json)
@@ -293,7 +303,7 @@ def _sweep(
         plan,
         executor,
         {name: value for name, value in options.items() if value is not None},
-        sweep_command.Targets(output, store, plot, variable),
+        sweep_command.SweepTargets(output, store, plot, variable),
         as_json=as_json,
     )
 
@@ -349,7 +359,10 @@ def plot(
 
     dataset = load(file)
     picture = output or file.with_suffix(".png")
-    run_command.check_targets(None, picture, animate, speed, fps)
+    targets = Targets(plot=picture)
+    targets.check("the name of a picture")
+    animation = run_command.Animation(animate, speed, fps)
+    animation.check()
     from latolato.figures import plot as pictures
 
     of_map: dict[str, Any] = {
@@ -377,24 +390,8 @@ def plot(
     unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
     if unfit:
         raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
-    for path in run_command.write(dataset, None, picture, animate, speed, fps):
+    for path in targets.draw(dataset) + animation.write(dataset):
         print(path)
-
-
-@app.command(cls=EachOptionOnce)
-def reproduce(
-    quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
-    full: Annotated[
-        bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
-    ] = False,
-    output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
-) -> None:
-    """Reproduce the paper's figures and judge its claims in a report."""
-    from latolato import report
-
-    with bar("reproducing") as progress:
-        result = report.reproduce(output, quick=quick, full=full, progress=progress)
-    report.print_claims(result)
 
 
 @app.command()

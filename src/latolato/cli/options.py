@@ -21,9 +21,23 @@ ScenarioArgument = Annotated[
     str | None,
     typer.Argument(help="A scenario's name or TOML file.", show_default=False),
 ]
+OutputOption = Annotated[
+    Path | None,
+    typer.Option(help="Result file: .nc.", rich_help_panel="Output"),
+]
 PlotOption = Annotated[
     Path | None,
     typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
+]
+ColumnOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        # Round brackets: square ones are taken for markup.
+        help='Column of another program\'s table: time="t (s)", angle_1="theta (deg)". '
+        "May be given several times.",
+        show_default=False,
+        rich_help_panel="Table",
+    ),
 ]
 JsonOption = Annotated[
     bool,
@@ -53,16 +67,39 @@ def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[s
     InputError
         For a text without ``=`` or value, and a name that is given twice.
     """
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
         name = name.replace("-", "_")
         if not equals or not value:
             raise InputError(f"{flag} must be {example}, got {text!r}")
-        if name in found:
+        if name in values:
             raise InputError(f"{flag} {name} is given twice")
-        found[name] = value
-    return found
+        values[name] = value
+    return values
+
+
+def columns_of(texts: Sequence[str] | None) -> dict[str, str] | None:
+    """Return the columns of another program's table that options name, None without any."""
+    return named_values("--column", texts, "NAME=COLUMN, as in time='t [s]'") or None
+
+
+def place_of(flag: str, text: str) -> tuple[float, float]:
+    """Return a column and a row.
+
+    Examples
+    --------
+    >>> place_of("--pivot", "640.5, 194")
+    (640.5, 194.0)
+    """
+    parts = text.split(",")
+    try:
+        u, v = (float(part) for part in parts)
+    except ValueError:
+        raise InputError(
+            f"{flag} must be a column and a row in pixels such as 640,200, got {text!r}"
+        ) from None
+    return u, v
 
 
 def with_law_options(

@@ -12,14 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.cli.simulate import PICTURES
+from latolato.cli.results import Targets, elapsed_since, in_columns, print_summary
 from latolato.core.errors import InputError
 from latolato.scenario.scenario import Scenario, changed_tables, find, read_tables
 from latolato.scenario.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from latolato.sweeps.plan import Plan
 
 STORE_SUFFIX = ".zarr"
@@ -27,7 +25,7 @@ Changes = dict[str, dict[str, Any]]
 
 
 @dataclass(frozen=True)
-class Targets:
+class SweepTargets:
     """What is to be written: a result file or store, a store, a picture and of what."""
 
     output: Path | None
@@ -41,15 +39,12 @@ class Targets:
         return self.output if self.output and self.output.suffix == STORE_SUFFIX else self.store
 
     @property
-    def file(self) -> Path | None:
-        """The NetCDF file."""
-        return None if self.output is self.folder else self.output
+    def files(self) -> Targets:
+        """The NetCDF file and the picture."""
+        return Targets(None if self.output is self.folder else self.output, self.plot)
 
     def check(self, plan: Plan) -> None:
         """Raise before any work if one of them cannot be written."""
-        from latolato.core.atomic import check_folder
-        from latolato.io.files import check_suffix, check_target
-
         if self.folder is self.output is not None and self.store not in (None, self.output):
             raise InputError(
                 f"give one store, got --store {self.store} and --output {self.output}; "
@@ -59,14 +54,10 @@ class Targets:
             raise FileNotFoundError(
                 f"the folder '{self.folder.parent}' does not exist; create it first"
             )
-        if self.file is not None:
-            check_suffix(self.file, (".nc", STORE_SUFFIX), "the name of a map")
-            check_target(self.file)
+        self.files.check("the name of a map", (".nc", STORE_SUFFIX))
         if self.plot is not None:
             from latolato.figures.map import check_drawable
 
-            check_folder(self.plot)
-            check_suffix(self.plot, PICTURES, "the name of a picture")
             check_drawable(plan, self.variable)
         elif self.variable is not None:
             raise InputError("--variable names what --plot shows: give --plot too")
@@ -131,7 +122,7 @@ def _move(tables: dict[str, Any], changed: Changes) -> None:
 
 
 def run(
-    plan: Plan, executor: str, options: Mapping[str, Any], targets: Targets, *, as_json: bool
+    plan: Plan, executor: str, options: Mapping[str, Any], targets: SweepTargets, *, as_json: bool
 ) -> None:
     """Run a plan, write what is asked for and print a summary."""
     from latolato.io.progress import SweepProgress
@@ -154,12 +145,13 @@ def run(
             if store is not None and not was_there:
                 _remove_if_empty(store)
             raise
-    files = _write(grid, targets)
-    found = summarise_sweep(grid, plan) | {
-        "wall_time": round(time.perf_counter() - begun, 3),
+    files = [store] if store is not None else []
+    files += targets.files.write(grid, targets.variable)
+    summary = summarise_sweep(grid, plan) | {
+        "wall_time": elapsed_since(begun),
         "files": [str(path) for path in files],
     }
-    print(json.dumps(found) if as_json else _as_text(found))
+    print_summary(summary, _lines_of(summary), as_json=as_json)
 
 
 def print_status(store: Path, as_json: bool) -> None:
@@ -173,27 +165,27 @@ def print_status(store: Path, as_json: bool) -> None:
     lines = _state_lines(state)
     if not state["complete"] and not state["writer_active"]:
         lines["go on with"] = _way_on(store, state["rounding"])
-    _print_lines(lines)
+    print(in_columns(lines))
 
 
 def print_verification(store: Path, as_json: bool) -> bool:
     """Read everything in a store, print what is damaged, and return whether anything is."""
     from latolato.sweeps.store import verify_store
 
-    found = verify_store(store)
-    damaged = found["damaged"]
+    state = verify_store(store)
+    damaged = state["damaged"]
     if as_json:
-        print(json.dumps(found))
+        print(json.dumps(state))
         return bool(damaged)
-    lines = _state_lines(found)
-    lines["files"] = f"{found['files']} read, {len(damaged) or 'none'} damaged or missing"
+    lines = _state_lines(state)
+    lines["files"] = f"{state['files']} read, {len(damaged) or 'none'} damaged or missing"
     for number, each in enumerate(damaged):
         again = "" if each["number"] is None else f", part of chunk {each['number']} of the sweep"
         what = f"chunk {each['chunk']} of {each['variable']}" if each["chunk"] else each["file"]
         lines["damaged" if number == 0 else " " * number] = f"{what}{again}"
     if damaged:
-        lines["repair with"] = _way_on(store, found["rounding"])
-    _print_lines(lines)
+        lines["repair with"] = _way_on(store, state["rounding"])
+    print(in_columns(lines))
     return bool(damaged)
 
 
@@ -224,21 +216,6 @@ def _check_executor(executor: str, options: Mapping[str, Any]) -> None:
     ):
         if name in options and name not in known:
             raise InputError(f"{flag} belongs to executor {others}, not to {executor}")
-
-
-def _write(grid: xr.Dataset, targets: Targets) -> list[Path]:
-    """Write the files that are asked for and return all that hold the sweep."""
-    written = [targets.folder] if targets.folder is not None else []
-    if targets.file is not None:
-        from latolato.io.files import save
-
-        written.append(save(grid, targets.file))
-    if targets.plot is not None:
-        from latolato.figures.plot import plot
-        from latolato.figures.style import save_figure
-
-        written.append(save_figure(plot(grid, targets.variable), targets.plot))
-    return written
 
 
 def _tell_way_on(progress: Any, store: Path | None, rounding: str) -> None:
@@ -279,20 +256,19 @@ def _remove_if_empty(store: Path) -> None:
         shutil.rmtree(store)
 
 
-def _as_text(found: Mapping[str, Any]) -> str:
-    """Print a summary as lines for reading."""
-    rate = found["points"] / max(found["wall_time"], 1e-9)
+def _lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return a sweep's summary as names and texts for reading."""
+    rate = summary["points"] / max(summary["wall_time"], 1e-9)
     lines = {
-        "sweep": f"{found['system']}, drive {found['drive']}, {found['duration']:g} s",
-        "axes": _axes_text(found["axes"]),
-        "points": str(found["points"]),
-        "status": _counts_text(found["status"], found["first_invalid"]),
+        "sweep": f"{summary['system']}, drive {summary['drive']}, {summary['duration']:g} s",
+        "axes": _axes_text(summary["axes"]),
+        "points": str(summary["points"]),
+        "status": _counts_text(summary["status"], summary["first_invalid"]),
     }
-    for name, (low, high) in found["ranges"].items():
+    for name, (low, high) in summary["ranges"].items():
         lines[name] = "no finite value" if low is None else f"{low:.6g} to {high:.6g}"
-    lines["wall time"] = f"{found['wall_time']:.2f} s ({rate:.3g} points/s, all told)"
-    lines["written"] = ", ".join(found["files"]) or "nothing; name a file with --output"
-    return _lines(lines)
+    lines["wall time"] = f"{summary['wall_time']:.2f} s ({rate:.3g} points/s, start included)"
+    return lines
 
 
 def _axes_text(axes: Mapping[str, int]) -> str:
@@ -304,14 +280,3 @@ def _counts_text(counts: Mapping[str, int], reason: str) -> str:
     """Return how many points have each status, and why the first one is invalid."""
     text = ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in counts.items()) or "none yet"
     return f"{text} ({reason})" if reason else text
-
-
-def _lines(lines: Mapping[str, str]) -> str:
-    """Return names and texts in two columns."""
-    width = max(16, *(len(name) for name in lines))
-    return "\n".join(f"{name:{width}} {text}" for name, text in lines.items())
-
-
-def _print_lines(lines: Mapping[str, str]) -> None:
-    """Print names and texts in two columns."""
-    print(_lines(lines))

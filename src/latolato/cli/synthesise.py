@@ -58,7 +58,7 @@ def run(
     files = [str(path) for path in (output, truth) if path is not None]
     return {
         "condition": condition,
-        **summary(table),
+        **summarise(table),
         "wall_time": round(time.perf_counter() - begun, 3),
         "files": files,
     }
@@ -75,26 +75,26 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
     from latolato.scenario.units import to_si
 
     known = {field.name: field for field in fields(kind)}
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in named_values(flag, texts, "NAME=VALUE").items():
         if name not in known:
             raise InputError(f"{flag} has no '{name}': {suggest(name, list(known))}")
         quantity = known[name].metadata.get("quantity")
         if quantity is not None:
             unit = "1" if quantity.unit == "pixel" else quantity.unit
-            found[name] = to_si(name, value, unit)
+            values[name] = to_si(name, value, unit)
         elif known[name].type == "int":
             try:
-                found[name] = int(value)
+                values[name] = int(value)
             except ValueError:
-                raise InputError(f"{name} must be a whole number, got {value!r}") from None
+                raise InputError("must be a whole number", parameter=name, value=value) from None
         else:
-            found[name] = value
-    return found
+            values[name] = value
+    return values
 
 
-def summary(table: xr.Dataset) -> dict[str, Any]:
-    """Return what the summary says of a video: its size in time and the clicks in it."""
+def summarise(table: xr.Dataset) -> dict[str, Any]:
+    """Return what a summary says of a video: its size in time and the clicks in it."""
     attrs = table.attrs
     balls = 2 if "angle_2" in table else 1
     clicks = [[attrs[f"ball_{i}_pixel_{axis}"] for axis in "uv"] for i in range(1, balls + 1)]
@@ -112,34 +112,32 @@ def summary(table: xr.Dataset) -> dict[str, Any]:
 
 
 def optics(camera: str) -> dict[str, float]:
-    """Return what the tracker must be told of a camera (JSON), in its words."""
-    said = json.loads(camera)
-    half_diagonal = 0.5 * math.hypot(said["width"], said["height"])
-    wider = half_diagonal / (said["focal_length"] or half_diagonal)
-    found = {
-        "row_time": said["row_time"],
-        "lens_k1": said["k1"] * wider**2,
-        "lens_k2": said["k2"] * wider**4,
+    """Return the optics of a camera (JSON) that are given to the tracker, in its words."""
+    described = json.loads(camera)
+    half_diagonal = 0.5 * math.hypot(described["width"], described["height"])
+    wider = half_diagonal / (described["focal_length"] or half_diagonal)
+    values = {
+        "row_time": described["row_time"],
+        "lens_k1": described["k1"] * wider**2,
+        "lens_k2": described["k2"] * wider**4,
     }
-    return {name: value for name, value in found.items() if value}
+    return {name: value for name, value in values.items() if value}
 
 
-def as_text(found: Mapping[str, Any]) -> str:
-    """Return a summary as lines for reading, with the command that tracks the video."""
-    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in found["ball"])
-    u, v = found["pivot"]
+def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return a summary as names and texts for reading, with the command that tracks the video."""
+    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in summary["ball"])
+    u, v = summary["pivot"]
     declared = "".join(
-        f" --{name.replace('_', '-')} {found[name]:.9g}"
+        f" --{name.replace('_', '-')} {summary[name]:.9g}"
         for name in ("row_time", "lens_k1", "lens_k2")
-        if name in found
+        if name in summary
     )
-    lines = {
-        "video": f"{found['condition']}, {found['frames']} frames, {found['duration']:.6g} s",
-        "scale": f"{1e3 * found['metres_per_pixel']:.6g} mm a pixel",
-        "track it": f"latolato track {found['files'][0]} --balls {found['balls']} "
-        f'--pivot {u:g},{v:g} {clicks} --length "{found["length"]:.9g} m" '
-        f'--radius "{found["radius"]:.6g} m"{declared}',
-        "wall time": f"{found['wall_time']:.2f} s",
-        "written": ", ".join(found["files"]),
+    return {
+        "video": f"{summary['condition']}, {summary['frames']} frames, {summary['duration']:.6g} s",
+        "scale": f"{1e3 * summary['metres_per_pixel']:.6g} mm a pixel",
+        "track it": f"latolato track {summary['files'][0]} --balls {summary['balls']} "
+        f'--pivot {u:g},{v:g} {clicks} --length "{summary["length"]:.9g} m" '
+        f'--radius "{summary["radius"]:.6g} m"{declared}',
+        "wall time": f"{summary['wall_time']:.2f} s",
     }
-    return "\n".join(f"{name:16} {text}" for name, text in lines.items())

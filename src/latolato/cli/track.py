@@ -14,6 +14,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from latolato.cli.options import place_of
+from latolato.cli.results import print_summary
 from latolato.core.errors import InputError, said_of
 from latolato.core.registry import suggest
 from latolato.io.progress import bar
@@ -95,24 +97,6 @@ def jobs_of(
     return jobs
 
 
-def place_of(flag: str, text: str) -> tuple[float, float]:
-    """Return a column and a row.
-
-    Examples
-    --------
-    >>> place_of("--pivot", "640.5, 194")
-    (640.5, 194.0)
-    """
-    parts = text.split(",")
-    try:
-        u, v = (float(part) for part in parts)
-    except ValueError:
-        raise InputError(
-            f"{flag} must be a column and a row in pixels such as 640,200, got {text!r}"
-        ) from None
-    return u, v
-
-
 def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
     from latolato.experiment.calibrate import Optics
@@ -128,14 +112,18 @@ def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
         "lens_k1": "1",
         "lens_k2": "1",
     }
-    found = {
+    arguments = {
         name: to_si(f"--{name.replace('_', '-')}", values[name], units[name])
         for name in units
         if values.get(name) is not None
     }
-    optics = {name: found.pop(name) for name in ("row_time", "lens_k1", "lens_k2") if name in found}
+    optics = {
+        name: arguments.pop(name)
+        for name in ("row_time", "lens_k1", "lens_k2")
+        if name in arguments
+    }
     if optics:
-        found["optics"] = Optics(**optics)
+        arguments["optics"] = Optics(**optics)
     of_limits = {"duration": "s", "pixels": "1", "frames": "1", "memory": "1"}
     bounds: dict[str, Any] = {}
     for text in limits:
@@ -150,8 +138,8 @@ def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
         kinds = {field.name: field.type for field in fields(Limits)}
         bounds[name] = int(number) if kinds[name] == "int" else number
     if bounds:
-        found["limits"] = replace(Limits(), **bounds)
-    return found
+        arguments["limits"] = replace(Limits(), **bounds)
+    return arguments
 
 
 def _target(target: Path | None, video: Path, ending: str, several: bool) -> Path | None:
@@ -212,8 +200,8 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
         raise InputError(f"--workers must be 1 or more, got {workers}")
     if len(jobs) == 1:
         with bar("tracking") as progress:
-            found = work(jobs[0], progress)
-        _print(found, as_json)
+            summary = work(jobs[0], progress)
+        print_summary(summary, lines_of(summary), as_json=as_json)
         return 0
     failed: list[tuple[Path, str]] = []
     count = min(len(jobs), workers or os.cpu_count() or 1)
@@ -221,7 +209,7 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
     shares = dict.fromkeys(range(len(jobs)), 0.0)
     with bar(f"tracking {len(jobs)} videos") as progress, ThreadPoolExecutor(count) as pool:
 
-        def told(k: int) -> Callable[[float], None]:
+        def teller_of(k: int) -> Callable[[float], None]:
             def tell(share: float) -> None:
                 shares[k] = share
                 if progress:
@@ -229,30 +217,30 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
 
             return tell
 
-        futures = {pool.submit(_apart, job, told(k)): job for k, job in enumerate(jobs)}
+        futures = {pool.submit(_apart, job, teller_of(k)): job for k, job in enumerate(jobs)}
         try:
             for future in as_completed(futures):
                 job = futures[future]
                 try:
-                    found = future.result()
+                    summary = future.result()
                 except (InputError, OSError) as error:
                     failed.append((job.video, said_of(error)))
                     continue
-                results.append(found)
+                results.append(summary)
                 if not as_json:
-                    _print(found, as_json)
+                    print_summary(summary, lines_of(summary), as_json=False)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             _end_children()
             raise
     if as_json:
         ordered = {str(job.video): k for k, job in enumerate(jobs)}
-        results.sort(key=lambda found: ordered[found["video"]])
+        results.sort(key=lambda summary: ordered[summary["video"]])
         refused = [{"video": str(video), "error": text} for video, text in failed]
         print(json.dumps({"tracked": results, "failed": refused}))
     for video, text in failed:
-        told_once = text if str(video) in text else f"{video}: {text}"
-        print(f"latolato: {told_once}", file=sys.stderr)
+        message = text if str(video) in text else f"{video}: {text}"
+        print(f"latolato: {message}", file=sys.stderr)
     if failed:
         print(f"latolato: {len(failed)} of {len(jobs)} videos failed", file=sys.stderr)
     return 1 if failed else 0
@@ -299,7 +287,7 @@ def _apart(job: Job, tell: Callable[[float], None]) -> dict[str, Any]:
 
 
 def _child(job: Job, pipe: Connection) -> None:
-    """Track one video and send what was found."""
+    """Track one video and send the summary."""
     last = 0.0
 
     def tell(share: float) -> None:
@@ -361,13 +349,13 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     return {
         "video": str(job.video),
         "setup_file": None if task.setup_file is None else str(task.setup_file),
-        **summary(table),
+        **summarise(table),
         "files": [str(file) for file in files],
     }
 
 
 def _proposed(job: Job, task: Any) -> dict[str, Any]:
-    """Write a picture of what was found and return the summary."""
+    """Write a picture of the proposal and return the summary."""
     from latolato.experiment.overlay import draw_proposal
 
     picture = job.output or job.video.with_name(f"{job.video.stem}.proposal.png")
@@ -382,13 +370,13 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
     }
 
 
-def summary(table: Any) -> dict[str, Any]:
-    """Return what the summary says of a table."""
+def summarise(table: Any) -> dict[str, Any]:
+    """Return the numbers of a table that a summary contains."""
     from latolato.experiment.quality import drive_of, flag_shares, typical_sigma
     from latolato.experiment.table import balls_of
 
     attrs = table.attrs
-    found: dict[str, Any] = {
+    numbers: dict[str, Any] = {
         "frames": int(table.sizes["frame"]),
         "duration": float(table["time"][-1] - table["time"][0]),
         "balls": balls_of(table),
@@ -397,7 +385,7 @@ def summary(table: Any) -> dict[str, Any]:
         "angle_sigma": typical_sigma(table),
     }
     amplitude, frequency = drive_of(table)
-    found |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
+    numbers |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
     for name in (
         "exposure",
         "circle_residual",
@@ -407,66 +395,51 @@ def summary(table: Any) -> dict[str, Any]:
         "period_sigma",
     ):
         if name in attrs:
-            found[name] = attrs[name]
-    found["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []
-    return found
+            numbers[name] = attrs[name]
+    numbers["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []
+    return numbers
 
 
-def _print(found: Mapping[str, Any], as_json: bool) -> None:
-    """Print one summary."""
-    print(json.dumps(found) if as_json else as_text(found))
-
-
-def as_text(found: Mapping[str, Any]) -> str:
-    """Return a summary as lines for reading."""
-    if "is_proposed" in found:
-        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in found["ball"])
-        if found["pivot"] is not None:
-            u, v = found["pivot"]
+def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return a summary as names and texts for reading."""
+    if "is_proposed" in summary:
+        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in summary["ball"])
+        if summary["pivot"] is not None:
+            u, v = summary["pivot"]
             clicks = f"--pivot {u:g},{v:g} {clicks}"
-        return _lined(
-            {"video": found["video"], **_setup_file(found), "found": clicks,
-             "drawn": found["files"][0]}
-        )  # fmt: skip
-    shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in found["flags"].items())
+        return {"video": summary["video"], **_setup_file(summary), "places": clicks}
+    shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in summary["flags"].items())
     lines = {
-        "video": f"{found['video']}, {found['frames']} frames, {found['duration']:.6g} s",
-        **_setup_file(found),
-        "balls": f"{found['balls']}, {shares}",
+        "video": f"{summary['video']}, {summary['frames']} frames, {summary['duration']:.6g} s",
+        **_setup_file(summary),
+        "balls": f"{summary['balls']}, {shares}",
     }
-    if found["angle_sigma"] is not None:
-        lines["angle sigma"] = f"{1e3 * found['angle_sigma']:.3g} mrad"
-    if found["geometry"] == "unknown":
+    if summary["angle_sigma"] is not None:
+        lines["angle sigma"] = f"{1e3 * summary['angle_sigma']:.3g} mrad"
+    if summary["geometry"] == "unknown":
         lines["geometry"] = "unknown: positions in pixels, no angles"
-    elif found["geometry"] == "angles":
+    elif summary["geometry"] == "angles":
         lines["geometry"] = "angles only: positions in pixels"
-    if "period" in found:
-        lines["period"] = f"{found['period']:.6g} s, sigma {found['period_sigma']:.2g} s"
-    if found["drive_amplitude"] is not None:
+    if "period" in summary:
+        lines["period"] = f"{summary['period']:.6g} s, sigma {summary['period_sigma']:.2g} s"
+    if summary["drive_amplitude"] is not None:
         from math import tau
 
-        unit = ("pixel", 1.0) if found["geometry"] == "angles" else ("mm", 1e3)
-        rate = found["drive_frequency"]
+        unit = ("pixel", 1.0) if summary["geometry"] == "angles" else ("mm", 1e3)
+        rate = summary["drive_frequency"]
         lines["pivot"] = (
-            f"{found['drive_amplitude'] * unit[1]:.5g} {unit[0]} at {rate:.6g} rad/s "
+            f"{summary['drive_amplitude'] * unit[1]:.5g} {unit[0]} at {rate:.6g} rad/s "
             f"({rate / tau:.5g} Hz)"
         )
-    elif found["geometry"] != "unknown":
+    elif summary["geometry"] != "unknown":
         lines["pivot"] = "rests"
-    if "exposure" in found:
-        lines["exposure"] = f"{100.0 * found['exposure']:.0f} % of the time between frames"
-    for k, text in enumerate(found["warnings"]):
+    if "exposure" in summary:
+        lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
+    for k, text in enumerate(summary["warnings"]):
         lines["warning" if k == 0 else f"warning {k + 1}"] = text
-    if found["files"]:
-        lines["written"] = ", ".join(found["files"])
-    return _lined(lines)
+    return lines
 
 
-def _setup_file(found: Mapping[str, Any]) -> dict[str, str]:
+def _setup_file(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return the line that names the file of the set-up, if it was read from one."""
-    return {"set-up read from": found["setup_file"]} if found["setup_file"] else {}
-
-
-def _lined(lines: Mapping[str, str]) -> str:
-    """Return names and texts below each other."""
-    return "\n".join(f"{name:16} {text}" for name, text in lines.items())
+    return {"set-up read from": summary["setup_file"]} if summary["setup_file"] else {}

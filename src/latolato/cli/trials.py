@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption
+from latolato.cli.options import JsonOption, place_of
+from latolato.cli.results import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
 
@@ -79,17 +79,13 @@ def trials(
 ) -> int:
     """Make the table of trials: drive, largest and lasting angle, class.
 
-    A bad file is told of and left out; the exit code is then 1.
+    A bad file is named and left out; the exit code is then 1.
     """
-    from latolato.core.atomic import check_folder
     from latolato.experiment.trial_table import SUFFIXES, write_trials
     from latolato.experiment.trials import collect_trials
-    from latolato.io.files import check_suffix
     from latolato.scenario.units import to_si
 
-    if output is not None:
-        check_suffix(output, SUFFIXES, "the name of a trial table")
-        check_folder(output)
+    Targets(output).check("the name of a trial table", SUFFIXES)
     numbers = {"length": (length, "m"), "radius": (radius, "m"), "gravity": (gravity, "m/s^2"),
                "transient": (transient, "s"), "start": (start, "s"), "end": (end, "s")}  # fmt: skip
     given: dict[str, Any] = {
@@ -97,35 +93,25 @@ def trials(
     }
     if balls is not None and ball and len(ball) != balls:
         raise InputError(f"--balls {balls} needs as many --ball places, got {len(ball)}")
-    places = [_place("ball", text) for text in ball or ()]
-    given["balls"] = places or balls
-    given["pivot"] = _place("pivot", pivot) if pivot is not None else None
+    given["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
+    given["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
     with bar("trials") as progress, warnings.catch_warnings():
-        # The summary tells of them.
+        # The summary contains them.
         warnings.simplefilter("ignore", RuntimeWarning)
         table = collect_trials(source, sets=sets, workers=workers, progress=progress, **given)
-    written = [write_trials(table, output)] if output is not None else []
+    files = [str(write_trials(table, output))] if output is not None else []
     failed = [text for text in table.attrs["failed"].split(" | ") if text]
-    if as_json:
-        print(json.dumps(summary(table) | {"failed": failed, "files": [str(p) for p in written]}))
-    else:
-        print(as_text(table, written))
+    summary = summarise(table)
+    if not as_json:
+        print(table_text(summary["trials"]))
+    print_summary(summary | {"failed": failed, "files": files}, lines_of(summary), as_json=as_json)
     for text in failed:
         print(f"latolato: {text}", file=sys.stderr)
     return 1 if failed else 0
 
 
-def _place(name: str, text: str) -> tuple[float, float]:
-    """Return a column and a row."""
-    try:
-        u, v = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(f"--{name} must be U,V in pixels, as 320,80.5, got {text!r}") from None
-    return u, v
-
-
-def summary(table: xr.Dataset) -> dict[str, Any]:
-    """Return what the summary says of a trial table."""
+def summarise(table: xr.Dataset) -> dict[str, Any]:
+    """Return the rows of a trial table and how many there are of each class."""
     from latolato.experiment.trial_table import CLASSES
 
     names = [str(name) for name in table.data_vars]
@@ -141,13 +127,12 @@ def summary(table: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def as_text(table: xr.Dataset, written: Sequence[Path]) -> str:
-    """Return a trial table as lines for reading."""
+def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the rows of a trial table for reading."""
     from math import degrees
 
-    found = summary(table)
     lines = [f"{'set':10} {'A0 [mm]':>9} {'w/w0':>7} {'largest':>9} {'lasting':>9}  class"]
-    for row in found["trials"]:
+    for row in rows:
         mark = " (borderline)" if row["borderline"] else ""
         note = f", {row['note']}" if row["note"] else ""
         lines.append(
@@ -156,9 +141,12 @@ def as_text(table: xr.Dataset, written: Sequence[Path]) -> str:
             f"{degrees(row['largest_angle_after_transient']):8.1f}°  "
             f"{row['class']}{mark}  {row['source']}{note}"
         )
-    classes = ", ".join(f"{count} {name}" for name, count in found["classes"].items())
-    trials, sets = len(found["trials"]), len(found["sets"])
-    words = f"{trials} trial{'s' * (trials != 1)} in {sets} set{'s' * (sets != 1)}"
-    lines.append(f"{words}: {classes}")
-    lines.append(f"written    {', '.join(map(str, written)) or 'nothing; name a file: --output'}")
     return "\n".join(lines)
+
+
+def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return how many trials there are of each class, for reading."""
+    classes = ", ".join(f"{count} {name}" for name, count in summary["classes"].items())
+    trials, sets = len(summary["trials"]), len(summary["sets"])
+    words = f"{trials} trial{'s' * (trials != 1)} in {sets} set{'s' * (sets != 1)}"
+    return {"table": f"{words}: {classes}"}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from latolato.cli.options import JsonOption, ScenarioArgument
+from latolato.cli.results import print_summary
 
 
 def synthesise(
@@ -66,7 +66,7 @@ def synthesise(
     from latolato.cli import simulate as run_command
     from latolato.cli import synthesise as synthesise_command
 
-    found = synthesise_command.run(
+    summary = synthesise_command.run(
         run_command.scenario_of(scenario, rerun, given),
         output,
         truth,
@@ -75,7 +75,7 @@ def synthesise(
         camera=camera or [],
         seed=seed,
     )
-    print(json.dumps(found) if as_json else synthesise_command.as_text(found))
+    print_summary(summary, synthesise_command.lines_of(summary), as_json=as_json)
 
 
 def track(
@@ -192,7 +192,7 @@ def track(
     """
     from latolato.cli import track as track_command
 
-    found = track_command.jobs_of(
+    jobs = track_command.jobs_of(
         videos,
         count=balls,
         pivot=pivot,
@@ -211,6 +211,6 @@ def track(
         targets={"output": output, "overlay": overlay, "report": report},
         propose=propose,
     )
-    code = track_command.run(found, workers, as_json=as_json)
+    code = track_command.run(jobs, workers, as_json=as_json)
     if code:
         raise typer.Exit(code)

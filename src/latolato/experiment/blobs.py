@@ -79,16 +79,16 @@ class Backdrop:
         mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _round(cv2, 1))
         count, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
         side = min(self.shape)
-        found: list[Disc] = []
+        discs: list[Disc] = []
         for i in range(1, count):
             x, y, width, height, area = (int(n) for n in stats[i])
             if area < 3.0 * (_SMALLEST * side) ** 2:
                 continue
             part = slice(y, y + height), slice(x, x + width)
             own = labels[part] == i
-            found += self._split(cv2, own, apart[part], change[part], np.array([x, y]))
-        found = [disc for disc in found if _SMALLEST * side < disc.radius / 2.0 < _LARGEST * side]
-        return sorted(found, key=lambda disc: -disc.contrast * disc.radius)
+            discs += self._split(cv2, own, apart[part], change[part], np.array([x, y]))
+        discs = [disc for disc in discs if _SMALLEST * side < disc.radius / 2.0 < _LARGEST * side]
+        return sorted(discs, key=lambda disc: -disc.contrast * disc.radius)
 
     def _split(
         self, cv2: Any, own: np.ndarray, apart: np.ndarray, change: np.ndarray, corner: np.ndarray
@@ -102,7 +102,7 @@ class Backdrop:
         size = max(1, int(0.5 * float(depth.max())))
         opened = cv2.morphologyEx(clear, cv2.MORPH_OPEN, _round(cv2, size))
         outlines, _ = cv2.findContours(opened, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        found = []
+        discs = []
         for outline in outlines:
             (u, v), around = cv2.minEnclosingCircle(outline)
             inside = np.zeros_like(opened)
@@ -117,7 +117,7 @@ class Backdrop:
             area = float(core.sum())
             radius = max(inner, min(around, area / max(2.0 * around, 1.0)))
             centre = 2.0 * (np.array([u, v]) - 2.0 + corner) + 0.5
-            found.append(
+            discs.append(
                 Disc(
                     centre,
                     2.0 * radius,
@@ -125,7 +125,7 @@ class Backdrop:
                     np.median(change[core], axis=0),
                 )
             )
-        return found
+        return discs
 
 
 def import_cv2() -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
@@ -86,35 +86,23 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
 
 
 def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
-    """Return the system that a fit found and the standard deviations of its numbers.
+    """Return the system of a fit and the standard deviations of its numbers.
 
     Raises
     ------
     InputError
         If the fit is of no system.
     """
-    from latolato.core.registry import rebuild
-    from latolato.physics.pendulum import Pendulum, systems
-
-    attrs = fit.dataset.attrs
-    if fit.kind == "model":
-        described = json.loads(attrs["system_description"])
-        system: System = rebuild(systems[described.pop("kind")], described)
-        names = [name for name in fit.estimates if hasattr(system, name)]
-    elif fit.kind == "decay" and "damping" in fit:
-        names = ["length", *(n for n in fit.estimates if n.endswith("damping"))]
-        values: dict[str, Any] = {name: fit[name].value for name in names}
-        system = Pendulum(mass=float(attrs["mass"]), gravity=float(attrs["gravity"]), **values)
-    else:
+    system = fit.system
+    if system is None:
         raise InputError(
             f"a fit of {fit.kind} names no whole system: use a fit of a model, or of a decay with "
             "its mass"
         )
-    return system, {name: fit[name].sigma for name in names}
+    return system, {f.name: fit[f.name].sigma for f in fields(system) if f.name in fit}
 
 
 def _drive_of(fit: Fit) -> Any:
-    """Return the drive that a fit of a model was given, None for the measured one."""
-    if fit.kind == "model" and fit.dataset.attrs.get("pivot") == "the given drive":
-        return fit.drive
-    return None
+    """Return the drive that a fit was given, None for the measured one."""
+    is_given = fit.dataset.attrs.get("pivot") == "the given drive"
+    return fit.drive if is_given else None

@@ -240,11 +240,11 @@ def camera_motion(sample: Sample, track: Track) -> tuple[float, np.ndarray, np.n
     points = _features(cv2, first, hidden)
     numbers, shifts, motions = [], [], []
     for frame in frames[1:] if len(points) >= _FEATURES else []:
-        found = _motion(cv2, first, _reduced(cv2, frame), points)
-        if found is not None:
+        motion = _motion(cv2, first, _reduced(cv2, frame), points)
+        if motion is not None:
             numbers.append(frame.number)
-            shifts.append(scale * found[0])
-            motions.append(found[1] * [1.0, 1.0, scale])
+            shifts.append(scale * motion[0])
+            motions.append(motion[1] * [1.0, 1.0, scale])
     # One frame alone may be a mistake.
     moved = float(np.sort(shifts)[-2]) if len(shifts) > 1 else math.nan
     return moved, np.array(numbers, int), np.array(motions).reshape(-1, 2, 3)
@@ -272,15 +272,15 @@ def _features(
     rows, columns = picture.shape
     inner = np.zeros_like(strength)
     inner[_HALF:-_HALF, _HALF:-_HALF] = strength[_HALF:-_HALF, _HALF:-_HALF]
-    found = []
+    points = []
     for i in range(_TILES[0]):
         for j in range(_TILES[1]):
             top, left = i * rows // _TILES[0], j * columns // _TILES[1]
             tile = inner[top : (i + 1) * rows // _TILES[0], left : (j + 1) * columns // _TILES[1]]
             at = np.unravel_index(int(np.argmax(tile)), tile.shape)
             if tile[at] > floor:
-                found.append((left + at[1], top + at[0]))
-    return np.array(found, np.float32).reshape(-1, 2)
+                points.append((left + at[1], top + at[0]))
+    return np.array(points, np.float32).reshape(-1, 2)
 
 
 def _motion(
@@ -388,7 +388,7 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
         if window is None:
             continue
         here = window.picture(frames[k])
-        found = []
+        changes = []
         for j in partners:
             under, beside = _regions(window, track, numbers, int(k), int(j), int(ball))
             if under.sum() < _FEWEST or beside.sum() < _FEWEST:
@@ -400,11 +400,11 @@ def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]
                 np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
             )
             elsewhere = coarse.changed(int(k), int(j))
-            found.append(
+            changes.append(
                 (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
             )
-        if found:
-            shares[k, ball] = np.median(found, axis=0)
+        if changes:
+            shares[k, ball] = np.median(changes, axis=0)
     return numbers, shares
 
 

@@ -72,9 +72,9 @@ def find_gravity(
         direction = float(math.atan2(axis[0], axis[1]))
         return Gravity(direction, "drive axis", _axis_sigma(centred @ axes.T))
     if stroke < 0.25 * _STROKE or not is_upright:
-        found = _rest_position(times, np.where(is_clean, angles, np.nan))
-        if found is not None:
-            return found
+        rest = _rest_position(times, np.where(is_clean, angles, np.nan))
+        if rest is not None:
+            return rest
     return Gravity(0.0, "image", LEVELLED)
 
 
@@ -244,7 +244,7 @@ def find_extremes(times: np.ndarray, swing: np.ndarray) -> list[Extreme]:
     middle = float(np.median(swing[seen]))
     pause = 2.5 * float(np.median(np.diff(times)))
     changes = np.flatnonzero(np.diff(np.sign(swing[seen] - middle)) != 0) + 1
-    found = []
+    extremes = []
     for number, (begin, end) in enumerate(pairwise([0, *changes, len(seen)])):
         part = seen[begin:end]
         if len(part) < 5:
@@ -262,5 +262,5 @@ def find_extremes(times: np.ndarray, swing: np.ndarray) -> list[Extreme]:
         # The top lies between samples on both sides, half the width away or more.
         if is_turning and -0.5 * scale >= late[0] and late[-1] >= 0.5 * scale and abs(at) < 0.5:
             height -= 0.25 * slope**2 / bend
-            found.append(Extreme(number, float(times[part[top]] + at * scale), float(height)))
-    return found
+            extremes.append(Extreme(number, float(times[part[top]] + at * scale), float(height)))
+    return extremes

@@ -55,7 +55,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
         return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
 
     fit = least_squares(rest, [0.0, 0.0, arm], loss="soft_l1", f_scale=0.3)
-    offset, found = fit.x[:2], float(fit.x[2])
+    offset, fitted_arm = fit.x[:2], float(fit.x[2])
     residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
     as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
     if arc < _WIDE_ARC:
@@ -64,24 +64,24 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
     oval = float(np.hypot(*np.linalg.lstsq(waves, rest(fit.x), rcond=None)[0]))
-    limit = max(_ROUND, _ROUND_SHARE * found, 2.0 * noise)
-    too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * found)
+    limit = max(_ROUND, _ROUND_SHARE * fitted_arm, 2.0 * noise)
+    too_far = float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fitted_arm)
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
     if bent > limit or oval > 1.5 * limit or too_far:
-        told = (
+        warning = (
             f"the ball does not run on a circle about the pivot (centre off by "
             f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens, "
             "perspective or rolling shutter; the pivot is used as clicked"
         )
         sigma = np.maximum(clicked, np.abs(offset))
-        return Hinge(none, sigma, arm, arc, as_clicked, [told])
+        return Hinge(none, sigma, arm, arc, as_clicked, [warning])
     # What distances get wrong along the arc moves the centre the more, the narrower it is.
     design = np.stack([np.sin(direction), np.cos(direction), np.ones_like(direction)], axis=-1)
     spread = np.diag(np.linalg.pinv(design.T @ design / len(design)))[:2]
     uneven = math.hypot(_UNEVEN, bent)
-    count = max(min(len(design), arc * found / _BLOCK), 1.0)
+    count = max(min(len(design), arc * fitted_arm / _BLOCK), 1.0)
     sigma = np.sqrt(_SHARED**2 + (uneven**2 + noise**2 / count) * spread)
-    return Hinge(offset, sigma, found, arc, residual)
+    return Hinge(offset, sigma, fitted_arm, arc, residual)
 
 
 def _across(

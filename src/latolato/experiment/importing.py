@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# What people call the columns, in small letters and without units; used where nothing is said.
+# What people call the columns, in small letters and without units; used where no column is named.
 _USUAL = {
     "time": ("t", "time"),
     "angle_1": ("theta", "angle", "θ", "angle_1"),
@@ -111,21 +111,21 @@ def import_table(
     mapping = _usual(text.names, path) if columns is None else dict(columns)
     if "time" not in mapping:
         raise InputError(f"'{path}': say which column is the time, as in time = 't [s]'")
-    found = {target: _column(text, target, name, path) for target, name in mapping.items()}
+    series = {target: _column(text, target, name, path) for target, name in mapping.items()}
     if y_axis == "down":
-        found = {name: -v if name.endswith("_y") else v for name, v in found.items()}
+        series = {name: -v if name.endswith("_y") else v for name, v in series.items()}
         pivot = None if pivot is None else (pivot[0], -pivot[1])
-    if _RATE in found:
-        if "angle_1" in found:
+    if _RATE in series:
+        if "angle_1" in series:
             raise InputError(f"'{path}': give angle_1 or {_RATE}, not both")
-        found["angle_1"] = _integrated(found["time"], found.pop(_RATE), path)
-    _place_angles(found, path, pivot, angle_from)
+        series["angle_1"] = _integrated(series["time"], series.pop(_RATE), path)
+    _place_angles(series, path, pivot, angle_from)
     if angle_sigma is not None:
         sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
         for ball in (1, 2):
-            if f"angle_{ball}" in found:
-                count = len(found["time"])
-                found.setdefault(f"angle_sigma_{ball}", np.full(count, sigma))
+            if f"angle_{ball}" in series:
+                count = len(series["time"])
+                series.setdefault(f"angle_sigma_{ball}", np.full(count, sigma))
     attributes = {
         "source": path.name,
         "source_sha256": hashlib.sha256(raw).hexdigest(),
@@ -134,7 +134,7 @@ def import_table(
         "radius": None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m"),
     }
     try:
-        return track_table(found, attributes)
+        return track_table(series, attributes)
     except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
@@ -142,7 +142,7 @@ def import_table(
 def _check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
     """Raise InputError unless a value is one of its choices."""
     if value not in choices:
-        raise InputError(f"{name} must be {' or '.join(choices)}, got {value!r}")
+        raise InputError(f"must be {' or '.join(choices)}", parameter=name, value=value)
 
 
 def _split(raw: bytes, path: Path) -> _Text:
@@ -212,28 +212,28 @@ def _number(cell: str, decimal_comma: bool) -> float | None:
 
 def _parted(name: str) -> tuple[str, str]:
     """Return a column's name and its unit, which may be empty."""
-    found = _WITH_UNIT.fullmatch(name)
-    if found is None:
+    match = _WITH_UNIT.fullmatch(name)
+    if match is None:
         return name.strip(), ""
-    unit = found["square"] if found["square"] is not None else found["round"]
-    return found["name"].strip(), unit.strip()
+    unit = match["square"] if match["square"] is not None else match["round"]
+    return match["name"].strip(), unit.strip()
 
 
 def _usual(names: list[str], path: Path) -> dict[str, str]:
     """Return the columns that are called as usual."""
     plain = {_parted(name)[0].lower(): name for name in reversed(names)}
-    found = {
+    mapping = {
         target: next(plain[word] for word in words if word in plain)
         for target, words in _USUAL.items()
         if any(word in plain for word in words)
     }
-    if "angle_1" in found:
-        found = {k: v for k, v in found.items() if k in ("time", "angle_1")}
-    if "time" not in found or len(found) < 2:
+    if "angle_1" in mapping:
+        mapping = {k: v for k, v in mapping.items() if k in ("time", "angle_1")}
+    if "time" not in mapping or len(mapping) < 2:
         raise InputError(
             f"'{path}': say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
         )
-    return found
+    return mapping
 
 
 def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
@@ -285,41 +285,41 @@ def _found(names: list[str], wanted: str, path: Path) -> tuple[int, str]:
 
 
 def _place_angles(
-    found: dict[str, Floats], path: Path, pivot: Sequence[float] | None, angle_from: str
+    columns: dict[str, Floats], path: Path, pivot: Sequence[float] | None, angle_from: str
 ) -> None:
     """Put the origin at the mean pivot and add the angles that positions tell."""
     for ball in (1, 2):
-        if f"angle_{ball}" in found and angle_from == "right":
-            found[f"angle_{ball}"] = found[f"angle_{ball}"] + 0.5 * np.pi
-    placed = [b for b in (1, 2) if f"ball_{b}_x" in found and f"ball_{b}_y" in found]
+        if f"angle_{ball}" in columns and angle_from == "right":
+            columns[f"angle_{ball}"] = columns[f"angle_{ball}"] + 0.5 * np.pi
+    placed = [b for b in (1, 2) if f"ball_{b}_x" in columns and f"ball_{b}_y" in columns]
     for ball in (1, 2):
-        half = {f"ball_{ball}_x", f"ball_{ball}_y"} & found.keys()
+        half = {f"ball_{ball}_x", f"ball_{ball}_y"} & columns.keys()
         if len(half) == 1:
             raise InputError(f"'{path}': {half.pop()} needs its other coordinate too")
     if pivot is not None:
         if len(pivot) != 2:
-            raise InputError(f"pivot must be two numbers x, y [m], got {pivot!r}")
-        if "pivot_x" in found or "pivot_y" in found:
+            raise InputError("must be two numbers x, y [m]", parameter="pivot", value=pivot)
+        if "pivot_x" in columns or "pivot_y" in columns:
             raise InputError("give the pivot either as numbers or as columns, not both")
-        found["pivot_x"] = np.full(len(found["time"]), float(pivot[0]))
-        found["pivot_y"] = np.full(len(found["time"]), float(pivot[1]))
-    if placed and not {"pivot_x", "pivot_y"} <= found.keys():
-        if any(f"angle_{b}" not in found for b in placed):
+        columns["pivot_x"] = np.full(len(columns["time"]), float(pivot[0]))
+        columns["pivot_y"] = np.full(len(columns["time"]), float(pivot[1]))
+    if placed and not {"pivot_x", "pivot_y"} <= columns.keys():
+        if any(f"angle_{b}" not in columns for b in placed):
             raise InputError(
                 f"'{path}': angles from positions need the pivot: give pivot = (x, y) in m, or its "
                 "columns pivot_x and pivot_y"
             )
         return
     for axis in ("x", "y"):
-        if f"pivot_{axis}" in found:
-            origin = float(np.nanmean(found[f"pivot_{axis}"]))
+        if f"pivot_{axis}" in columns:
+            origin = float(np.nanmean(columns[f"pivot_{axis}"]))
             for name in (f"pivot_{axis}", *(f"ball_{b}_{axis}" for b in placed)):
-                found[name] = found[name] - origin
+                columns[name] = columns[name] - origin
     for ball in placed:
-        if f"angle_{ball}" not in found:
-            x = found[f"ball_{ball}_x"] - found["pivot_x"]
-            y = found[f"ball_{ball}_y"] - found["pivot_y"]
-            found[f"angle_{ball}"] = _unwrapped(np.arctan2(x, -y))
+        if f"angle_{ball}" not in columns:
+            x = columns[f"ball_{ball}_x"] - columns["pivot_x"]
+            y = columns[f"ball_{ball}_y"] - columns["pivot_y"]
+            columns[f"angle_{ball}"] = _unwrapped(np.arctan2(x, -y))
 
 
 def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:

@@ -88,7 +88,7 @@ def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
     squares = u * u + v * v
     span = max(float(t.max()), 1e-9)
     number = int(min(_FINENESS * span * (_FASTEST - _SLOWEST), _MOST_TRIALS))
-    found = []
+    candidates = []
     for frequency in 2.0 * math.pi * np.linspace(_SLOWEST, _FASTEST, max(number, 50)):
         cos, sin = np.cos(frequency * t), np.sin(frequency * t)
         columns = np.column_stack(
@@ -96,10 +96,10 @@ def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
         )
         solution = np.linalg.lstsq(columns, squares, rcond=None)[0]
         left = float(np.median(np.abs(columns @ solution - squares)))
-        found.append((left, float(frequency), solution))
-    found.sort(key=lambda one: one[0])
+        candidates.append((left, float(frequency), solution))
+    candidates.sort(key=lambda one: one[0])
     best: Orbit | None = None
-    for _, frequency, solution in found[:4]:
+    for _, frequency, solution in candidates[:4]:
         cu, cv = 0.5 * solution[0], 0.5 * solution[1]
         a, b = 0.5 * solution[3], 0.5 * solution[4]
         arm = math.sqrt(max(float(np.median((u - cu) ** 2 + (v - cv) ** 2)), 0.01))

@@ -60,18 +60,18 @@ def places_of(table: xr.Dataset, size: tuple[int, int]) -> tuple[np.ndarray, np.
         down = np.array([math.sin(tilt), math.cos(tilt)])
         origin = np.array([attrs["origin_u"], attrs["origin_v"]])
 
-        def shown(name: str) -> np.ndarray:
+        def pixels_of(name: str) -> np.ndarray:
             x, y = columns(f"{name}_x", f"{name}_y").T
             place: np.ndarray = origin + (np.outer(x, right) - np.outer(y, down)) / scale
             return place
 
     else:
 
-        def shown(name: str) -> np.ndarray:
+        def pixels_of(name: str) -> np.ndarray:
             return columns(f"{name}_u", f"{name}_v")
 
-    pivot = shown("pivot")
-    centres = np.stack([shown(f"ball_{b}") for b in balls], axis=1)
+    pivot = pixels_of("pivot")
+    centres = np.stack([pixels_of(f"ball_{b}") for b in balls], axis=1)
     optics = Optics(
         lens_k1=float(attrs.get("lens_k1", 0.0)), lens_k2=float(attrs.get("lens_k2", 0.0))
     )
@@ -191,8 +191,8 @@ class Artist:
             for angle in self.angles[number]
             if math.isfinite(angle)
         )
-        told = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
-        self._written(cv2, picture, told, (0, 1), _PIVOT)
+        text = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
+        self._written(cv2, picture, text, (0, 1), _PIVOT)
         return picture
 
     def _line(self, cv2: Any, picture: Any, begin: Any, end: Any, colour: Any) -> None:

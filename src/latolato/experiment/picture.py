@@ -47,7 +47,7 @@ class View:
         v = self.origin[1] - self.scale * (self.sine * x + self.cosine * y)
         return np.asarray(u), np.asarray(v)
 
-    def shown(self, x: Any, y: Any) -> tuple[Floats, Floats]:
+    def in_picture(self, x: Any, y: Any) -> tuple[Floats, Floats]:
         """Return u, v [pixel] of points [m] in the picture."""
         return self.distorted(*self.flat(x, y))
 

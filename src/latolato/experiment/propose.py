@@ -68,8 +68,8 @@ class Proposal:
     arc: float = math.nan
 
 
-def found_in_video(pivot: Sequence[float] | None, balls: Sequence[Sequence[float]]) -> str:
-    """Return in words what was found, with the options that would say the same."""
+def proposal_text(pivot: Sequence[float] | None, balls: Sequence[Sequence[float]]) -> str:
+    """Return a proposal in words, with the options that say the same."""
     clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in balls)
     if pivot is None:
         return f"found in the video: {clicks}; no pivot was found in the picture"
@@ -120,8 +120,8 @@ def propose(
             f"{video.path}: no moving ball was found; point at pivot and ball in the first frame"
         )
     if count is None:
-        shown = [len(group) for group in members if group]
-        count = 2 if np.mean(np.array(shown) >= 2) > _TWICE else 1
+        counts = [len(group) for group in members if group]
+        count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
     members = [group[:count] for group in members]
     known = np.array(pivot, float) if pivot is not None else None
     colours = Colours.of(video)
@@ -130,23 +130,23 @@ def propose(
     places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
     lens, size = optics or Optics(), (video.width, video.height)
     places = [undistorted(group, size, lens) for group in places]
-    found = None if known is not None else _pivot(video, frames, places)
-    hinge = known if known is not None else found.centre if found else None
-    if found is not None:
-        hinge = distorted(found.centre, size, lens)
+    orbit = None if known is not None else _pivot(video, frames, places)
+    hinge = known if known is not None else orbit.centre if orbit else None
+    if orbit is not None:
+        hinge = distorted(orbit.centre, size, lens)
     if balls is not None:
         starts = [np.array(ball, float) for ball in balls]
     else:
         starts = [
-            distorted(ball, size, lens) for ball in _starts(video, places, found, count, radius)
+            distorted(ball, size, lens) for ball in _starts(video, places, orbit, count, radius)
         ]
     starts.sort(key=lambda ball: -float(ball[0]))
     return Proposal(
         None if hinge is None else _rounded(hinge),
         tuple(_rounded(ball) for ball in starts),
         radius,
-        found.residual if found else math.nan,
-        found.arc if found else math.nan,
+        orbit.residual if orbit else math.nan,
+        orbit.arc if orbit else math.nan,
     )
 
 
@@ -156,10 +156,10 @@ def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.n
     unit = 0.5 * math.hypot(*size)
     away = (places - middle) / unit
     squares = np.sum(away**2, axis=-1, keepdims=True)
-    shown: np.ndarray = middle + away * unit * (
+    moved: np.ndarray = middle + away * unit * (
         1.0 + optics.lens_k1 * squares + optics.lens_k2 * squares**2
     )
-    return shown
+    return moved
 
 
 def _rounded(place: np.ndarray) -> Place:
@@ -239,13 +239,13 @@ def _by_edge(
     """Return how far the balls' edges lie off the discs, and their radius, in sharp frames."""
     discs = [(k, disc) for k, group in enumerate(members) for disc in group]
     sharp = sorted(discs, key=lambda one: -one[1].contrast)[: 4 * _EDGES : 4]
-    found = []
+    shifts = []
     for k, disc in sharp:
         towards = disc.centre - [0.0, 10.0 * radius] if pivot is None else pivot
         centre, size = disc_at(frames[k], colours, disc.centre, radius, towards, False)
         centre, size = disc_at(frames[k], colours, centre, size, towards, True)
-        found.append((*(centre - disc.centre), size))
-    *shift, size = np.median(np.array(found), axis=0)
+        shifts.append((*(centre - disc.centre), size))
+    *shift, size = np.median(np.array(shifts), axis=0)
     # A disc's own centre is finer than its edge's, unless the wall hides a part of the ball.
     is_clear = math.hypot(*shift) > _ASIDE * size and radius < _PART * size
     return np.array(shift) if is_clear else np.zeros(2), float(size)
@@ -289,13 +289,13 @@ def _followed(
             tracker, shifts = learn_pivot(coarse, median, (centre + 0.5) / fold - 0.5, arm / fold)
             if tracker.is_still:
                 break
-            found = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
-            if found is None:
+            orbit = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
+            if orbit is None:
                 break
-            change = float(np.hypot(*(found.centre - centre)))
-            centre, arm = found.centre, found.arm
-            if best is None or found.residual < best.residual:
-                best = found
+            change = float(np.hypot(*(orbit.centre - centre)))
+            centre, arm = orbit.centre, orbit.arm
+            if best is None or orbit.residual < best.residual:
+                best = orbit
             if change < 1.0:
                 break
         if best is not None and _is_round(best):
@@ -312,18 +312,18 @@ def _coarse(frame: Frame, fold: int) -> Frame:
 
 
 def _starts(
-    video: Video, places: list[np.ndarray], found: Orbit | None, count: int, radius: float
+    video: Video, places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float
 ) -> list[np.ndarray]:
     """Return the balls in the first frame, from there or from where they are a frame later."""
     for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
         group = places[k]
-        shift = found.shifts[min(k, len(found.shifts) - 1)] if found else np.zeros(2)
+        shift = orbit.shifts[min(k, len(orbit.shifts) - 1)] if orbit else np.zeros(2)
         on_circle = [
             place
             for place in group
-            if found is None
-            or abs(np.hypot(*(place - shift - found.centre)) - found.arm)
-            < max(2.0 * radius, 0.05 * found.arm)
+            if orbit is None
+            or abs(np.hypot(*(place - shift - orbit.centre)) - orbit.arm)
+            < max(2.0 * radius, 0.05 * orbit.arm)
         ]
         if len(on_circle) >= count:
             return list(on_circle[:count])

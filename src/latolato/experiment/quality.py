@@ -110,9 +110,9 @@ def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, float, flo
         return float(np.mean((heights - waves @ weights) ** 2))
 
     width = math.pi / span
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         cost, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-7 * best}
     )
-    frequency = float(found.x)
+    frequency = float(minimum.x)
     weights = np.linalg.lstsq(_waves(times, frequency), heights, rcond=None)[0]
     return math.hypot(weights[1], weights[2]), frequency, math.sqrt(cost(frequency))

@@ -144,17 +144,25 @@ class Camera:
         for name in ("width", "height"):
             size = getattr(self, name)
             if size % 2 or not low <= size <= high:
-                raise InputError(f"{name} must be even and in [{low}, {high}] pixels, got {size}")
+                raise InputError(
+                    f"must be even and in [{low}, {high}] pixels, got {size}", parameter=name
+                )
         if self.sub_exposures > 1000:
-            raise InputError(f"sub_exposures must be at most 1000, got {self.sub_exposures}")
+            raise InputError(
+                f"must be at most 1000, got {self.sub_exposures}", parameter="sub_exposures"
+            )
         if self.rotation not in ROTATIONS:
-            raise InputError(f"rotation must be one of 0, 90, 180, 270 deg, got {self.rotation!r}")
+            raise InputError(
+                "must be one of 0, 90, 180, 270 deg", parameter="rotation", value=self.rotation
+            )
         if isinstance(self.crf, bool) or not (self.crf == int(self.crf) and 0 <= self.crf <= 51):
-            raise InputError(f"crf must be a whole number in [0, 51], got {self.crf!r}")
+            raise InputError("must be a whole number in [0, 51]", parameter="crf", value=self.crf)
         if self.row_time * self.rows * self.fps > 1.0:
             raise InputError(
-                f"row_time must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} "
-                f"s, got {self.row_time:g}; give at most {1.0 / self.fps / self.rows:.3g} s"
+                f"must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} s, "
+                f"got {self.row_time:g}",
+                parameter="row_time",
+                way_out=f"give at most {1.0 / self.fps / self.rows:.3g} s",
             )
 
     @property
@@ -189,7 +197,7 @@ def linear_colour(name: str, text: str) -> tuple[float, float, float]:
             raise ValueError
         codes = [int(text[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
     except (TypeError, ValueError):
-        raise InputError(f"{name} must be a colour such as '#e8590c', got {text!r}") from None
+        raise InputError("must be a colour such as '#e8590c'", parameter=name, value=text) from None
     red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in codes)
     return red, green, blue
 
@@ -197,4 +205,4 @@ def linear_colour(name: str, text: str) -> tuple[float, float, float]:
 def _check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
     """Raise InputError unless a word is one of those known."""
     if value not in choices:
-        raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)

@@ -1,4 +1,4 @@
-"""What a tracking was told, kept beside its table as TOML: enough to make the same table again."""
+"""The set-up of a tracking, kept beside its table as TOML: enough to make the same table again."""
 
 from __future__ import annotations
 
@@ -220,7 +220,7 @@ def _check_names(where: str, given: Any, known: tuple[str, ...]) -> None:
 def _number(name: str, value: Any) -> float:
     """Return a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise InputError(f"{name} must be a number, got {value!r}")
+        raise InputError("must be a number", parameter=name, value=value)
     return float(value)
 
 
@@ -232,7 +232,7 @@ def _optional(name: str, table: Mapping[str, Any]) -> float | None:
 def _place(name: str, value: Any) -> Place:
     """Return a column and a row."""
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{name} must be a column and a row, got {value!r}")
+        raise InputError("must be a column and a row", parameter=name, value=value)
     return _number(name, value[0]), _number(name, value[1])
 
 

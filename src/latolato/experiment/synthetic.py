@@ -207,7 +207,7 @@ def prepare(
     """Return the video of a run before it is encoded; see `synthesise_video`."""
     scene, camera = scene or Scene(), camera or Camera()
     if seed < 0:
-        raise InputError(f"seed must be a whole number of at least 0, got {seed!r}")
+        raise InputError("must be a whole number of at least 0", parameter="seed", value=seed)
     stamps, begin = frame_stamps(run, camera, seed)
     times = stamps / TICKS
     motion, run = filmed_motion(run, begin + times, scene)
@@ -412,7 +412,7 @@ def _true_table(take: Take) -> xr.Dataset:
     touches = _touches(motion, moments)
     extra = {}
     clicks: dict[str, float] = {}
-    u, v = view.shown(0.0, height[0])
+    u, v = view.in_picture(0.0, height[0])
     clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
     for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
         x, y = length * np.sin(angle), height - length * np.cos(angle)
@@ -424,10 +424,10 @@ def _true_table(take: Take) -> xr.Dataset:
         flags = np.where(touches, "collision", "ok")
         columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
         extra[f"covered_{i + 1}"] = hidden
-        u, v = view.shown(x[0], y[0])
+        u, v = view.in_picture(x[0], y[0])
         clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
     if studio.scene.is_parked:
-        u, v = view.shown(studio.scene.parked_x, studio.scene.parked_y)
+        u, v = view.in_picture(studio.scene.parked_x, studio.scene.parked_y)
         clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
     attributes = {
         "title": f"truth of a synthetic video of {run.attrs['system']}",

@@ -139,7 +139,9 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
     if not isinstance(table, xr.Dataset):
         raise InputError(f"a track table must be a dataset, got {type(table).__name__}: read_table")
     if table.attrs.get("table") != _KIND or "frame" not in table.dims:
-        raise InputError("the dataset is no track table; make one with track_table or read_table")
+        raise InputError(
+            "the dataset is no track table", way_out="make one with track_table or read_table"
+        )
     for name in needed:
         if name not in table.variables:
             known = QUANTITIES[name].long_name if name in QUANTITIES else name
@@ -219,8 +221,8 @@ def read_table(path: str | Path) -> xr.Dataset:
     columns, units, attributes = read(path)
     if attributes.get("table") != _KIND:
         raise InputError(
-            f"'{path}' is no track table: it does not say 'table: track'; "
-            "other tables are read with import_table (`latolato import`)"
+            f"'{path}' is no track table: it does not say 'table: track'",
+            way_out="other tables are read with import_table (`latolato import`)",
         )
     try:
         balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1
@@ -238,7 +240,7 @@ def read_table(path: str | Path) -> xr.Dataset:
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
         if suffix != ".nc":
-            columns |= more  # a misspelt name in a text file is told
+            columns |= more  # a misspelt name in a text file is refused
             more = {}
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
@@ -253,7 +255,7 @@ def _values(name: str, given: Any) -> Any:
         values = values.astype(str)
         for flag in np.unique(values):
             if flag not in FLAGS:
-                raise InputError(f"{name} must be one of {', '.join(FLAGS)}, got '{flag}'")
+                raise InputError(f"must be one of {', '.join(FLAGS)}, got '{flag}'", parameter=name)
         return values
     try:
         numbers = values.astype(np.float64)
@@ -262,7 +264,9 @@ def _values(name: str, given: Any) -> Any:
             f"column '{name}' must hold numbers, got {_first_text(values)!r}"
         ) from None
     if np.any(np.isinf(numbers)):
-        raise InputError(f"column '{name}' must not hold infinite numbers; write NaN for unknown")
+        raise InputError(
+            f"column '{name}' must not hold infinite numbers", way_out="write NaN for unknown"
+        )
     if name == "frame":
         if not np.all(numbers == np.floor(numbers)):
             raise InputError("column 'frame' must hold whole numbers")
@@ -284,27 +288,30 @@ def _check_increasing(name: str, values: Any) -> None:
     """Raise InputError unless each value is known and larger than the one before."""
     if not np.all(np.isfinite(values)):
         row = int(np.argmin(np.isfinite(values)))
-        raise InputError(f"{name} must be known in every row, got nothing in row {row + 1}")
+        raise InputError(
+            f"must be known in every row, got nothing in row {row + 1}", parameter=name
+        )
     falls = np.flatnonzero(np.diff(values) <= 0)
     if falls.size:
         i = int(falls[0])
         raise InputError(
-            f"{name} must increase strictly, got {values[i + 1]:g} after {values[i]:g} in row "
-            f"{i + 2}; sort the rows and remove repeats"
+            f"must increase strictly, got {values[i + 1]:g} after {values[i]:g} in row {i + 2}",
+            parameter=name,
+            way_out="sort the rows and remove repeats",
         )
 
 
 def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as plain numbers and texts, without those that are None."""
-    found: dict[str, Any] = {}
+    attributes: dict[str, Any] = {}
     for key, value in given.items():
         plain = value.item() if hasattr(value, "item") else value
         if plain is None:
             continue
         if not isinstance(plain, (bool, int, float, str)):
             raise InputError(f"attribute '{key}' must be a number or a text, got {value!r}")
-        found[str(key)] = int(plain) if isinstance(plain, bool) else plain
-    return found
+        attributes[str(key)] = int(plain) if isinstance(plain, bool) else plain
+    return attributes
 
 
 def _write_csv(table: xr.Dataset, path: Path) -> None:
@@ -352,18 +359,18 @@ def _read_csv(path: Path) -> Parts:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise InputError(f"'{path}' is no text file; save it as UTF-8 text") from None
+        raise InputError(f"'{path}' is no text file", way_out="save it as UTF-8 text") from None
     count = 0
     for line in lines:
         if not line.startswith("#"):
             break
         count += 1
-        told = line[1:].strip()
-        column = _COLUMN.fullmatch(told)
+        text = line[1:].strip()
+        column = _COLUMN.fullmatch(text)
         if column:
             units[column["name"]] = column["units"]
         else:
-            key, _, value = told.partition(":")
+            key, _, value = text.partition(":")
             attributes[key.strip()] = _as_value(value.strip())
     rows = [row for row in csv.reader(lines[count:]) if row]
     if not rows:
@@ -375,11 +382,11 @@ def _read_csv(path: Path) -> Parts:
                 f"'{path}': row {i + 1} has {len(row)} cells below {len(names)} column names"
             )
     cells = zip(*body, strict=True) if body else [()] * len(names)
-    found = {
+    columns = {
         name: list(values) if name.startswith("flag_") else [value or "nan" for value in values]
         for name, values in zip(names, cells, strict=True)
     }
-    return found, units, attributes
+    return columns, units, attributes
 
 
 def _write_parquet(table: xr.Dataset, path: Path) -> None:

@@ -17,7 +17,7 @@ from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
 from latolato.experiment.gate import Track, examine
-from latolato.experiment.propose import found_in_video, propose
+from latolato.experiment.propose import proposal_text, propose
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.table import track_table
 from latolato.experiment.tracking.follow import Followed, follow
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Place = Sequence[float]
 Progress = Callable[[float], None]
-# Difference of declared and measured radius that is told.
+# Difference of declared and measured radius that is worth a warning.
 _RADIUS_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
@@ -86,14 +86,14 @@ def track(
         Column and row of the pivot in the first frame as displayed [pixels].
     balls : int or sequence of sequence of float, optional
         How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
-        What is not pointed at is found in the video, and told in a warning.
+        What is not pointed at is found in the video, and a warning names it.
     length : float, optional
         From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
         positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
     radius : float, optional
         Radius of a ball [m], which is checked against the length's scale.
     gravity : float, optional
-        Gravitational acceleration [m/s^2], 9.8 if nothing else is said.
+        Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
         Row time of a rolling shutter and radial distortion of the lens.
     slow_motion : float, optional
@@ -185,7 +185,7 @@ def prepare(
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
-        raise InputError(f"balls must be 1 or 2, got {count}")
+        raise InputError(f"must be 1 or 2, got {count}", parameter="balls")
     if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
         setup = with_changes(read_sidecar(sidecar, path), given)
         if count is not None and count != len(setup.balls):
@@ -194,8 +194,8 @@ def prepare(
                 way_out="remove it, or point at pivot and balls",
             )
         video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
-        found = [found_in_video(setup.pivot, setup.balls)] if setup.is_proposed else []
-        return Task(video, _checked(setup, video), warnings=found, setup_file=Path(sidecar))
+        messages = [proposal_text(setup.pivot, setup.balls)] if setup.is_proposed else []
+        return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
     if pivot is not None and clicks is not None:
         setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), given)
         return Task(video, _checked(setup, video))
@@ -216,7 +216,7 @@ def prepare(
         video,
         with_changes(setup, given),
         sample,
-        [found_in_video(proposal.pivot, proposal.balls)],
+        [proposal_text(proposal.pivot, proposal.balls)],
         proposal.radius,
     )
 
@@ -465,7 +465,7 @@ def _wandered(
 
 
 def _declared(task: Task, geometry: str) -> dict[str, Any]:
-    """Return the attributes that tell what was asked for."""
+    """Return the attributes that record the request."""
     video, setup = task.video, task.setup
     places = {} if setup.pivot is None else {"pivot": setup.pivot}
     places |= {f"ball_{k + 1}": ball for k, ball in enumerate(setup.balls)}

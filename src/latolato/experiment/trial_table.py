@@ -145,7 +145,9 @@ def trial_table(
         values = given.get(name, np.ones(count))
         bad = np.flatnonzero(~(values > 0.0))
         if bad.size:
-            raise InputError(f"{name} must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}")
+            raise InputError(
+                f"must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}", parameter=name
+            )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     unknown = np.full(count, np.nan)
     length = given.setdefault("length", unknown.copy())
@@ -198,7 +200,9 @@ def checked_trials(trials: Any) -> xr.Dataset:
     import xarray as xr
 
     if not isinstance(trials, xr.Dataset):
-        raise InputError(f"trials must be a trial table, got {type(trials).__name__}: read_trials")
+        raise InputError(
+            f"must be a trial table, got {type(trials).__name__}: read_trials", parameter="trials"
+        )
     if trials.attrs.get("table") != _KIND:
         raise InputError("the dataset is no trial table; make one with collect_trials or read it")
     return trials
@@ -358,11 +362,11 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
             columns[name] = cells
             continue
         unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-        found = []
+        values = []
         for number, cell in enumerate(cells, start=1):
             try:
-                found.append(float(to_si(name, cell, unit)) if cell else math.nan)
+                values.append(float(to_si(name, cell, unit)) if cell else math.nan)
             except InputError as error:
                 raise InputError(f"trial {number}: {error}") from None
-        columns[name] = found
+        columns[name] = values
     return columns, attributes

@@ -96,8 +96,10 @@ def trial_of(
     if transient is not None:
         late = first + checked_number("transient", transient, NON_NEGATIVE, "s")
         if late >= last:
-            raise InputError(f"transient must end before the record does, got {transient:g} s of "
-                             f"{last - first:g} s")  # fmt: skip
+            raise InputError(
+                f"must end before the record does, got {transient:g} s of {last - first:g} s",
+                parameter="transient",
+            )
     drive = fit_drive(table, profile=False)
     frequency = drive["drive_frequency"]
     notes = []
@@ -106,9 +108,9 @@ def trial_of(
         notes.append(f"frequency stepped at {drive['step_time'].value:.4g} s")
     if "It is not steady" in drive.verdict:
         notes.append("drive not steady")
-    found = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
-    whole = max((each[0] for each in found), key=lambda pair: pair[0])
-    lasting, swings, settled = max((each[1:] for each in found), key=lambda each: each[0][0])
+    angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
+    whole = max((each[0] for each in angles), key=lambda pair: pair[0])
+    lasting, swings, settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
     if not settled:
         notes.append("not settled in the last part")
     return {
@@ -182,9 +184,9 @@ def collect_trials(
         For each file that gave no trial.
     """
     if sets not in ("auto", "folder", "amplitude"):
-        raise InputError(f"sets must be auto, folder or amplitude, got {sets!r}")
+        raise InputError("must be auto, folder or amplitude", parameter="sets", value=sets)
     if isinstance(workers, bool) or workers < 1:
-        raise InputError(f"workers must be at least 1, got {workers!r}")
+        raise InputError("must be at least 1", parameter="workers", value=workers)
     import xarray as xr
 
     alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
@@ -231,10 +233,10 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
     """
     import xarray as xr
 
-    found: list[Any] = []
+    files: list[Any] = []
     for source in sources:
         if isinstance(source, xr.Dataset):
-            found.append(source)
+            files.append(source)
             continue
         path = checked_path("source", source)
         if path.is_dir():
@@ -246,16 +248,16 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
                 for p in every
                 if not (_stem(p) in known if p.suffix.lower() in VIDEOS else _is_trials(p))
             ]
-            found += inside
+            files += inside
             if not inside:
                 raise InputError(f"'{path}' holds neither track tables nor videos")
         elif path.is_file():
-            found.append(path)
+            files.append(path)
         else:
             raise FileNotFoundError(f"there is no file '{path}'")
-    if not found:
+    if not files:
         raise InputError("name track tables, videos or folders of them")
-    return found
+    return files
 
 
 def _stem(path: Path) -> tuple[Path, str]:

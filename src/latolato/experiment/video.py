@@ -194,12 +194,12 @@ def open_video(
         )
     if path.suffix.lower() in _PICTURES:
         pictures = _pictures_in(path.parent)
-        told = f" (its folder has {pictures})" if pictures else ""
-        raise InputError(f"{path} is a picture{told}; {_AS_VIDEO}")
+        note = f" (its folder has {pictures})" if pictures else ""
+        raise InputError(f"{path} is a picture{note}; {_AS_VIDEO}")
     if path.stat().st_size == 0:
         raise InputError(f"{path} is empty")
     if not slow_motion > 0.0:
-        raise InputError(f"slow_motion must be positive, got {slow_motion:g}")
+        raise InputError(f"must be positive, got {slow_motion:g}", parameter="slow_motion")
     with _opened(path) as container:
         if not len(container.streams):
             raise InputError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
@@ -264,12 +264,16 @@ def _pictures_in(folder: Path) -> str:
     if not folder.is_dir():
         return ""
     names = [one.stem for one in folder.iterdir() if one.suffix.lower() in _PICTURES]
-    found = sorted({int(tail[0]) for name in names if (tail := re.findall(r"(\d+)$", name))})
-    if len(found) < 2:
+    numbers = sorted({int(tail[0]) for name in names if (tail := re.findall(r"(\d+)$", name))})
+    if len(numbers) < 2:
         return ""
-    missing = sorted(set(range(found[0], found[-1] + 1)) - set(found)) if found[-1] < 10**7 else []
+    missing = (
+        sorted(set(range(numbers[0], numbers[-1] + 1)) - set(numbers))
+        if numbers[-1] < 10**7
+        else []
+    )
     gaps = f", {', '.join(map(str, missing[:5]))} missing" if missing else ""
-    return f"pictures {found[0]} to {found[-1]}{gaps}"
+    return f"pictures {numbers[0]} to {numbers[-1]}{gaps}"
 
 
 @contextmanager

@@ -164,7 +164,7 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
 
 def _passages(times: np.ndarray, swing: np.ndarray, slack: float) -> np.ndarray:
     """Return when a swing passes zero upwards, having been well below before."""
-    found, is_armed = [], False
+    passages, is_armed = [], False
     longest = 2.5 * float(np.median(np.diff(times)))
     for k in range(1, len(swing)):
         is_armed = is_armed or swing[k - 1] < -slack
@@ -173,8 +173,8 @@ def _passages(times: np.ndarray, swing: np.ndarray, slack: float) -> np.ndarray:
             if times[k] - times[k - 1] > longest:  # a gap does not tell when
                 continue
             share = -swing[k - 1] / (swing[k] - swing[k - 1])
-            found.append(times[k - 1] + share * (times[k] - times[k - 1]))
-    return np.array(found)
+            passages.append(times[k - 1] + share * (times[k] - times[k - 1]))
+    return np.array(passages)
 
 
 def _slope(passages: np.ndarray) -> tuple[float, float]:

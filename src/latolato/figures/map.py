@@ -77,7 +77,7 @@ def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
             f"others, as in `latolato plot FILE --select {next(iter(lengths))}=VALUE`"
         )
     if not lengths:
-        raise InputError(f"{variable} is a single value: select fewer dimensions")
+        raise InputError("is a single value: select fewer dimensions", parameter=variable)
 
 
 def _order(dims: list[str], right: str | None) -> list[str]:
@@ -93,16 +93,22 @@ def _select(
     for name, value in select.items():
         dims = list(map(str, grid[variable].dims))
         if name not in dims:
-            raise InputError(f"{variable} has no dimension '{name}': {suggest(name, dims)}")
+            raise InputError(
+                f"has no dimension '{name}': {suggest(name, dims)}", parameter=variable
+            )
         coordinate = grid[name].values
         if coordinate.dtype.kind == "U":
             if value not in coordinate:
-                raise InputError(f"{name} must be one of {', '.join(coordinate)}, got {value!r}")
+                raise InputError(
+                    f"must be one of {', '.join(coordinate)}", parameter=name, value=value
+                )
             index = int(np.flatnonzero(coordinate == value)[0])
         elif name not in grid.coords:
             index = int(value)
             if not 0 <= index < grid.sizes[name]:
-                raise InputError(f"{name} is an index below {grid.sizes[name]}, got {value!r}")
+                raise InputError(
+                    f"is an index below {grid.sizes[name]}", parameter=name, value=value
+                )
         else:
             index = _nearest(name, coordinate, float(value))
         grid = grid.isel({name: index})
@@ -191,7 +197,7 @@ class Drawing:
         if self.classes:
             self.values = np.round(self.values)
         if log and self.classes:
-            raise InputError(f"{self.name} has classes, not a scale: leave out log")
+            raise InputError("has classes, not a scale: leave out log", parameter=self.name)
         if log and np.nanmin(self.values, initial=0.0) < 0.0:
             raise InputError(
                 f"{self.name} goes down to {np.nanmin(self.values):g}: a log scale cannot show "

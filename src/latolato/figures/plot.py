@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Where the pictures of each kind of result are, one module each.
+_FOLDERS = {"analysis": "analyses", "fit": "fits"}
+
+
 def plot(
     run: xr.Dataset,
     variable: str | None = None,
@@ -89,7 +93,7 @@ def plot(
     if is_analysis(run):
         if not is_plain:
             raise InputError("an analysis is drawn whole: variable, log and the like fit a sweep")
-        return picture_of(str(run.attrs["analysis"]))(run)
+        return picture_of("analysis", str(run.attrs["analysis"]))(run)
     if is_map(run):
         from latolato.figures.map import Drawing
 
@@ -128,8 +132,8 @@ def is_comparison(dataset: xr.Dataset) -> bool:
     return "comparison" in dataset.attrs
 
 
-def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
-    """Return what draws an analysis: ``draw`` of the module of its name.
+def picture_of(kind: str, name: str) -> Callable[[xr.Dataset], Figure]:
+    """Return what draws an analysis or a fit: ``draw`` of the module of its name.
 
     Raises
     ------
@@ -138,14 +142,12 @@ def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
     """
     import importlib
 
-    from latolato.figures import analyses
-
-    home = f"{analyses.__name__}.{name}"
+    home = f"latolato.figures.{_FOLDERS[kind]}.{name}"
     try:
         module = importlib.import_module(home)
     except ModuleNotFoundError as error:
         if error.name != home:
             raise
-        raise InputError(f"analysis '{name}' has no picture; its numbers can be stored") from None
+        raise InputError(f"{kind} '{name}' has no picture; its numbers can be stored") from None
     draw: Callable[[xr.Dataset], Figure] = module.draw
     return draw

@@ -218,14 +218,3 @@ def claims_table(claims: Sequence[Claim]) -> Table:
 def plain(text: str) -> str:
     """Return text with powers of ten as people write them: 1e-09 as 10⁻⁹, 0e+00 as 0."""
     return rewritten_powers(text, lambda power: power.translate(_RAISED))
-
-
-def print_claims(result: Result) -> None:
-    """Print the claims' table and the path of the report."""
-    from rich.console import Console
-
-    console = Console()
-    console.print(claims_table(result.claims))
-    for text in result.left_out:
-        console.print(f"left out: {text}", soft_wrap=True, highlight=False, markup=False)
-    console.print(f"report: {result.index}", soft_wrap=True, highlight=False, markup=False)

@@ -17,8 +17,8 @@ from latolato.scenario.tables import RUN_OPTIONS
 from latolato.scenario.units import to_si
 from latolato.scenario.variation import read_axes
 
-# What every analysis is of; everything else that it takes is an option.
-LAWS = ("system", "drive")
+# What every analysis or fit is of; everything else that it takes is an option.
+LAWS = ("system", "drive", "table")
 _UNIT = re.compile(r"\s*\[(1|[a-zA-Z][\w*/^()]*)\]")
 _REFERENCE = re.compile(r"As (?:in|of|for) `+(?P<name>[\w.]+)`+")
 

@@ -98,7 +98,7 @@ def compare_motion(
     lmfit_module()
     checked_table(table)
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)
@@ -114,12 +114,12 @@ def compare_motion(
 
     early = _early(data, first + span)
     model = motion(system, early)
-    found = solve(model, model.guesses(), early, jacobian=model.jacobian)
+    solution = solve(model, model.guesses(), early, jacobian=model.jacobian)
     whole = motion(system, data)
-    computed = whole(found.values)
+    computed = whole(solution.values)
     if not np.isfinite(computed).all():
         raise InputError("the computed motion does not reach the end of the record")
-    spread = _spread(system, widths, found, motion, data, count, seed)
+    spread = _spread(system, widths, solution, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)
     phase, likeness = np.full(len(data), np.nan), np.full(len(data), np.nan)
@@ -221,7 +221,7 @@ def _early(data: Data, until: float) -> Data:
 def _spread(
     system: System,
     widths: Mapping[str, float],
-    found: Solution,
+    solution: Solution,
     motion: Any,
     data: Data,
     count: int,
@@ -232,16 +232,18 @@ def _spread(
 
     random = np.random.default_rng(seed)
     given = drawn(system, widths, count + 1, random)
-    moved = random.multivariate_normal(np.zeros(len(found.names)), found.covariance, size=count)
+    moved = random.multivariate_normal(
+        np.zeros(len(solution.names)), solution.covariance, size=count
+    )
     squares, answered = np.zeros(len(data)), 0
-    middle = motion(system, data)(found.values)
+    middle = motion(system, data)(solution.values)
     for k in range(count):
         law: Any = system
         if given:
             law = replace(law, **{name: float(values[k + 1]) for name, values in given.items()})
         start = {
-            name: found.values[name] + float(step)
-            for name, step in zip(found.names, moved[k], strict=True)
+            name: solution.values[name] + float(step)
+            for name, step in zip(solution.names, moved[k], strict=True)
         }
         trial = motion(law, data)(start)
         if np.isfinite(trial).all():

@@ -53,21 +53,21 @@ def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str
         For a name that the system has not, and a negative deviation.
     """
     known = [f.name for f in fields(system) if isinstance(getattr(system, f.name, None), float)]
-    found = {}
+    deviations = {}
     for name, value in (sigmas or {}).items():
         if name not in known:
             raise InputError(f"the system has no number '{name}': {suggest(name, known)}")
-        found[name] = checked_number(
+        deviations[name] = checked_number(
             f"the deviation of {name}", value, NON_NEGATIVE, QUANTITIES[name].unit
         )
-    return found
+    return deviations
 
 
 def drawn(
     system: System, sigmas: Mapping[str, float], count: int, random: np.random.Generator
 ) -> dict[str, Floats]:
     """Return values of uncertain parameters, shape (draw,); the first are those of the system."""
-    found = {}
+    draws = {}
     for name, sigma in sigmas.items():
         field = next(f for f in fields(system) if f.name == name)
         allowed = field.metadata["range"]
@@ -76,8 +76,8 @@ def drawn(
         values[0] = value
         tiny = 1e-9 * max(abs(value), 1e-9)
         low = allowed.low + (tiny if allowed.open_low else 0.0)
-        found[name] = np.clip(values, low, allowed.high)
-    return found
+        draws[name] = np.clip(values, low, allowed.high)
+    return draws
 
 
 def plan_of(grid: Any) -> Plan:
@@ -112,8 +112,8 @@ def classes_in(dataset: xr.Dataset) -> xr.DataArray:
         return dataset["motion_class"].round()
     if "largest_angle" in dataset and LATE in dataset:
         largest, late = dataset["largest_angle"], dataset[LATE]
-        found = largest.copy(data=class_of(largest.values, late.values).astype(float))
-        return found.where(np.isfinite(largest) & np.isfinite(late)).rename("motion_class")
+        classes = largest.copy(data=class_of(largest.values, late.values).astype(float))
+        return classes.where(np.isfinite(largest) & np.isfinite(late)).rename("motion_class")
     raise InputError(
         f"the map holds no classes: sweep with the observables motion_class, or largest_angle and "
         f"{LATE}"
@@ -142,7 +142,7 @@ def run_at(plan: Plan, columns: Mapping[str, Any]) -> xr.Dataset:
     # A sweep takes no point twice.
     points, places = np.unique(rows, axis=0, return_inverse=True)
     varied = dict(zip(names, points.T, strict=True))
-    found = sweep(
+    grid = sweep(
         plan.system,
         plan.drive,
         axes={"case": varied},
@@ -157,4 +157,4 @@ def run_at(plan: Plan, columns: Mapping[str, Any]) -> xr.Dataset:
         noise=plan.noise,
         **{name: value for name, value in start.items() if name not in varied},
     )
-    return found.isel(case=np.ravel(places))
+    return grid.isel(case=np.ravel(places))

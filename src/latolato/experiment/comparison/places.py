@@ -92,11 +92,11 @@ def compare_map(
     places = _places(trials, plan, up, across)
     rows, inside = _cell(classes[up].values, places[0])
     columns, also = _cell(classes[across].values, places[1])
-    found = np.full(trials.sizes["trial"], np.nan)
+    predicted = np.full(trials.sizes["trial"], np.nan)
     inside &= also
-    found[inside] = classes.values[rows[inside], columns[inside]]
+    predicted[inside] = classes.values[rows[inside], columns[inside]]
     measured = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
-    known = np.isfinite(found)
+    known = np.isfinite(predicted)
     if not known.any():
         raise InputError(
             f"none of the {len(measured)} trials lies on the map, whose {up} goes from "
@@ -104,7 +104,7 @@ def compare_map(
             f"{classes[across].values.min():.4g} to {classes[across].values.max():.4g}"
         )
     taken = trials.isel(trial=np.flatnonzero(known))
-    measured, computed = measured[known], found[known].astype(int)
+    measured, computed = measured[known], predicted[known].astype(int)
     agrees = measured == computed
     n = len(agrees)
     share, kappa = float(agrees.mean()), cohen_kappa(measured, computed)
@@ -235,9 +235,9 @@ def _drawn(
     columns |= {name: np.repeat(values, n) for name, values in given.items()}
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
     largest, lasting = about("largest_angle"), about("largest_angle_after_transient")
-    told = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
+    classes = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
     angles = np.isfinite(largest) & np.isfinite(lasting)
-    seen = np.where(angles, class_of(largest, lasting), told)
+    seen = np.where(angles, class_of(largest, lasting), classes)
     return _Draws(seen, computed, random)
 
 
@@ -305,8 +305,8 @@ def _boundaries(
             if not 0 <= beyond < len(own):
                 continue
             x, other = along[own[edge]], along[own[beyond]]
-            shown = _edge(line, across, side) if line is not None else math.nan
-            rows.append((name, side, y, 0.5 * (x + other), 0.5 * abs(x - other), shown))
+            predicted = _edge(line, across, side) if line is not None else math.nan
+            rows.append((name, side, y, 0.5 * (x + other), 0.5 * abs(x - other), predicted))
     columns = list(zip(*rows, strict=True)) if rows else [()] * 6
     texts = ("boundary_set", "boundary_side")
     words = {

@@ -145,7 +145,7 @@ def compare_response(
     run = run_at(plan, {name: np.concatenate(parts) for name, parts in columns.items()})
     late = run[LATE].values
     curves = late[: -len(frequency)].reshape(count, len(names), points)
-    seen, shown = [], []
+    seen, computed_peaks = [], []
     sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
@@ -153,7 +153,7 @@ def compare_response(
         seen.append(peak_of(ratio[own], lasting[own], sigma[own], steady[own], random))
         each = [peak_of(ratios, curves[k, i]) for k in range(count)]
         spread = float(np.std([peak.place for peak in each]))
-        shown.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
+        computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
                           each[0].kind))  # fmt: skip
     variables: dict[str, Any] = {
         LATE: variable("trial", lasting, LATE),
@@ -170,7 +170,7 @@ def compare_response(
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
     }  # fmt: skip
-    for kind, peaks in (("measured", seen), ("computed", shown)):
+    for kind, peaks in (("measured", seen), ("computed", computed_peaks)):
         for part, words in (("place", "place"), ("sigma", "deviation of the place")):
             variables[f"peak_{kind}_{part}"] = variable(
                 "set_name", [getattr(peak, part) for peak in peaks], "frequency_ratio",
@@ -188,7 +188,7 @@ def compare_response(
         "set_name": plain("set_name", names, "set of trials"),
     }
     attributes = {
-        "comparison": "response", "verdict": _verdict(names, seen, shown), "draws": count,
+        "comparison": "response", "verdict": _verdict(names, seen, computed_peaks), "draws": count,
         "system": repr(system),
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
@@ -257,10 +257,10 @@ def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
     return top, x + shift, float(a * shift * shift + b * shift + c), "parabola"
 
 
-def _verdict(names: list[str], seen: list[Peak], shown: list[Peak]) -> str:
+def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
     """Return where the peaks are in plain words."""
     parts, apart = [], 0
-    for name, one, other in zip(names, seen, shown, strict=True):
+    for name, one, other in zip(names, seen, computed, strict=True):
         parts.append(
             f"{name} at {one.place:.3f} ± {one.sigma:.3f} (computed {other.place:.3f} ± "
             f"{other.sigma:.3f})"

@@ -13,6 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number, suggest
+from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
@@ -24,6 +25,7 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.motion import angles_at, step_of
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import (
     is_driven,
@@ -85,7 +87,7 @@ def fit_decay(
 ) -> Fit:
     """Return damping, decay rate and length from a ball that swings freely on a pivot at rest.
 
-    Paper eq7 in full (``method="equation"``) and the envelope of eq13 (``"envelope"``).
+    Paper eq7 in full, and the envelope of eq13.
 
     Parameters
     ----------
@@ -96,17 +98,20 @@ def fit_decay(
     mass : float, optional
         Mass of the ball [kg]; without it there is a decay rate but no C.
     radius : float, optional
-        Radius of a solid ball [m]: `centre_length`, where its centre is, is then told too.
+        Radius of a solid ball [m]; `centre_length`, where its centre is, is then estimated too.
     method : {"both", "equation", "envelope"}
-        What is done.
+        By the full equation, by the envelope of the turning points, or both.
     law : str
-        The drag of the equation, one of `LAWS`, or "best" for the one with the least BIC.
+        Drag of the equation: linear, quadratic, coulomb, sums with +, or best for the one with the
+        least BIC.
     gravity : float
         Gravitational acceleration [m/s^2].
     ball : int
-        Which ball of the table.
-    start, end : float, optional
-        Piece of the table that is used [s]; by default from the release on.
+        Which ball of the table: 1 is the right one.
+    start : float, optional
+        First instant used [s], by default the release.
+    end : float, optional
+        Last instant used [s].
     compare : bool
         Whether all drag laws are fitted and compared, as far as their fits converge.
     profile : bool
@@ -145,7 +150,7 @@ def fit_decay(
     lmfit_module()
     checked_table(table)
     if method not in METHODS:
-        raise InputError(f"method must be one of {', '.join(METHODS)}, got {method!r}")
+        raise InputError(f"must be one of {', '.join(METHODS)}", parameter="method", value=method)
     if law != "best" and law not in LAWS:
         raise InputError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
     if method == "envelope" and law != "linear":
@@ -175,70 +180,141 @@ def fit_decay(
         _check_rest(piece, gravity / first["natural_frequency"] ** 2)
     body = _Body(given, mass, radius, gravity)
     aside = sight_guesses(table, data)
-    estimates: dict[str, Estimate] = {}
-    curves: dict[str, tuple[str, Any]] = {}
+    parts = []
+    if method != "envelope":
+        compare = compare or law == "best"
+        parts.append(_by_equation(data, first, aside, body, law, compare=compare, profile=profile))
+    if method != "equation":
+        equation = parts[0].estimates if parts else None
+        parts.append(_by_envelope(swings, first, aside, body, equation, profile=profile))
+    estimates = {name: each for part in parts for name, each in part.estimates.items()}
+    curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
         "start": begin, "end": float(data.times[-1]), "ball": ball, "mass": mass, "radius": radius,
         "declared_length": given, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
-    told = []
-    if method != "envelope":
-        is_compared = compare or law == "best"
-        laws = _compared(data, first, aside) if is_compared else {}
-        wanted = law
-        if law == "best":
-            wanted = min(laws, key=lambda name: laws[name].bayes, default="linear")
-        chosen, found = _converged(data, first, laws, wanted, aside, profile=profile)
-        if is_compared:
-            told.append(_law_verdict(laws, chosen))
-        if laws:
-            curves |= {
-                "law": ("law", np.array(list(laws))),
-                "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
-                "law_aicc": ("law", np.array([s.akaike for s in laws.values()])),
-            }
-        if chosen != wanted:
-            told.append(
-                f"The fit with {wanted} drag did not converge: these are the numbers of {chosen} "
-                "drag."
-            )
-        estimates |= body.estimates(found, LAWS[chosen])
+    for part in parts:
+        about |= part.attributes
+    verdict = " ".join(sentence for part in parts for sentence in part.sentences)
+    return make_fit("decay", estimates, verdict, curves, about, system=body.system(estimates))
+
+
+def _swinging(fit: Fit, apparatus: Apparatus, table: xr.Dataset) -> Pendulum:
+    """Return the pendulum of a fit with the length and the mass of the apparatus."""
+    length = apparatus.length or fit["length"].value
+    mass = apparatus.some_mass
+    if "damping" in fit:
+        damping = fit["damping"].value
+    elif "decay_rate" in fit:
+        damping = 2.0 * fit["decay_rate"].value * mass * length
+    else:
+        damping = 0.0
+    return Pendulum(length=length, mass=mass, damping=max(damping, 0.0), gravity=apparatus.gravity)
+
+
+fits.register("decay")(
+    FitKind(
+        function=fit_decay,
+        title="Decay",
+        headline=("damping", "decay_rate", "length", "natural_frequency"),
+        system=_swinging,
+    )
+)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What one method gives of a fit."""
+
+    estimates: dict[str, Estimate]
+    curves: dict[str, tuple[str, Any]]
+    attributes: dict[str, Any]
+    sentences: list[str]
+
+
+def _by_equation(
+    data: Data,
+    first: Mapping[str, float],
+    aside: Mapping[str, Guess],
+    body: _Body,
+    law: str,
+    *,
+    compare: bool,
+    profile: bool,
+) -> _Part:
+    """Return what the full equation gives with a law of drag."""
+    laws = _compared(data, first, aside) if compare else {}
+    wanted = law
+    if law == "best":
+        wanted = min(laws, key=lambda name: laws[name].bayes, default="linear")
+    chosen, solution = _converged(data, first, laws, wanted, aside, profile=profile)
+    estimates = body.estimates(solution, LAWS[chosen])
+    sentences = [body.verdict(estimates, solution, chosen)]
+    if compare:
+        sentences.append(_law_verdict(laws, chosen))
+    if chosen != wanted:
+        sentences.append(
+            f"The fit with {wanted} drag did not converge: these are the numbers of {chosen} drag."
+        )
+    curves: dict[str, tuple[str, Any]] = {}
+    if laws:
         curves |= {
-            "time": ("sample", data.times),
-            "angle": ("sample", data.values),
-            "angle_fit": ("sample", found.curve),
-            "angle_residual": ("sample", found.residuals),
-            "is_outlier": ("sample", ~found.kept),
+            "law": ("law", np.array(list(laws))),
+            "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
+            "law_aicc": ("law", np.array([s.akaike for s in laws.values()])),
         }
-        about |= _quality(found) | {"law": chosen}
-        told.insert(0, body.verdict(estimates, found, chosen))
-    if method != "equation":
-        profiles = ("decay_rate",) if profile else ()
-        try:
-            envelope = fit_envelope(swings, first["angle_offset"], profiles, aside)
-        except ConvergenceError:
-            if method == "envelope":
-                raise
-            told.append("The fit of the envelope did not converge.")
-        else:
-            estimates |= body.envelope(envelope, estimates.get("length"), first)
-            curves |= {
-                "swing_time": ("swing", swings.times),
-                "swing_angle": ("swing", swings.angles),
-                "swing_angle_fit": ("swing", envelope.curve),
-            }
-            about["envelope_autocorrelation"] = envelope.correlation
-            told.append(_envelope_verdict(estimates))
-    return make_fit("decay", estimates, " ".join(told), curves, about)
+    curves |= {
+        "time": ("sample", data.times),
+        "angle": ("sample", data.values),
+        "angle_fit": ("sample", solution.curve),
+        "angle_residual": ("sample", solution.residuals),
+        "is_outlier": ("sample", ~solution.kept),
+    }
+    return _Part(estimates, curves, _quality(solution) | {"law": chosen}, sentences)
+
+
+def _by_envelope(
+    swings: Swings,
+    first: Mapping[str, float],
+    aside: Mapping[str, Guess],
+    body: _Body,
+    equation: Mapping[str, Estimate] | None,
+    *,
+    profile: bool,
+) -> _Part:
+    """Return what the turning points give, beside the estimates of the equation if there are any.
+
+    Raises
+    ------
+    ConvergenceError
+        Without estimates of the equation.
+    """
+    profiles = ("decay_rate",) if profile else ()
+    try:
+        solution = fit_envelope(swings, first["angle_offset"], profiles, aside)
+    except ConvergenceError:
+        if equation is None:
+            raise
+        return _Part({}, {}, {}, ["The fit of the envelope did not converge."])
+    equation = equation or {}
+    estimates = body.envelope(solution, equation.get("length"), first)
+    curves: dict[str, tuple[str, Any]] = {
+        "swing_time": ("swing", swings.times),
+        "swing_angle": ("swing", swings.angles),
+        "swing_angle_fit": ("swing", solution.curve),
+    }
+    attributes = {"envelope_autocorrelation": solution.correlation}
+    return _Part(estimates, curves, attributes, [_envelope_verdict({**equation, **estimates})])
 
 
 def _check_rest(piece: xr.Dataset, length: float) -> None:
     """Raise InputError if the pivot moves."""
     if is_driven(piece, length):
         raise InputError(
-            f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay needs a "
-            "pivot at rest; use fit_model, or start and end for the piece at rest"
+            f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay "
+            "needs a pivot at rest",
+            way_out="use fit_model, or start and end for the piece at rest",
         )
 
 
@@ -294,7 +370,7 @@ def _compared(
     thin = slice(None, None, max(1, len(data) // _ENOUGH))
     data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
     fullest: Solution | None = None
-    found = {}
+    solutions = {}
     for name in _FULLEST_FIRST:
         terms = LAWS[name]
         shared = _shared(first, terms)
@@ -311,9 +387,9 @@ def _compared(
             with suppress(ConvergenceError):
                 tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, like=fullest))
         if tries:
-            found[name] = min(tries, key=lambda each: each.chi_square)
-            fullest = fullest or found[name]
-    return {name: found[name] for name in LAWS if name in found}
+            solutions[name] = min(tries, key=lambda each: each.chi_square)
+            fullest = fullest or solutions[name]
+    return {name: solutions[name] for name in LAWS if name in solutions}
 
 
 def _converged(
@@ -399,43 +475,54 @@ class _Body:
     radius: float | None
     gravity: float
 
-    def estimates(self, found: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
+    def system(self, estimates: Mapping[str, Estimate]) -> Pendulum | None:
+        """Return the pendulum that swings, None if its mass or its drag is unknown."""
+        drags: dict[str, Any] = {
+            name: estimates[name].value for name in _COEFFICIENTS.values() if name in estimates
+        }
+        if self.mass is None or not drags:
+            return None
+        length = estimates["length"].value
+        return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
+
+    def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
         """Return the estimates in the terms of people."""
-        rate = _estimate(found, "natural_frequency", "rad/s")
+        rate = _estimate(solution, "natural_frequency", "rad/s")
         length = self._length(rate)
-        told: dict[str, Estimate] = {}
+        estimates: dict[str, Estimate] = {}
         lever = self.length or length.value
         for term in terms:
-            raw = _estimate(found, term, "1/s")
+            raw = _estimate(solution, term, "1/s")
             unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
             if self.mass is not None:
-                told[_COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
+                estimates[_COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
             if term == "linear":
-                told["decay_rate"] = raw.scaled(0.5, "1/s")
-        told |= {"natural_frequency": rate, "length": length}
+                estimates["decay_rate"] = raw.scaled(0.5, "1/s")
+        estimates |= {"natural_frequency": rate, "length": length}
         if self.radius is not None:
-            told["centre_length"] = self._centre(length)
+            estimates["centre_length"] = self._centre(length)
         for name, unit in (
             ("angle_offset", "rad"),
             ("initial_angle", "rad"),
             ("initial_angular_velocity", "rad/s"),
         ):
-            told[name] = _estimate(found, name, unit)
+            estimates[name] = _estimate(solution, name, unit)
         for name in (ASIDE, ABOVE):
-            if name in found.values:
-                told[name] = _estimate(found, name, "1").scaled(lever, "m")
-        return told
+            if name in solution.values:
+                estimates[name] = _estimate(solution, name, "1").scaled(lever, "m")
+        return estimates
 
     def envelope(
-        self, found: Solution, length: Estimate | None, first: Mapping[str, float]
+        self, solution: Solution, length: Estimate | None, first: Mapping[str, float]
     ) -> dict[str, Estimate]:
-        """Return what the envelope tells."""
-        told = {"decay_rate_envelope": _estimate(found, "decay_rate", "1/s")}
+        """Return the estimates of the envelope."""
+        estimates = {"decay_rate_envelope": _estimate(solution, "decay_rate", "1/s")}
         if self.mass is not None:
             dynamic = length.value if length else self.gravity / first["natural_frequency"] ** 2
             factor = 2.0 * self.mass * (self.length or dynamic)
-            told["damping_envelope"] = told["decay_rate_envelope"].scaled(factor, "kg*m/s")
-        return told
+            rate = estimates["decay_rate_envelope"]
+            estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
+        return estimates
 
     def _length(self, rate: Estimate) -> Estimate:
         """Return g over the squared frequency."""
@@ -454,49 +541,50 @@ class _Body:
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
             raise InputError(
-                f"radius must be less than the length {length.value:.4g} m from the dynamics, got "
-                f"{self.radius:g}"
+                f"must be less than the length {length.value:.4g} m from the dynamics, got "
+                f"{self.radius:g}",
+                parameter="radius",
             )
         centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
         return length.scaled(centre / length.value, "m")
 
-    def verdict(self, told: Mapping[str, Estimate], found: Solution, law: str) -> str:
-        """Return what was found by the equation in plain words."""
+    def verdict(self, estimates: Mapping[str, Estimate], solution: Solution, law: str) -> str:
+        """Return the result of the equation in plain words."""
         parts = []
-        if "damping" in told:
-            parts.append(f"C = {told['damping']}")
-        if "decay_rate" in told:
-            parts.append(f"decay rate {told['decay_rate']}")
-        parts.append(f"length from the dynamics {told['length']}")
+        if "damping" in estimates:
+            parts.append(f"C = {estimates['damping']}")
+        if "decay_rate" in estimates:
+            parts.append(f"decay rate {estimates['decay_rate']}")
+        parts.append(f"length from the dynamics {estimates['length']}")
         words = f"With {law} drag the equation gives {', '.join(parts)}."
         if self.length is not None:
-            away = told["length"].value / self.length - 1.0
-            limit = max(3.0 * told["length"].sigma / self.length, 0.003)
+            away = estimates["length"].value / self.length - 1.0
+            limit = max(3.0 * estimates["length"].sigma / self.length, 0.003)
             if abs(away) > limit:
                 words += (
                     f" The declared length {self.length:g} m is {abs(100 * away):.2g} % "
                     f"{'less' if away > 0 else 'more'} than the dynamics say: check it, gravity, "
                     "or the mass of the rod."
                 )
-        if (~found.kept).any():
-            words += f" {int((~found.kept).sum())} outliers were left out."
+        if (~solution.kept).any():
+            words += f" {int((~solution.kept).sum())} outliers were left out."
         return words
 
 
-def _estimate(found: Solution, name: str, unit: str) -> Estimate:
+def _estimate(solution: Solution, name: str, unit: str) -> Estimate:
     """Return a parameter of a solution as an estimate."""
-    interval = found.intervals.get(name, (math.nan, math.nan))
-    return Estimate(found.values[name], found.sigma(name), unit, *interval)
+    interval = solution.intervals.get(name, (math.nan, math.nan))
+    return Estimate(solution.values[name], solution.sigma(name), unit, *interval)
 
 
-def _quality(found: Solution) -> dict[str, Any]:
-    """Return what is told of a solution's residuals."""
+def _quality(solution: Solution) -> dict[str, Any]:
+    """Return how good a solution is, by its residuals."""
     return {
-        "scatter": found.scatter,
-        "chi_square": found.chi_square,
-        "autocorrelation": found.correlation,
-        "effective_samples": found.effective_samples,
-        "outliers": int((~found.kept).sum()),
+        "scatter": solution.scatter,
+        "chi_square": solution.chi_square,
+        "autocorrelation": solution.correlation,
+        "effective_samples": solution.effective_samples,
+        "outliers": int((~solution.kept).sum()),
     }
 
 
@@ -531,15 +619,15 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _envelope_verdict(told: Mapping[str, Estimate]) -> str:
+def _envelope_verdict(estimates: Mapping[str, Estimate]) -> str:
     """Return what the envelope gives, and whether it agrees with the equation."""
-    envelope = told["decay_rate_envelope"]
+    envelope = estimates["decay_rate_envelope"]
     words = f"The envelope gives a decay rate of {envelope}"
-    if "damping_envelope" in told:
-        words += f", C = {told['damping_envelope']}"
-    if "decay_rate" in told:
-        gap = abs(envelope.value - told["decay_rate"].value)
-        both = math.hypot(envelope.sigma, told["decay_rate"].sigma)
+    if "damping_envelope" in estimates:
+        words += f", C = {estimates['damping_envelope']}"
+    if "decay_rate" in estimates:
+        gap = abs(envelope.value - estimates["decay_rate"].value)
+        both = math.hypot(envelope.sigma, estimates["decay_rate"].sigma)
         agree = gap <= 3.0 * both
         words += f", which {'agrees' if agree else 'does not agree'} with the equation"
     return f"{words}."

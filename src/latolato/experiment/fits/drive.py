@@ -21,6 +21,7 @@ from latolato.experiment.fits.least_squares import (
     lmfit_module,
     solve,
 )
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import noise_of, within
 from latolato.experiment.fits.swings import crossings
@@ -63,8 +64,10 @@ def fit_drive(
         A track table; `pivot_y` is fitted, from its first to its last passage through the middle.
     stages : int, optional
         Number of stages of constant frequency; by default found, up to 4.
-    start, end : float, optional
-        Piece of the table that is used [s].
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
     profile : bool
         Whether 95 percent intervals of amplitude and frequency are profiled.
 
@@ -91,32 +94,32 @@ def fit_drive(
     frequency is constant in each stage and moves within `ramp` between them. Stages, ramp and
     crank are kept if they lower BIC by 10 or more, a crank only if its second harmonic is above a
     tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
-    not in phase, as an eccentric bearing makes, is told but not part of ``drive``.
+    not in phase, as an eccentric bearing makes, is reported but not part of ``drive``.
     """
     lmfit_module()
     checked_table(table, "pivot_y")
     if stages is not None:
         stages = checked_count("stages", stages)
         if not 1 <= stages <= MOST_STAGES:
-            raise InputError(f"stages must lie in [1, {MOST_STAGES}], got {stages}")
+            raise InputError(f"must lie in [1, {MOST_STAGES}], got {stages}", parameter="stages")
     data, zeros = _samples(table, start, end)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
-    shape, found = _chosen(data, zeros, stages, least)
+    shape, solution = _chosen(data, zeros, stages, least)
     if profile:
-        names = [n for n in ("drive_amplitude", "drive_frequency") if n in found.names]
-        found = _fit(data, shape, _guesses_of(found), profiles=names)
+        names = [n for n in ("drive_amplitude", "drive_frequency") if n in solution.names]
+        solution = _fit(data, shape, _guesses_of(solution), profiles=names)
     drift: dict[str, Estimate] = {}
     unsteady: list[str] = []
     if shape.stages == 1:
-        drifting, other = _drifting(data, shape, found)
+        drifting, other = _drifting(data, shape, solution)
         drift = _drift(other)
         unsteady = _unsteady(drift, other, float(np.ptp(data.times)))
         if unsteady:
-            shape, found = drifting, other
-    estimates = _estimates(found, shape) | drift
-    overtones = _overtones(data, shape, found, least)
-    drive, crank_words = _drive(found, shape, overtones)
-    words = [_main_words(estimates, found, shape), crank_words]
+            shape, solution = drifting, other
+    estimates = _estimates(solution, shape) | drift
+    overtones = _overtones(data, shape, solution, least)
+    drive, crank_words = _drive(solution, shape, overtones)
+    words = [_main_words(estimates, solution, shape), crank_words]
     if unsteady:
         span = float(np.ptp(data.times))
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
@@ -128,23 +131,36 @@ def fit_drive(
     curves = {
         "time": ("sample", data.times),
         "pivot_height": ("sample", data.values),
-        "pivot_height_fit": ("sample", found.curve),
-        "pivot_height_residual": ("sample", found.residuals),
-        "is_outlier": ("sample", ~found.kept),
+        "pivot_height_fit": ("sample", solution.curve),
+        "pivot_height_residual": ("sample", solution.residuals),
+        "is_outlier": ("sample", ~solution.kept),
         "harmonic": ("harmonic", np.array(_OVERTONES)),
         "harmonic_amplitude": ("harmonic", np.array([o.amplitude for o in overtones])),
         "harmonic_amplitude_sigma": ("harmonic", np.array([o.sigma for o in overtones])),
-        "stage_start": ("stage", np.array([0.0, *(found.values[n] for n in shape.times)])),
-        "drive_frequencies": ("stage", np.array([found.values[n] for n in shape.frequencies])),
-        "drive_frequencies_sigma": ("stage", np.array([found.sigma(n) for n in shape.frequencies])),
+        "stage_start": ("stage", np.array([0.0, *(solution.values[n] for n in shape.times)])),
+        "drive_frequencies": ("stage", np.array([solution.values[n] for n in shape.frequencies])),
+        "drive_frequencies_sigma": (
+            "stage",
+            np.array([solution.sigma(n) for n in shape.frequencies]),
+        ),
     }
     about = {
         "start": float(data.times[0]), "end": float(data.times[-1]), "samples": len(data),
-        "stages": shape.stages, "scatter": found.scatter, "autocorrelation": found.correlation,
-        "effective_samples": found.effective_samples, "outliers": int((~found.kept).sum()),
-        "source": table.attrs.get("source"),
+        "stages": shape.stages, "scatter": solution.scatter,
+        "autocorrelation": solution.correlation, "effective_samples": solution.effective_samples,
+        "outliers": int((~solution.kept).sum()), "source": table.attrs.get("source"),
     }  # fmt: skip
     return make_fit("drive", estimates, " ".join(words), curves, about, drive)
+
+
+fits.register("drive")(
+    FitKind(
+        function=fit_drive,
+        title="Measured drive",
+        headline=("drive_amplitude", "drive_frequency", "drive_frequency_final", "drive_phase"),
+        system=lambda _, apparatus, table: apparatus.guess(table) if apparatus.length else None,
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -261,15 +277,19 @@ def _is_better(trial: Solution, best: Solution, data: Data) -> bool:
     return bool(gain - max(extra, 0) * math.log(max(count, 2.0)) >= _STRONG)
 
 
-def _is_real(found: Solution, shape: Shape, data: Data) -> bool:
+def _is_real(solution: Solution, shape: Shape, data: Data) -> bool:
     """Return whether every stage lasts two periods and differs from the one before."""
-    marks = [float(data.times[0]), *(found.values[n] for n in shape.times), float(data.times[-1])]
-    rates = [found.values[name] for name in shape.frequencies]
+    marks = [
+        float(data.times[0]),
+        *(solution.values[n] for n in shape.times),
+        float(data.times[-1]),
+    ]
+    rates = [solution.values[name] for name in shape.frequencies]
     long = all(
         (b - a) * w > 2.0 * math.tau for (a, b), w in zip(pairwise(marks), rates, strict=True)
     )
     apart = all(
-        abs(b - a) > max(4.0 * found.sigma(name), 1e-3 * a)
+        abs(b - a) > max(4.0 * solution.sigma(name), 1e-3 * a)
         for a, b, name in zip(rates[:-1], rates[1:], shape.frequencies[1:], strict=True)
     )
     return long and apart and min(rates) > 0.0
@@ -280,39 +300,43 @@ def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any)
     return solve(lambda p: shape.height(p, data.times), guesses, data, **options)
 
 
-def _guesses_of(found: Solution) -> dict[str, Guess]:
+def _guesses_of(solution: Solution) -> dict[str, Guess]:
     """Return a solution's values as guesses."""
     ranges = {"drive_amplitude": (0.0, math.inf), "ramp": (0.0, math.inf)}
     ranges["crank_ratio"] = (-0.99, 0.99)
     return {
         name: Guess(value, *ranges.get(name, (-math.inf, math.inf)))
-        for name, value in found.values.items()
+        for name, value in solution.values.items()
     }
 
 
-def _estimates(found: Solution, shape: Shape) -> dict[str, Estimate]:
+def _estimates(solution: Solution, shape: Shape) -> dict[str, Estimate]:
     """Return the estimates in the terms of people."""
-    told = {}
+    estimates = {}
     for name, unit in (("drive_amplitude", "m"), ("drive_frequency", "rad/s")):
-        ends = found.intervals.get(name, (math.nan, math.nan))
-        told[name] = Estimate(found.values[name], found.sigma(name), unit, *ends)
+        ends = solution.intervals.get(name, (math.nan, math.nan))
+        estimates[name] = Estimate(solution.values[name], solution.sigma(name), unit, *ends)
     if shape.stages > 1:
         last, step = shape.frequencies[-1], shape.times[-1]
-        told["drive_frequency_final"] = Estimate(found.values[last], found.sigma(last), "rad/s")
-        told["step_time"] = Estimate(found.values[step], found.sigma(step), "s")
-    phase = math.remainder(found.values["drive_phase"], math.tau)
-    told["drive_phase"] = Estimate(phase, found.sigma("drive_phase"), "rad")
+        estimates["drive_frequency_final"] = Estimate(
+            solution.values[last], solution.sigma(last), "rad/s"
+        )
+        estimates["step_time"] = Estimate(solution.values[step], solution.sigma(step), "s")
+    phase = math.remainder(solution.values["drive_phase"], math.tau)
+    estimates["drive_phase"] = Estimate(phase, solution.sigma("drive_phase"), "rad")
     if shape.ramp:
-        told["ramp"] = Estimate(found.values["ramp"], found.sigma("ramp"), "s")
+        estimates["ramp"] = Estimate(solution.values["ramp"], solution.sigma("ramp"), "s")
     if shape.crank:
-        told["crank_ratio"] = Estimate(found.values["crank_ratio"], found.sigma("crank_ratio"), "1")
-    return told
+        estimates["crank_ratio"] = Estimate(
+            solution.values["crank_ratio"], solution.sigma("crank_ratio"), "1"
+        )
+    return estimates
 
 
-def _drifting(data: Data, shape: Shape, found: Solution) -> tuple[Shape, Solution]:
+def _drifting(data: Data, shape: Shape, solution: Solution) -> tuple[Shape, Solution]:
     """Return the model of one stage whose amplitude and frequency drift, and its solution."""
     drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
-    guesses = _guesses_of(found) | {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
+    guesses = _guesses_of(solution) | {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
     return drifting, _fit(data, drifting, guesses)
 
 
@@ -324,19 +348,19 @@ def _drift(drifting: Solution) -> dict[str, Estimate]:
     }
 
 
-def _overtones(data: Data, shape: Shape, found: Solution, least: float) -> list[_Overtone]:
+def _overtones(data: Data, shape: Shape, solution: Solution, least: float) -> list[_Overtone]:
     """Return the multiples of the driving frequency in the measured height.
 
     A track may bend the height by `least`, which is no scatter.
     """
-    phase = shape.phase(found.values, data.times)
+    phase = shape.phase(solution.values, data.times)
     columns = [np.ones(len(data))]
     for k in (1, *_OVERTONES):
         columns += [np.cos(k * phase), np.sin(k * phase)]
-    design = np.column_stack(columns)[found.kept]
-    values, *_ = np.linalg.lstsq(design, data.values[found.kept], rcond=None)
-    rest = data.values[found.kept] - design @ values
-    scatter = 2.0 * float(np.mean(rest**2)) / found.effective_samples
+    design = np.column_stack(columns)[solution.kept]
+    values, *_ = np.linalg.lstsq(design, data.values[solution.kept], rcond=None)
+    rest = data.values[solution.kept] - design @ values
+    scatter = 2.0 * float(np.mean(rest**2)) / solution.effective_samples
     sigma = math.sqrt(scatter + (0.25 * least) ** 2)
     return [
         _Overtone(float(values[1 + 2 * i]), float(values[2 + 2 * i]), sigma)
@@ -344,9 +368,9 @@ def _overtones(data: Data, shape: Shape, found: Solution, least: float) -> list[
     ]
 
 
-def _drive(found: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
-    """Return the drive object, and what is said of its overtones."""
-    p = found.values
+def _drive(solution: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
+    """Return the drive object, and a sentence on its overtones."""
+    p = solution.values
     amplitude, phase = p["drive_amplitude"], math.remainder(p["drive_phase"], math.tau)
     second = overtones[0]
     share = 100.0 * second.amplitude / amplitude
@@ -354,7 +378,7 @@ def _drive(found: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[D
         q = p["crank_ratio"]
         words = (
             f"The second harmonic ({share:.2g} % of the amplitude) is that of a crank with "
-            f"A0/L = {abs(q):.3g} ± {found.sigma('crank_ratio'):.1g} and its guide "
+            f"A0/L = {abs(q):.3g} ± {solution.sigma('crank_ratio'):.1g} and its guide "
             f"{'above' if q > 0.0 else 'below'}."
         )
     elif second.amplitude > 4.0 * second.sigma:
@@ -395,26 +419,26 @@ def _drive(found: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[D
     ), words
 
 
-def _main_words(told: Mapping[str, Estimate], found: Solution, shape: Shape) -> str:
+def _main_words(estimates: Mapping[str, Estimate], solution: Solution, shape: Shape) -> str:
     """Return amplitude and frequencies in plain words."""
     turns = 1.0 / math.tau
-    words = f"The pivot moves with A0 = {told['drive_amplitude'].scaled(1e3, 'mm')} at "
-    words += f"{told['drive_frequency']} ({told['drive_frequency'].scaled(turns, 'Hz')})"
+    words = f"The pivot moves with A0 = {estimates['drive_amplitude'].scaled(1e3, 'mm')} at "
+    words += f"{estimates['drive_frequency']} ({estimates['drive_frequency'].scaled(turns, 'Hz')})"
     for name, before in zip(shape.frequencies[1:], shape.times, strict=True):
-        rate = Estimate(found.values[name], found.sigma(name), "rad/s")
-        instant = Estimate(found.values[before], found.sigma(before), "s")
+        rate = Estimate(solution.values[name], solution.sigma(name), "rad/s")
+        instant = Estimate(solution.values[before], solution.sigma(before), "s")
         words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
     if shape.ramp:
-        words += f", each reached within {told['ramp']}"
+        words += f", each reached within {estimates['ramp']}"
     return f"{words}."
 
 
-def _unsteady(drift: Mapping[str, Estimate], found: Solution, duration: float) -> list[str]:
+def _unsteady(drift: Mapping[str, Estimate], solution: Solution, duration: float) -> list[str]:
     """Return what of a drive changes over the record, in plain words."""
-    told = []
+    parts = []
     for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
         change = drift[f"{name}_drift"]
-        share = change.value * duration / found.values[f"drive_{name}"]
+        share = change.value * duration / solution.values[f"drive_{name}"]
         if abs(change.value) > 4.0 * change.sigma and abs(share) > limit:
-            told.append(f"its {name} changes by {100 * share:.2g} %")
-    return told
+            parts.append(f"its {name} changes by {100 * share:.2g} %")
+    return parts

@@ -101,8 +101,8 @@ def _breaks(zeros: Floats, phases: Floats, stages: int) -> list[float]:
         best = (math.inf, 0.0)
         for place in zeros[2:-2]:
             design = _hinges(zeros, sorted([*breaks, float(place)]))
-            found, *_ = np.linalg.lstsq(design, phases, rcond=None)
-            best = min(best, (float(np.sum((phases - design @ found) ** 2)), float(place)))
+            coefficients, *_ = np.linalg.lstsq(design, phases, rcond=None)
+            best = min(best, (float(np.sum((phases - design @ coefficients) ** 2)), float(place)))
         if best[0] == math.inf:
             raise InputError(f"the drive is too short for {stages} stages")
         breaks = sorted([*breaks, best[1]])

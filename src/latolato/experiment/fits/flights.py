@@ -24,14 +24,14 @@ Pull = Callable[[float], float]
 
 def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
     """Return what gives (g + y0'')/l at an instant of the table [1/s^2]."""
-    found = drive.stretches(_end_of(drive))
-    starts = [stretch.start for stretch in found]
+    stretches = drive.stretches(_end_of(drive))
+    starts = [stretch.start for stretch in stretches]
     acceleration = drive.acceleration
 
     def pull(instant: float) -> float:
         t = instant - origin
         place = max(bisect_right(starts, t) - 1, 0)
-        return float((gravity + acceleration(t, found[place])) / length)
+        return float((gravity + acceleration(t, stretches[place])) / length)
 
     return pull
 

@@ -192,12 +192,12 @@ def solve(
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
     spread = 1.0 if like is None else like.chi_square
     rounds = _ROUNDS + 1 if like is None else 1
-    found: Any = None
+    result: Any = None
     for turn in range(rounds):
         beliefs = _beliefs(guesses, spread)
         minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
-        found = _minimized(minimizer, limit)
-        parameters = found.params
+        result = _minimized(minimizer, limit)
+        parameters = result.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
         if turn == 0 and like is None:
@@ -205,8 +205,8 @@ def solve(
             if not np.array_equal(cleaned, mask):
                 mask = cleaned
                 minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
-                found = _minimized(minimizer, limit)
-                parameters = found.params
+                result = _minimized(minimizer, limit)
+                parameters = result.params
                 values = parameters.valuesdict()
                 residuals = data.values - model(values)
         if turn < rounds - 1:
@@ -238,7 +238,7 @@ def solve(
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
     )
     if profiles:
-        solution.intervals.update(_profiles(lmfit, minimizer, found, solution, widening, profiles))
+        solution.intervals.update(_profiles(lmfit, minimizer, result, solution, widening, profiles))
     return solution
 
 
@@ -274,8 +274,8 @@ def _minimizer(
 
         def slopes(trial: Any) -> Floats:
             names = [name for name in trial if trial[name].vary]
-            found = jacobian(trial.valuesdict(), names)
-            columns = [white(-found[:, i] / data.sigmas) for i in range(len(names))]
+            derivatives = jacobian(trial.valuesdict(), names)
+            columns = [white(-derivatives[:, i] / data.sigmas) for i in range(len(names))]
             known = [[w if name == own else 0.0 for own, w in beliefs.items()] for name in names]
             return np.column_stack([np.array(columns), np.array(known)])
 
@@ -291,17 +291,17 @@ def _minimized(minimizer: Any, limit: int) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            found = minimizer.minimize(method="leastsq", max_nfev=limit)
+            result = minimizer.minimize(method="leastsq", max_nfev=limit)
         except ValueError as error:  # a trial that the model refuses, or has no value for
             raise ConvergenceError(
                 f"the fit of {free} left the range of its model", way_out=way_out
             ) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
-    if found.aborted or not found.success:
+    if result.aborted or not result.success:
         raise ConvergenceError(
-            f"the fit of {free} did not converge in {found.nfev} trials", way_out=way_out
+            f"the fit of {free} did not converge in {result.nfev} trials", way_out=way_out
         )
-    return found
+    return result
 
 
 def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Floats], Floats]:
@@ -403,24 +403,26 @@ def _covariance(
 def _profiles(
     lmfit: Any,
     minimizer: Any,
-    found: Any,
+    result: Any,
     solution: Solution,
     widening: Floats,
     names: Sequence[str],
 ) -> dict[str, tuple[float, float]]:
     """Return 95 percent profile intervals, none where a profile does not end."""
     # lmfit refuses without its own estimate, which a parameter at its bound has not.
-    if any(found.params[name].stderr is None for name in solution.names):
+    if any(result.params[name].stderr is None for name in solution.names):
         return {}
     intervals: dict[str, tuple[float, float]] = {}
     for name in names:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                told = lmfit.conf_interval(minimizer, found, p_names=[name], sigmas=[0.95])[name]
+                interval = lmfit.conf_interval(minimizer, result, p_names=[name], sigmas=[0.95])[
+                    name
+                ]
         except (ValueError, lmfit.MinimizerException):
             continue
-        (_, low), (_, best), (_, high) = told
+        (_, low), (_, best), (_, high) = interval
         wider = float(widening[solution.names.index(name)])
         if math.isfinite(low) and math.isfinite(high):
             intervals[name] = (best - wider * (best - low), best + wider * (high - best))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
@@ -21,6 +20,7 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.pivots import Pivot, pivot_for
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
@@ -57,7 +57,8 @@ def fit_model(
 ) -> Fit:
     """Return the parameters of a system that describe measured angles best.
 
-    Paper eq10 with impacts by eq11, as `simulate` solves them.
+    Paper eq10 with impacts by eq11, as `simulate` solves them. The pivot moves as it was measured
+    unless a drive is given; the values of the system are first guesses of what varies.
 
     Parameters
     ----------
@@ -70,13 +71,16 @@ def fit_model(
         `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves more than 2
         percent of the amplitude; "measured" takes the spline always.
     vary : sequence of str, optional
-        Parameters of the system, of the drive, and ``angle_offset``; by default `length`,
-        `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and so on.
+        Parameters that are fitted: of the system, of the drive, and ``angle_offset``; by default
+        `length`, `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and
+        so on.
     ball : int, optional
         Which ball a system of one angle is about; by default 1, and for a `LatoLato` with both
         balls in the table half the difference of their angles.
-    start, end : float, optional
-        Piece of the table that is used [s].
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
     window : float, optional
         Time after which the motion begins afresh [s]; by default as long as the model follows.
     profile : bool
@@ -109,7 +113,7 @@ def fit_model(
     lmfit_module()
     checked_table(table)
     if not isinstance(system, System):
-        raise InputError(f"system must be one of {', '.join(systems)}, got {system!r}")
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
     moving = pivot_for(drive, table, system.balls[0].length, first, last)
@@ -124,36 +128,47 @@ def fit_model(
 
     period = math.tau / system.natural_frequency
     levels = [x * period for x in _LEVELS] if window is None else [window]
-    found, model, lost = _longest(data, laws, shared, levels, origin)
+    solution, model, lost = _longest(data, laws, shared, levels, origin)
     if profile:
-        found = solve(
-            model, {n: replace(model.guesses()[n], value=v) for n, v in found.values.items()},
+        solution = solve(
+            model, {n: replace(model.guesses()[n], value=v) for n, v in solution.values.items()},
             data, jacobian=model.jacobian, profiles=names,
         )  # fmt: skip
-    widening, unknown = _by_pivots(data, system, moving, names, found, model)
-    estimates = {name: _estimate(found, name, widening[name]) for name in names}
-    best, best_drive = laws(found.values)
+    widening, unknown = _by_pivots(data, system, moving, names, solution, model)
+    estimates = {name: _estimate(solution, name, widening[name]) for name in names}
+    best, best_drive = laws(solution.values)
     curves = {
         "time": ("sample", data.times),
         "ball_number": ("sample", data.series),
         "angle": ("sample", data.values),
-        "angle_fit": ("sample", found.curve),
-        "angle_residual": ("sample", found.residuals),
-        "is_outlier": ("sample", ~found.kept),
+        "angle_fit": ("sample", solution.curve),
+        "angle_residual": ("sample", solution.residuals),
+        "is_outlier": ("sample", ~solution.kept),
         "window_start": ("window", np.array([w.begin for w in model.windows])),
     }
     about = {
         "start": first, "end": last, "samples": len(data), "pivot": moving.words,
-        "scatter": found.scatter, "chi_square": found.chi_square,
-        "autocorrelation": found.correlation, "effective_samples": found.effective_samples,
-        "outliers": int((~found.kept).sum()), "windows": len(model.windows),
+        "scatter": solution.scatter, "chi_square": solution.chi_square,
+        "autocorrelation": solution.correlation, "effective_samples": solution.effective_samples,
+        "outliers": int((~solution.kept).sum()), "windows": len(model.windows),
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
-        "system_description": json.dumps(systems.described(best)),
         "source": table.attrs.get("source"),
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, FixedPivot)) else best_drive
-    verdict = _verdict(estimates, found, model, lost, unknown)
-    return make_fit("model", estimates, verdict, curves, about, kept_drive)
+    verdict = _verdict(estimates, solution, model, lost, unknown)
+    return make_fit("model", estimates, verdict, curves, about, kept_drive, best)
+
+
+fits.register("model")(
+    FitKind(
+        function=fit_model,
+        title="Model",
+        is_slow=True,
+        hint="Length, damping and restitution that describe the whole motion best, on the "
+        "measured pivot. The computed motion is then laid over video and curve.",
+        is_predicted=True,
+    )
+)
 
 
 def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
@@ -181,21 +196,21 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
         if name not in known:
             raise InputError(f"nothing called '{name}' can vary: {suggest(name, known)}")
     if not vary:
-        raise InputError("vary needs at least one name")
+        raise InputError("needs at least one name", parameter="vary")
     return list(dict.fromkeys(vary))
 
 
 def _known(system: System, drive: Drive) -> list[str]:
     """Return what could vary."""
-    found = ["angle_offset"]
+    names = ["angle_offset"]
     for law in (system, drive):
         for f in fields(law):
             value = getattr(law, f.name, None)
             if is_dataclass(value) and f.name in _SIDES:
-                found += [f"{f.name}_{inner.name}" for inner in fields(value)]
+                names += [f"{f.name}_{inner.name}" for inner in fields(value)]
             elif isinstance(value, float) and "quantity" in f.metadata:
-                found.append(f.name)
-    return found
+                names.append(f.name)
+    return names
 
 
 def _value(system: System, drive: Drive, name: str) -> float:
@@ -263,10 +278,10 @@ def _longest(
         model = WindowedModel(data, laws, shared, begins, origin)
         states = None
         if best is not None:
-            found, before = best
-            shared = {n: replace(g, value=found.values[n]) for n, g in shared.items()}
+            solution, before = best
+            shared = {n: replace(g, value=solution.values[n]) for n, g in shared.items()}
             model = WindowedModel(data, laws, shared, begins, origin)
-            states = before.states_at(found.values, begins)
+            states = before.states_at(solution.values, begins)
         try:
             trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
         except ConvergenceError:
@@ -290,7 +305,7 @@ def _by_pivots(
     system: System,
     moving: Pivot,
     names: Sequence[str],
-    found: Solution,
+    solution: Solution,
     model: WindowedModel,
 ) -> tuple[dict[str, float], int]:
     """Return the standard deviations that the uncertainty of the pivot's motion alone makes.
@@ -305,37 +320,41 @@ def _by_pivots(
         def laws(p: Mapping[str, float], drive: Drive = other) -> tuple[System, Drive]:
             return _changed(system, drive, {name: p[name] for name in names})
 
-        shared = {n: replace(g, value=found.values[n]) for n, g in model.shared.items()}
+        shared = {n: replace(g, value=solution.values[n]) for n, g in model.shared.items()}
         moved = WindowedModel(data, laws, shared, begins, model.origin)
-        guesses = {n: replace(g, value=found.values[n]) for n, g in moved.guesses().items()}
+        guesses = {n: replace(g, value=solution.values[n]) for n, g in moved.guesses().items()}
         try:
-            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=found)
+            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=solution)
         except ConvergenceError:
             lost += 1
             continue
         for name in names:
-            squares[name] += weight * (trial.values[name] - found.values[name]) ** 2
+            squares[name] += weight * (trial.values[name] - solution.values[name]) ** 2
     return {name: math.sqrt(square) for name, square in squares.items()}, lost
 
 
-def _estimate(found: Solution, name: str, further: float) -> Estimate:
+def _estimate(solution: Solution, name: str, further: float) -> Estimate:
     """Return an estimate with a further independent deviation."""
-    value, own = found.values[name], found.sigma(name)
+    value, own = solution.values[name], solution.sigma(name)
     sigma = math.hypot(own, further)
-    low, high = found.intervals.get(name, (math.nan, math.nan))
+    low, high = solution.intervals.get(name, (math.nan, math.nan))
     wider = sigma / own if own > 0.0 else 1.0
     ends = value - wider * (value - low), value + wider * (high - value)
     return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
 def _verdict(
-    told: Mapping[str, Estimate], found: Solution, model: WindowedModel, lost: int, unknown: int
+    estimates: Mapping[str, Estimate],
+    solution: Solution,
+    model: WindowedModel,
+    lost: int,
+    unknown: int,
 ) -> str:
-    """Return what was found in plain words, and which fits did not converge."""
-    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in told.items())
+    """Return the result in plain words, and which fits did not converge."""
+    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in estimates.items())
     count = len(model.windows)
     words = f"{values[0].upper()}{values[1:]}; the angle is described to "
-    words += f"{1e3 * found.scatter:.3g} mrad"
+    words += f"{1e3 * solution.scatter:.3g} mrad"
     words += " in one piece." if count == 1 else f" in {count} pieces that begin afresh."
     if lost:
         pieces = "one piece" if lost == 1 else f"{lost} pieces"
@@ -345,9 +364,9 @@ def _verdict(
             f" {unknown} of the fits that tell how the pivot's uncertainty counts did not "
             "converge: the standard deviations are too small."
         )
-    share = float(np.mean(~found.kept))
+    share = float(np.mean(~solution.kept))
     if share > _MOST_OUTLIERS:
         words += f" The model does not follow {100 * share:.2g} % of the samples: do not trust it."
     elif share > 0.0:
-        words += f" {int((~found.kept).sum())} outliers were left out."
+        words += f" {int((~solution.kept).sum())} outliers were left out."
     return words

@@ -35,9 +35,9 @@ class LaterDrive:
         end = origin + duration
         if isinstance(drive, MeasuredPivot):  # whose last piece holds a moment longer
             end = min(end, drive.times[-1])
-        found = drive.stretches(end)
-        begin = max((i for i, s in enumerate(found) if s.start <= origin), default=0)
-        self._stretches = [s._replace(start=s.start - origin) for s in found[begin:]]
+        stretches = drive.stretches(end)
+        begin = max((i for i, s in enumerate(stretches) if s.start <= origin), default=0)
+        self._stretches = [s._replace(start=s.start - origin) for s in stretches[begin:]]
 
     def stretches(self, duration: float) -> list[Stretch]:
         """Return the stretches that meet [0, duration]."""
@@ -82,7 +82,7 @@ def angles_at(
     """
     begin = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
     end = max(float(times[-1]), 1e-9)
-    found = integrate(
+    run = integrate(
         system,
         drive if drive is not None else FixedPivot(),
         begin,
@@ -93,4 +93,4 @@ def angles_at(
         rest_speed=rest_speed,
         contact_limit=10_000,
     )
-    return found.samples[0 : 2 * system.angles : 2]
+    return run.samples[0 : 2 * system.angles : 2]

@@ -84,7 +84,7 @@ def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: 
 
 def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:
     """Return drives that differ by one standard deviation in one parameter each, or the scale."""
-    found: list[tuple[Drive, float]] = []
+    others: list[tuple[Drive, float]] = []
     for name in ("drive_amplitude", "drive_frequency", "drive_phase"):
         if name in fit and hasattr(drive, name):
             sigma = fit[name].sigma
@@ -98,8 +98,8 @@ def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float
                 moved["drive_phase"] = about.drive_phase - sigma * middle
             # The phase's own deviation at time zero holds the frequency's: half of it is left.
             weight = 0.25 if name == "drive_phase" and hasattr(drive, "drive_frequency") else 1.0
-            found.append((replace(drive, **moved), weight))
-    return found
+            others.append((replace(drive, **moved), weight))
+    return others
 
 
 def _spline(table: xr.Dataset, length: float, first: float, last: float) -> Pivot:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,7 @@ from latolato.experiment.fits.flights import (
 )
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.pivots import pivot_for
+from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
 from latolato.experiment.table import balls_of, checked_table
@@ -74,9 +75,11 @@ def fit_restitution(
     drive : Drive, optional
         How the pivot moves; by default as measured.
     ball : int
-        Which ball of a table with one meets a wall.
-    start, end : float, optional
-        Piece of the table that is used [s].
+        Which ball meets a wall, of a table with one.
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
 
     Returns
     -------
@@ -97,56 +100,42 @@ def fit_restitution(
     to the instant at which they meet. Impacts with fewer than 5 samples on a side (a rattle of
     short bounces), with closing speeds below 0.2 rad/s or 12 of their standard deviations are
     counted as unseen. The pooled deviation grows with the scatter of the impacts, so that it holds
-    if e varies; a dependence on speed is told.
+    if e varies; the verdict mentions a dependence on speed.
     """
     checked_table(table)
     length = length_of(table, length)
     if length is None:
-        raise InputError("restitution needs length [m]: the flights are pendulum motion")
+        raise InputError(
+            "needs length [m]: the flights are pendulum motion", parameter="restitution"
+        )
     radius = table.attrs.get("radius") if radius is None else radius
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
-    two = balls_of(table) == 2
-    time, angles, sigmas = _series(table, ball, two, start, end)
-    gap = angles[0] - angles[1] if two else angles[0]
-    first, last = float(time[0]), float(time[-1])
+    record = _record(table, ball, start, end)
+    two = len(record.angles) == 2
+    first, last = float(record.time[0]), float(record.time[-1])
     moving = pivot_for(drive, table, length, first, last)
     pull = pull_of(moving.drive, moving.origin, gravity, length)
-    turns = _turns(time, gap)
-    if not turns:
-        raise InputError("no impact is seen: the angle between the balls never turns round")
-    sides = [_sides(time, gap, turns, k) for k in range(len(turns))]
-    drag = 0.0
-    for _ in range(3):
-        flights = [
-            [Flights(time, angles, sigmas, side, instant, pull, drag) for side in pair]
-            for instant, pair in zip(turns, sides, strict=True)
-        ]
-        good = good_flights([flight for pair in flights for flight in pair])
-        change, drag_sigma = drag_step(good)
-        drag = min(max(drag + change, 0.0), 10.0)
+    drag = _shared_drag(record, pull)
     contact = 2.0 * math.asin(min(radius / length, 1.0)) if radius and two else None
-    spread = float(np.median([flight.spread for flight in good])) if good else 1.0
-    widen = widening_of(good)
 
-    def seen(others_pull: Pull, others_drag: float) -> list[_Impact]:
-        found = _impacts(
-            time, angles, sigmas, turns, sides, others_pull, others_drag, spread, widen
-        )
-        return _at_contact(found, contact)
+    def seen(pull: Pull, drag: _Drag) -> list[_Impact]:
+        candidates = [_impact(record, turn, pull, drag) for turn in record.turns]
+        return _at_contact([impact for impact in candidates if impact is not None], contact)
 
     impacts = seen(pull, drag)
-    unseen = len(turns) - len(impacts)
+    unseen = len(record.turns) - len(impacts)
     if not impacts:
         raise InputError(
-            f"no impact is seen well enough: {unseen} turns of the angle are smooth, too slow or "
-            "have too few samples; use a faster camera"
+            f"no impact is seen well enough: {unseen} turns of the angle are smooth, too "
+            "slow or have too few samples",
+            way_out="use a faster camera",
         )
     each = np.array([i.restitution for i in impacts])
     deviations = np.array([i.sigma for i in impacts])
     pooled, words = _pooled(each, deviations, np.array([abs(i.before) for i in impacts]))
     # What all impacts share: the drag, and the pivot's motion.
-    dragged = seen(pull, drag + drag_sigma)
+    dragged = seen(pull, replace(drag, rate=drag.rate + drag.sigma))
     shared = _shift(impacts, dragged) ** 2
     deviations = np.hypot(deviations, [_shift([impact], dragged) for impact in impacts])
     for other, weight in moving.others:
@@ -160,18 +149,64 @@ def fit_restitution(
         "restitution_each": ("impact", each),
         "restitution_each_sigma": ("impact", deviations),
         "separation_at_contact": ("impact", np.array([i.gap for i in impacts])),
-        "time": ("sample", time),
-        "separation": ("sample", gap),
+        "time": ("sample", record.time),
+        "separation": ("sample", record.gap),
     }
     about = {
         "start": first, "end": last, "impacts": len(impacts), "unseen": unseen, "length": length,
-        "radius": radius, "gravity": gravity, "damping_rate": drag, "pivot": moving.words,
+        "radius": radius, "gravity": gravity, "damping_rate": drag.rate, "pivot": moving.words,
         "of": "two balls" if two else "one ball and a wall", "source": table.attrs.get("source"),
     }  # fmt: skip
     verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
     if unseen:
         verdict += f" {unseen} further turns are no impacts that can be seen."
     return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
+
+
+fits.register("restitution")(FitKind(function=fit_restitution, title="Restitution", fewest_balls=2))
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """An instant at which the gap turns round, and the samples of the flights on both sides."""
+
+    instant: float
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Record:
+    """The samples of all balls (NaN where not ok), the gap between them and its turns."""
+
+    time: Floats
+    angles: list[Floats]
+    sigmas: list[Floats]
+    gap: Floats
+    turns: list[_Turn]
+
+    def flights(
+        self, turn: _Turn, instant: float, pull: Pull, drag: float, widen: float = 1.0
+    ) -> tuple[Flights, Flights]:
+        """Return the flights before and after a turn, carried to an instant."""
+        before, after = (
+            Flights(self.time, self.angles, self.sigmas, side, instant, pull, drag, widen)
+            for side in (turn.before, turn.after)
+        )
+        return before, after
+
+
+@dataclass(frozen=True)
+class _Drag:
+    """The drag that all flights share [1/s], and how well they follow it.
+
+    `spread` is the typical misfit of a flight, `widen` what correlated errors widen.
+    """
+
+    rate: float
+    sigma: float
+    spread: float
+    widen: float
 
 
 @dataclass(frozen=True)
@@ -191,13 +226,18 @@ class _Impact:
         return -self.after / self.before
 
 
-def _series(
-    table: xr.Dataset, ball: int, two: bool, start: float | None, end: float | None
-) -> tuple[Floats, list[Floats], list[Floats]]:
-    """Return instants, angles (NaN where not ok) and sigmas of the balls."""
+def _record(table: xr.Dataset, ball: int, start: float | None, end: float | None) -> _Record:
+    """Return the samples of a table and the turns of the gap.
+
+    Raises
+    ------
+    InputError
+        For another ball than the first, too few samples, and without a turn.
+    """
     chosen = within(table["time"].values, start, end)
+    two = balls_of(table) == 2
     if not two and ball != 1:
-        raise InputError(f"ball must be 1 in this table, got {ball!r}")
+        raise InputError("must be 1 in this table", parameter="ball", value=ball)
     angles, sigmas = [], []
     for each in (1, 2) if two else (1,):
         angle = table[f"angle_{each}"].values[chosen].copy()
@@ -206,7 +246,25 @@ def _series(
             raise InputError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
         angles.append(angle)
         sigmas.append(filled(table[f"angle_sigma_{each}"].values[chosen]))
-    return table["time"].values[chosen], angles, sigmas
+    time = table["time"].values[chosen]
+    gap = angles[0] - angles[1] if two else angles[0]
+    instants = _turns(time, gap)
+    if not instants:
+        raise InputError("no impact is seen: the angle between the balls never turns round")
+    turns = [_Turn(instant, *_sides(time, gap, instants, k)) for k, instant in enumerate(instants)]
+    return _Record(time, angles, sigmas, gap, turns)
+
+
+def _shared_drag(record: _Record, pull: Pull) -> _Drag:
+    """Return the drag that describes the flights before and after all turns best."""
+    rate = 0.0
+    for _ in range(3):
+        pairs = [record.flights(turn, turn.instant, pull, rate) for turn in record.turns]
+        good = good_flights([flights for pair in pairs for flights in pair])
+        change, sigma = drag_step(good)
+        rate = min(max(rate + change, 0.0), 10.0)
+    spread = float(np.median([flights.spread for flights in good])) if good else 1.0
+    return _Drag(rate, sigma, spread, widening_of(good))
 
 
 def _turns(time: Floats, gap: Floats) -> list[float]:
@@ -214,7 +272,7 @@ def _turns(time: Floats, gap: Floats) -> list[float]:
     known = np.flatnonzero(np.isfinite(gap))
     slopes = np.diff(gap[known]) / np.diff(time[known])
     noise = 1.4826 * float(np.median(np.abs(np.diff(slopes)))) + 1e-12
-    found: list[float] = []
+    turns: list[float] = []
     sign, place = 0.0, 0
     for i, slope in enumerate(slopes):
         # Small slopes are of either sign by noise alone.
@@ -223,9 +281,9 @@ def _turns(time: Floats, gap: Floats) -> list[float]:
         now = math.copysign(1.0, slope)
         if sign and now != sign:
             t0, t1 = time[known[place + 1]], time[known[i]]
-            found.append(float(0.5 * (t0 + t1)))
+            turns.append(float(0.5 * (t0 + t1)))
         sign, place = now, i
-    return found
+    return turns
 
 
 def _sides(
@@ -252,53 +310,32 @@ def _shift(impacts: Sequence[_Impact], others: Sequence[_Impact]) -> float:
     return change / total if total > 0.0 else 0.0
 
 
-def _impacts(
-    time: Floats,
-    angles: Sequence[Floats],
-    sigmas: Sequence[Floats],
-    turns: Sequence[float],
-    sides: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]],
-    pull: Pull,
-    drag: float,
-    spread: float,
-    widen: float,
-) -> list[_Impact]:
-    """Return the impacts that are seen among the turns."""
-    found = []
-    for turn, pair in zip(turns, sides, strict=True):
-        instant = turn
-        before = after = None
-        for _ in range(3):
-            before, after = (
-                Flights(time, angles, sigmas, side, instant, pull, drag, widen) for side in pair
-            )
-            rough = max(before.spread, after.spread) > ROUGH * spread
-            if rough or not (before.enough and after.enough):
-                break
-            jump = after.velocity - before.velocity
-            sigma = math.hypot(before.sigma, after.sigma)
-            if abs(jump) < max(_SURE * sigma, _SLOWEST):
-                break
-            shift = (before.gap - after.gap) / jump
-            # Never beyond the samples on either side.
-            low, high = float(time[pair[0][-1]]), float(time[pair[1][0]])
-            instant = min(max(instant + shift, low), high)
-        else:
-            assert before is not None
-            assert after is not None
-            slowest = max(_SLOWEST, _SURE_SPEED * before.sigma)
-            if abs(before.velocity) > slowest and before.velocity * after.velocity < 0.0:
-                ratio = -after.velocity / before.velocity
-                sigma = math.hypot(after.sigma, ratio * before.sigma) / abs(before.velocity)
-                gap = 0.5 * (before.gap + after.gap)
-                gap_sigma = math.hypot(before.gap_sigma, after.gap_sigma)
-                # Two impacts within one look: they gain speed, or the balls would have to jump.
-                if ratio > 1.0 + _SURE * sigma or not _meets(before, after):
-                    continue
-                found.append(
-                    _Impact(instant, before.velocity, after.velocity, gap, gap_sigma, sigma)
-                )
-    return found
+def _impact(record: _Record, turn: _Turn, pull: Pull, drag: _Drag) -> _Impact | None:
+    """Return the impact at a turn, None if none is seen there."""
+    instant = turn.instant
+    for _ in range(3):
+        before, after = record.flights(turn, instant, pull, drag.rate, drag.widen)
+        rough = max(before.spread, after.spread) > ROUGH * drag.spread
+        if rough or not (before.enough and after.enough):
+            return None
+        jump = after.velocity - before.velocity
+        if abs(jump) < max(_SURE * math.hypot(before.sigma, after.sigma), _SLOWEST):
+            return None
+        shift = (before.gap - after.gap) / jump
+        # Never beyond the samples on either side.
+        low, high = float(record.time[turn.before[-1]]), float(record.time[turn.after[0]])
+        instant = min(max(instant + shift, low), high)
+    slowest = max(_SLOWEST, _SURE_SPEED * before.sigma)
+    if not (abs(before.velocity) > slowest and before.velocity * after.velocity < 0.0):
+        return None
+    ratio = -after.velocity / before.velocity
+    sigma = math.hypot(after.sigma, ratio * before.sigma) / abs(before.velocity)
+    # Two impacts within one look: they gain speed, or the balls would have to jump.
+    if ratio > 1.0 + _SURE * sigma or not _meets(before, after):
+        return None
+    gap = 0.5 * (before.gap + after.gap)
+    gap_sigma = math.hypot(before.gap_sigma, after.gap_sigma)
+    return _Impact(instant, before.velocity, after.velocity, gap, gap_sigma, sigma)
 
 
 def _meets(before: Flights, after: Flights) -> bool:
@@ -341,7 +378,7 @@ def _excess(each: Floats, sigmas: Floats) -> float:
 
 
 def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str]:
-    """Return the pooled coefficient, and what is said of its scatter and of speed."""
+    """Return the pooled coefficient, and words on its scatter and on speed."""
     weights = 1.0 / sigmas**2
     mean = float(np.sum(weights * each) / np.sum(weights))
     own = 1.0 / math.sqrt(float(np.sum(weights)))

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import suggest
+from latolato.core.registry import Registry, rebuild, suggest
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from latolato.physics.drives import Drive
+    from latolato.physics.pendulum import System
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
@@ -68,16 +69,17 @@ class Estimate:
 class Fit:
     """A fit's result; everything in it lives in one dataset, which files can hold.
 
-    ``fit["damping"]`` is an `Estimate`, ``fit.verdict`` a sentence for people, ``fit.drive`` the
-    drive that was found (or None), ``fit.dataset`` all of it with the fitted curves: for an
-    estimate `name` the variables `name`, ``name_sigma``, ``name_low`` and ``name_high``.
+    ``fit["damping"]`` is an `Estimate`, ``fit.verdict`` a sentence for people, ``fit.drive`` and
+    ``fit.system`` are the laws that were found (or None), ``fit.dataset`` is all of it with the
+    fitted curves: for an estimate `name` the variables `name`, ``name_sigma``, ``name_low`` and
+    ``name_high``.
     """
 
     dataset: xr.Dataset
 
     @property
     def kind(self) -> str:
-        """What was fitted: decay, drive, restitution or model."""
+        """The name of the fit in `latolato.experiment.fits.fits`."""
         return str(self.dataset.attrs["fit"])
 
     @property
@@ -94,15 +96,26 @@ class Fit:
     @property
     def drive(self) -> Drive | None:
         """The drive that was found or given, None for a pivot at rest."""
-        text = self.dataset.attrs.get("drive_description")
-        if not text:
-            return None
-        from latolato.core.registry import rebuild
         from latolato.physics.drives import drives
 
-        described = json.loads(text)
-        drive: Drive = rebuild(drives[described.pop("kind")], described)
+        drive: Drive | None = self._law("drive_description", drives)
         return drive
+
+    @property
+    def system(self) -> System | None:
+        """The system with its fitted parameters, None where the fit does not tell all of them."""
+        from latolato.physics.pendulum import systems
+
+        system: System | None = self._law("system_description", systems)
+        return system
+
+    def _law(self, attribute: str, registry: Registry[Any]) -> Any:
+        """Return the law that an attribute describes, None without one."""
+        text = self.dataset.attrs.get(attribute)
+        if not text:
+            return None
+        described = json.loads(text)
+        return rebuild(registry[described.pop("kind")], described)
 
     def __contains__(self, name: str) -> bool:
         return f"{name}_sigma" in self.dataset and self.dataset[name].ndim == 0
@@ -111,9 +124,9 @@ class Fit:
         if name not in self:
             known = list(self.estimates)
             raise KeyError(f"the fit has no '{name}': {suggest(name, known)}")
-        found = self.dataset
-        parts = [float(found[f"{name}_{part}"]) for part in _PARTS]
-        return Estimate(float(found[name]), parts[0], found[name].attrs["units"], *parts[1:])
+        variable = self.dataset[name]
+        sigma, *ends = (float(self.dataset[f"{name}_{part}"]) for part in _PARTS)
+        return Estimate(float(variable), sigma, variable.attrs["units"], *ends)
 
     def to_dict(self) -> dict[str, Any]:
         """Return estimates, verdict and attributes as JSON knows them; NaN is None."""
@@ -173,6 +186,7 @@ def make_fit(
     curves: Mapping[str, tuple[str, Any]],
     attributes: Mapping[str, Any],
     drive: Drive | None = None,
+    system: System | None = None,
 ) -> Fit:
     """Return a fit made of its parts.
 
@@ -188,8 +202,8 @@ def make_fit(
         Dimension and values of further variables, named as in `latolato.core.quantities`.
     attributes : mapping
         Numbers and texts; None is left out.
-    drive : Drive, optional
-        What was found of the pivot.
+    drive, system : Drive, System, optional
+        The fitted laws of the pivot and of what swings.
     """
     import xarray as xr
 
@@ -214,8 +228,11 @@ def make_fit(
     if drive is not None:
         from latolato.physics.drives import drives
 
-        about_drive = drives.described(drive)
-        kept["drive_description"] = json.dumps(about_drive)
+        kept["drive_description"] = json.dumps(drives.described(drive))
+    if system is not None:
+        from latolato.physics.pendulum import systems
+
+        kept["system_description"] = json.dumps(systems.described(system))
     return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
 
 

@@ -34,7 +34,7 @@ def samples_of(
     """
     if isinstance(ball, bool) or ball not in range(1, balls_of(checked_table(table)) + 1):
         known = " or ".join(map(str, range(1, balls_of(table) + 1)))
-        raise InputError(f"ball must be {known} in this table, got {ball!r}")
+        raise InputError(f"must be {known} in this table", parameter="ball", value=ball)
     checked_table(table, f"angle_{ball}")
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     good = np.isfinite(angle) & (table[f"flag_{ball}"].values == "ok") & within(time, start, end)
@@ -53,7 +53,9 @@ def angles_of(
     """
     if system.angles == 2:
         if balls_of(table) < 2:
-            raise InputError("a BallPair needs a table of two balls; use a Pendulum or a LatoLato")
+            raise InputError(
+                "a BallPair needs a table of two balls", way_out="use a Pendulum or a LatoLato"
+            )
         parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
         return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
     if is_mirrored(table, system, ball):

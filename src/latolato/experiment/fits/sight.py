@@ -43,19 +43,19 @@ def sight_guesses(table: xr.Dataset, data: Data) -> dict[str, Guess]:
     smear's from ``exposure``, the path's from ``circle_residual``. Tables without a scale, as those
     of sensors, have none: their angles have a constant offset only.
     """
-    told = table.attrs
+    attrs = table.attrs
     arm = _arm(table)
     if arm is None:
         return {}
-    found = dict(zip((ASIDE, ABOVE), _place_priors(table, arm), strict=True))
-    exposure, residual = _positive(told.get("exposure")), _positive(told.get("circle_residual"))
+    priors = dict(zip((ASIDE, ABOVE), _place_priors(table, arm), strict=True))
+    exposure, residual = _positive(attrs.get("exposure")), _positive(attrs.get("circle_residual"))
     if exposure is not None:
         frame = float(np.median(np.diff(table["time"].values)))
         smear = SMEARED * exposure * frame * float(np.max(_speeds(data)))
-        found |= {SMEAR_ASIDE: smear, SMEAR_ABOVE: smear}
+        priors |= {SMEAR_ASIDE: smear, SMEAR_ABOVE: smear}
     if residual is not None:
-        found[BENT] = residual / arm
-    return {name: Guess(0.0, prior=prior) for name, prior in found.items() if prior > 0.0}
+        priors[BENT] = residual / arm
+    return {name: Guess(0.0, prior=prior) for name, prior in priors.items() if prior > 0.0}
 
 
 def stroke_error(table: xr.Dataset, length: float, amplitude: float) -> float:
@@ -101,7 +101,7 @@ class Sight:
             May hold those of `SEEN`, of which ``angle_offset`` is the angle of the hanging ball in
             the table [rad].
         nearer : float
-            Distance over which errors are told, over that of the ball.
+            Distance over which errors are stated, over that of the ball.
 
         Notes
         -----
@@ -118,8 +118,8 @@ class Sight:
         sine, cosine = np.sin(angles), np.cos(angles)
         turned = np.arctan2(-u * cosine - v * sine, 1.0 - u * sine + v * cosine)
         bent = nearer * p.get(BENT, 0.0) / self.drop * sine * (1.0 - cosine)
-        found: Floats = angles + turned + bent + (offset + math.atan2(aside, 1.0 + above))
-        return found
+        apparent: Floats = angles + turned + bent + (offset + math.atan2(aside, 1.0 + above))
+        return apparent
 
     def part(self, chosen: Any) -> Sight:
         """Return that of some of the samples."""
@@ -134,18 +134,18 @@ def drop_of(angles: Floats) -> float:
 
 def _arm(table: xr.Dataset) -> float | None:
     """Return the distance of the ball [pixels], None where it is unknown."""
-    told = table.attrs
-    arm = _positive(told.get("arm_pixels"))
-    length, scale = _positive(told.get("length")), _positive(told.get("metres_per_pixel"))
+    attrs = table.attrs
+    arm = _positive(attrs.get("arm_pixels"))
+    length, scale = _positive(attrs.get("length")), _positive(attrs.get("metres_per_pixel"))
     return length / scale if arm is None and length and scale else arm
 
 
 def _place_priors(table: xr.Dataset, arm: float) -> tuple[float, float]:
     """Return the standard deviations of the pivot's place across and along gravity over the arm."""
-    told = table.attrs
-    column = _positive(told.get("pivot_offset_x_sigma")) or TYPICAL
-    row = _positive(told.get("pivot_offset_y_sigma")) or TYPICAL
-    tilt = told.get("gravity_direction", 0.0)
+    attrs = table.attrs
+    column = _positive(attrs.get("pivot_offset_x_sigma")) or TYPICAL
+    row = _positive(attrs.get("pivot_offset_y_sigma")) or TYPICAL
+    tilt = attrs.get("gravity_direction", 0.0)
     turn = float(tilt) if isinstance(tilt, (int, float)) else 0.0
     cosine, sine = math.cos(turn), math.sin(turn)
     across = math.hypot(column * cosine, row * sine)

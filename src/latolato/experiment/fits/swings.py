@@ -42,7 +42,7 @@ def crossings(times: Floats, values: Floats) -> Floats:
     threshold = max(_CLEAR * noise_of(values), _SHARE * float(np.max(np.abs(values))))
     clear = np.flatnonzero(np.abs(values) > threshold)
     signs = np.sign(values[clear])
-    found = []
+    instants = []
     for k in np.flatnonzero(signs[1:] != signs[:-1]):
         first, last = clear[k], clear[k + 1]
         # A line through everything between both clear sides is steadier than two samples.
@@ -53,8 +53,8 @@ def crossings(times: Floats, values: Floats) -> Floats:
             at = min(max(at, t[0]), t[-1])
         else:
             at = t[0] - v[0] * (t[1] - t[0]) / (v[1] - v[0])
-        found.append(float(at))
-    return np.array(found)
+        instants.append(float(at))
+    return np.array(instants)
 
 
 def swings_of(times: Floats, angles: Floats) -> Swings:
@@ -77,15 +77,17 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
         if inside.sum() >= 10:
             basis.append(np.cos(3.0 * s))
         design = np.column_stack(basis)
-        found, *_ = np.linalg.lstsq(design, angles[inside], rcond=None)
-        error = angles[inside] - design @ found
+        coefficients, *_ = np.linalg.lstsq(design, angles[inside], rcond=None)
+        error = angles[inside] - design @ coefficients
         freedom = max(int(inside.sum()) - len(basis), 1)
         inverse = np.linalg.pinv(design.T @ design)
         weights = np.array([1.0, 0.0, 1.0][: len(basis)])
         spread = float(error @ error) / freedom
-        top = float(weights @ found)
-        late = found[1] / (found[0] + 9.0 * (found[2] if len(basis) > 2 else 0.0))
-        top += 0.5 * late * float(found[1])
+        top = float(weights @ coefficients)
+        late = coefficients[1] / (
+            coefficients[0] + 9.0 * (coefficients[2] if len(basis) > 2 else 0.0)
+        )
+        top += 0.5 * late * float(coefficients[1])
         shape = math.sqrt(float(weights @ inverse @ weights))
         rows.append((middle + late / rate, top, shape, half, spread))
     if not rows:
@@ -113,7 +115,7 @@ def free_start(times: Floats, angles: Floats) -> float:
         return float(times[0])
     later = zeros[zeros > times[left]]
     if len(later) < 3:
-        raise InputError("no free swing is seen after the release; give start")
+        raise InputError("no free swing is seen after the release", way_out="give start")
     return float(later[0])
 
 

@@ -70,15 +70,15 @@ class WindowedModel:
 
     def guesses(self, states: Floats | None = None) -> dict[str, Guess]:
         """Return guesses of all parameters; of the starts from the samples about them."""
-        found = dict(self.shared)
-        system, _ = self.laws({name: guess.value for name, guess in found.items()})
+        guesses = dict(self.shared)
+        system, _ = self.laws({name: guess.value for name, guess in guesses.items()})
         for k, window in enumerate(self.windows):
             state = _states(self.data, window.begin, self.angles) if states is None else states[k]
             inside = _within_walls(system, state[:, 0])
             for j in range(self.angles):
-                found[f"angle_{k}_{j}"] = Guess(float(inside[j]))
-                found[f"velocity_{k}_{j}"] = Guess(float(state[j, 1]))
-        return found
+                guesses[f"angle_{k}_{j}"] = Guess(float(inside[j]))
+                guesses[f"velocity_{k}_{j}"] = Guess(float(state[j, 1]))
+        return guesses
 
     def __call__(self, p: Mapping[str, float]) -> Floats:
         """Return the angles at the samples as they are seen [rad]."""
@@ -89,7 +89,7 @@ class WindowedModel:
         motion = self._moved(p)
         middle = self._seen(motion, p)
         system, drives = self._laws(p)
-        found = np.zeros((len(self.data), len(names)))
+        matrix = np.zeros((len(self.data), len(names)))
         for i, name in enumerate(names):
             size = max(_RELATIVE * abs(p[name]), _ABSOLUTE)
             # Towards the inside of a bounded range.
@@ -102,8 +102,8 @@ class WindowedModel:
             elif name not in SEEN:
                 k = int(name.split("_")[1])
                 self._run(out, system, drives[k], moved, k)
-            found[:, i] = (self._seen(out, moved) - middle) / change
-        return found
+            matrix[:, i] = (self._seen(out, moved) - middle) / change
+        return matrix
 
     def _moved(self, p: Mapping[str, float]) -> Floats:
         """Return the true angles at the samples [rad]."""
@@ -161,9 +161,9 @@ class WindowedModel:
     ) -> None:
         """Write the angles of one window."""
         window = self.windows[k]
-        found = self._angles(system, drive, self._start(p, k), window.times)
+        angles = self._angles(system, drive, self._start(p, k), window.times)
         for j in range(self.angles):
-            out[window.places[j]] = found[j, window.inside[j]]
+            out[window.places[j]] = angles[j, window.inside[j]]
 
     def _angles(self, system: System, drive: Any, state: Floats, times: Floats) -> Floats:
         """Return angles at instants, shape (angle, instant)."""
@@ -175,7 +175,7 @@ class WindowedModel:
 def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
     """Return the pieces of the samples that begin at these instants."""
     ends = [*begins[1:], math.inf]
-    found = []
+    windows = []
     for begin, end in zip(begins, ends, strict=True):
         chosen = (data.times >= begin - 1e-9) & (data.times < end - 1e-9)
         places = [np.flatnonzero(chosen & (data.series == j + 1)) for j in range(angles)]
@@ -183,8 +183,8 @@ def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
         inside = [
             np.searchsorted(times, np.maximum(data.times[place] - begin, 0.0)) for place in places
         ]
-        found.append(Window(float(begin), places, times, inside))
-    return found
+        windows.append(Window(float(begin), places, times, inside))
+    return windows
 
 
 def _states(data: Data, instant: float, angles: int) -> Floats:
@@ -195,8 +195,8 @@ def _states(data: Data, instant: float, angles: int) -> Floats:
         near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
         late = data.times[near] - instant
         scale = max(float(np.max(np.abs(late))), 1e-6)
-        found = np.polyfit(late / scale, data.values[near], 2)
-        out[j] = found[2], found[1] / scale
+        coefficients = np.polyfit(late / scale, data.values[near], 2)
+        out[j] = coefficients[2], coefficients[1] / scale
     return out
 
 
@@ -240,7 +240,7 @@ def _misfit(data: Data, instant: float, angles: int) -> float:
         own = np.flatnonzero(data.series == j + 1)
         near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
         late = data.times[near] - instant
-        found = np.polyfit(late, data.values[near], 2)
-        total += float(np.sum((data.values[near] - np.polyval(found, late)) ** 2))
+        coefficients = np.polyfit(late, data.values[near], 2)
+        total += float(np.sum((data.values[near] - np.polyval(coefficients, late)) ** 2))
         total += float(np.ptp(late))  # gaps are no good place
     return total

@@ -27,7 +27,7 @@ from latolato.experiment.tracking.pivot import (
     velocities,
 )
 from latolato.experiment.tracking.sample import Sample, median_planes
-from latolato.experiment.tracking.teach import Found, learn_exposure, learn_look
+from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
@@ -123,22 +123,22 @@ def learn_scene(
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
     scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
-    found: list[Found] = []
+    sightings: list[Sighting] = []
     for round_ in range(_ROUNDS):
         if round_ == 0:
-            found = find_balls(scene, frames, pivots, centres)
-        found = fit_sample(scene, frames, found, pivots, tolerant=3 if round_ == 0 else 1)
-        if not found:
+            sightings = find_balls(scene, frames, pivots, centres)
+        sightings = fit_sample(scene, frames, sightings, pivots, tolerant=3 if round_ == 0 else 1)
+        if not sightings:
             raise InputError(
                 f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
                 "found in other frames; point at the ball's centre in the first frame"
             )
-        scene.arm = learn_look(look, frames, found, is_first=round_ == 0)
+        scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if round_ == 0:
-            covered = [(one.frame, one.centre) for one in found]
+            covered = [(one.frame, one.centre) for one in sightings]
             learn_background(look, frames, covered)
         if round_ > 0:
-            learn_exposure(look, frames, found, scene.arm, scene.balls)
+            learn_exposure(look, frames, sightings, scene.arm, scene.balls)
             tracker.exposure = look.exposure
             if not tracker.is_still and tracker.exposure > 0.0:
                 shifts = locate_all(tracker, frames, shifts)
@@ -148,9 +148,9 @@ def learn_scene(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    scene.explained = float(np.median([one.explained for one in found]))
+    scene.explained = float(np.median([one.explained for one in sightings]))
     for b, start in enumerate(starts):
-        own = [one for one in found if one.frame == 0 and abs(one.angle - start) < size / arm]
+        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < size / arm]
         if own:
             scene.speeds[b] = own[0].speed
     return scene
@@ -176,7 +176,7 @@ def _first_noise(
 
 def find_balls(
     scene: Scene, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
-) -> list[Found]:
+) -> list[Sighting]:
     """Find the balls in the sample with colours that stay or that turn: as explains more."""
     look, paint = scene.look, scene.look.paint
     some = range(0, len(frames), 2)
@@ -198,28 +198,30 @@ def find_balls(
     return _find(scene, frames, pivots)
 
 
-def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Found]:
+def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
     """Find the balls in every frame of the sample, on the whole circle."""
-    look, found = scene.look, []
+    look, sightings = scene.look, []
     for k, frame in enumerate(frames):
         angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls)
         for angle, share in zip(angles, gain, strict=True):
             if share > _LIKELY:
                 centre = arc(pivots[[k]], np.array([angle]), scene.arm)[0]
-                found.append(
-                    Found(k, centre, pivots[k], float(angle), math.nan, float(share), np.zeros(2))
+                sightings.append(
+                    Sighting(
+                        k, centre, pivots[k], float(angle), math.nan, float(share), np.zeros(2)
+                    )
                 )
-    return found
+    return sightings
 
 
-def _set_speeds(found: list[Found], frames: list[Frame], balls: int) -> None:
+def _set_speeds(sightings: list[Sighting], frames: list[Frame], balls: int) -> None:
     """Tell balls how far they turn to the next frame, or from the last one; NaN if unknown.
 
     Only pairs of frames in which all balls were found tell: another ball would be taken for the
     one that is missing.
     """
-    seen: dict[int, list[Found]] = {}
-    for one in found:
+    seen: dict[int, list[Sighting]] = {}
+    for one in sightings:
         one.speed = math.nan
         seen.setdefault(frames[one.frame].number, []).append(one)
     for number, own in seen.items():
@@ -238,13 +240,13 @@ def _set_speeds(found: list[Found], frames: list[Frame], balls: int) -> None:
 
 
 def fit_sample(
-    scene: Scene, frames: list[Frame], found: list[Found], pivots: np.ndarray, tolerant: int
-) -> list[Found]:
+    scene: Scene, frames: list[Frame], sightings: list[Sighting], pivots: np.ndarray, tolerant: int
+) -> list[Sighting]:
     """Fit the balls found in each frame together; keep those on the circle, with their speeds."""
     look, kept = scene.look, []
     drift = np.nan_to_num(velocities(frames, pivots))
     for k, frame in enumerate(frames):
-        own = [one for one in found if one.frame == k]
+        own = [one for one in sightings if one.frame == k]
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]

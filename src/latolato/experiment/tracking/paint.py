@@ -20,12 +20,12 @@ def uncover(
     """Mark the background as unseen where it shows the ball itself, which rested there mostly."""
     j, i = np.indices(behind.shape[:2])
     away = np.hypot(i + low[0] - centre[0], j + low[1] - centre[1])
-    shown = colours.window(frame[2:], (int(low[0]), int(low[1])), behind.shape[:2])
+    picture = colours.window(frame[2:], (int(low[0]), int(low[1])), behind.shape[:2])
     inside = away < 0.8 * radius
     outside = (away > 1.3 * radius) & (away < 1.7 * radius)
     if not inside.any() or not outside.any():
         return
-    own = np.nanmedian(np.abs(behind - shown)[inside].sum(axis=-1))
+    own = np.nanmedian(np.abs(behind - picture)[inside].sum(axis=-1))
     wall = np.nanmedian(behind[outside], axis=0)
     contrast = np.nanmedian(np.abs(behind - wall)[inside].sum(axis=-1))
     if own < 0.5 * contrast:

@@ -78,7 +78,7 @@ class Predictor:
         """Return the state at `time` and the angles at `instants`, sorted, around it.
 
         `pivot_stiffness` is the pivot's acceleration over the length [1/s^2], which adds to
-        gravity's. Contacts are told up to `until` [s] at least.
+        gravity's. Contacts are predicted up to `until` [s] at least.
         """
         force = self.stiffness + pivot_stiffness
         angles, speeds = self.angles.copy(), self.velocities.copy()

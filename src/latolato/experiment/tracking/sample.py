@@ -83,9 +83,9 @@ def _median(planes: list[np.ndarray]) -> np.ndarray:
     flat = [plane.ravel() for plane in planes]
     for first in range(0, len(median), _PART):
         part = np.stack([plane[first : first + _PART] for plane in flat])
-        found = np.zeros(part.shape[1], np.uint8)
+        levels = np.zeros(part.shape[1], np.uint8)
         for bit in np.uint8(1) << np.arange(8, dtype=np.uint8)[::-1]:
-            smaller = (part < (found | bit)).view(np.uint8).sum(axis=0, dtype=np.uint8)
-            found[smaller <= middle] |= bit
-        median[first : first + _PART] = found
+            smaller = (part < (levels | bit)).view(np.uint8).sum(axis=0, dtype=np.uint8)
+            levels[smaller <= middle] |= bit
+        median[first : first + _PART] = levels
     return median.reshape(planes[0].shape)

@@ -31,7 +31,7 @@ _SLOW = 0.4
 
 
 @dataclass
-class Found:
+class Sighting:
     """A ball found in a frame of the sample."""
 
     frame: int
@@ -52,20 +52,24 @@ class Found:
         return np.asarray(path + (self.centre - path.mean(axis=0)))
 
 
-def learn_look(look: Appearance, frames: list[Frame], found: list[Found], is_first: bool) -> float:
+def learn_look(
+    look: Appearance, frames: list[Frame], sightings: list[Sighting], is_first: bool
+) -> float:
     """Learn radius, softness, colours and noise anew from the balls found; return their arm."""
-    good = [one for one in found if one.explained > _TEACHES] or found
+    good = [one for one in sightings if one.explained > _TEACHES] or sightings
     arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
-    _learn_edge(look, frames, teachers, found, arm, is_first)
+    _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm)
     _learn_noise(look, frames, good)
     return arm
 
 
-def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+def _learn_paint(
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
+) -> None:
     """Learn the balls' colours, and whether they turn with the rod or stay as the light does."""
     inner = look.radius - 1.6 * look.blur - 0.3
     best: tuple[float, bool, np.ndarray] | None = None
@@ -97,8 +101,8 @@ def _learn_paint(look: Appearance, frames: list[Frame], teachers: list[Found], a
 def _learn_edge(
     look: Appearance,
     frames: list[Frame],
-    teachers: list[Found],
-    found: list[Found],
+    teachers: list[Sighting],
+    sightings: list[Sighting],
     arm: float,
     is_far: bool,
 ) -> None:
@@ -120,7 +124,7 @@ def _learn_edge(
         image = look.colours.window(
             frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
         )
-        others = [o.centre - corner for o in found if o.frame == one.frame and o is not one]
+        others = [o.centre - corner for o in sightings if o.frame == one.frame and o is not one]
         shots.append(
             Shot(
                 image,
@@ -135,7 +139,7 @@ def _learn_edge(
     look.radius, look.blur, look.radius_sigma = edge.radius, edge.blur, edge.sigma
 
 
-def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm: float) -> None:
+def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float) -> None:
     """Choose the radius and softness with which the colours learned so far explain most."""
     paths = [one.path(arm, look.exposure) for one in teachers]
 
@@ -157,11 +161,11 @@ def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Found], arm
     look.radius_sigma = look.blur
 
 
-def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> None:
+def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting]) -> None:
     """Learn the covariance of what the background does not explain around the balls."""
     outer, inner, rest_walls = [], [], []
     exposure = look.exposure or 0.5
-    for one in found[:: max(1, len(found) // _RINGS)]:
+    for one in sightings[:: max(1, len(sightings) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
         smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
         half = int(1.7 * look.radius + 0.5 * smear) + 2
@@ -217,14 +221,14 @@ def _learn_noise(look: Appearance, frames: list[Frame], found: list[Found]) -> N
 
 
 def learn_exposure(
-    look: Appearance, frames: list[Frame], found: list[Found], arm: float, balls: int
+    look: Appearance, frames: list[Frame], sightings: list[Sighting], arm: float, balls: int
 ) -> None:
     """Learn which share of the frame interval is exposed, from the fastest balls found."""
-    moving = [one for one in found if abs(one.speed) * arm > 3.0 and one.explained > 0.3]
+    moving = [one for one in sightings if abs(one.speed) * arm > 3.0 and one.explained > 0.3]
     if balls == 2:  # away from contacts, where the speed is not that of the pair of frames
         alone = []
         for one in moving:
-            others = [o for o in found if o.frame == one.frame and o is not one]
+            others = [o for o in sightings if o.frame == one.frame and o is not one]
             if all(np.hypot(*(o.centre - one.centre)) > 4.0 * look.radius for o in others):
                 alone.append(one)
         moving = alone
@@ -264,7 +268,7 @@ def _least(costs: dict[float, float]) -> float:
 
 
 def _cost_in_window(
-    look: Appearance, frame: Frame, path: np.ndarray, one: Found, arm: float
+    look: Appearance, frame: Frame, path: np.ndarray, one: Sighting, arm: float
 ) -> float:
     """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
     fit = fit_balls(look, frame[2:], [path], one.pivot)

@@ -7,8 +7,10 @@ import { t } from "../strings.js";
 const AGAIN = 2000; // ms
 
 /**
- * @typedef {(stage: string, share: number) => void} Told
- * @typedef {{desk: string, fields: Record<string, any>, examples: string[],
+ * @typedef {(stage: string, share: number) => void} Tell
+ * @typedef {{kind: string, title: string, headline: string[], hint: string, is_slow: boolean,
+ *   fewest_balls: number}} FitKind
+ * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],
  *   limits: {upload: number, duration: number, pixels: number}}} Hello
  * @typedef {{promise: Promise<any>, cancel: () => void}} Job
  */
@@ -24,7 +26,7 @@ export class Desk {
     this.count = 0;
     /** How often a connection was made: films of an earlier one are gone. */
     this.epoch = 0;
-    /** @type {Map<number, {told: Told, done: (found: any) => void, fail: (e: Error) => void}>} */
+    /** @type {Map<number, {tell: Tell, done: (result: any) => void, fail: (e: Error) => void}>} */
     this.jobs = new Map();
     this.connect();
   }
@@ -55,7 +57,7 @@ export class Desk {
     const job = this.jobs.get(message.job);
     if (!job) return;
     if ("stage" in message) {
-      job.told(message.stage, message.progress);
+      job.tell(message.stage, message.progress);
       return;
     }
     this.jobs.delete(message.job);
@@ -67,10 +69,10 @@ export class Desk {
   /**
    * Return a job that the server works on; its promise fails with a Refusal, or an AbortError.
    * @param {Record<string, any>} what
-   * @param {Told} [told]
+   * @param {Tell} [tell]
    * @returns {Job}
    */
-  job(what, told = () => {}) {
+  job(what, tell = () => {}) {
     this.count += 1;
     const job = this.count;
     const send = (/** @type {any} */ message) => this.socket?.send(JSON.stringify(message));
@@ -79,7 +81,7 @@ export class Desk {
         fail(new Refusal(t("offline")));
         return;
       }
-      this.jobs.set(job, { told, done, fail });
+      this.jobs.set(job, { tell, done, fail });
       send({ ...what, job });
     });
     return { promise, cancel: () => { if (this.jobs.has(job)) send({ do: "cancel", job }); } };
@@ -88,10 +90,10 @@ export class Desk {
   /**
    * Return an upload; its promise gives the key of the film.
    * @param {File} file
-   * @param {Told} told
+   * @param {Tell} tell
    * @returns {Job}
    */
-  upload(file, told) {
+  upload(file, tell) {
     const request = new XMLHttpRequest();
     const promise = new Promise((done, fail) => {
       if (!this.hello) {
@@ -106,14 +108,14 @@ export class Desk {
       request.open("POST", `/api/films?desk=${encodeURIComponent(this.hello.desk)}`);
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
-      request.upload.addEventListener("progress", (e) => told("uploading", e.loaded / e.total));
+      request.upload.addEventListener("progress", (e) => tell("uploading", e.loaded / e.total));
       request.addEventListener("abort", () => fail(new DOMException("", "AbortError")));
       request.addEventListener("error", () => fail(new Refusal(t("offline"))));
       request.addEventListener("load", () => {
         if (request.status === 200) done(request.response);
         else fail(new Refusal(request.response?.error ?? t("offline")));
       });
-      told("uploading", 0);
+      tell("uploading", 0);
       request.send(file);
     });
     return { promise, cancel: () => request.abort() };

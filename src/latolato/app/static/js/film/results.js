@@ -9,31 +9,27 @@ import { short, shownUnit, symbolParts, toPlace, withSigma } from "../units.js";
 /** @typedef {{kind: string, error?: string, verdict?: string, values?: Record<string, Value>,
  *   play?: Record<string, any>}} Fit */
 
-/** What is shown at once; the rest is behind "more". */
-/** @type {Record<string, string[]>} */
-const MAIN = {
-  decay: ["damping", "decay_rate", "length", "natural_frequency"],
-  drive: ["drive_amplitude", "drive_frequency", "drive_frequency_final", "drive_phase"],
-  restitution: ["restitution"],
-};
+/** @typedef {import("./desk.js").FitKind} FitKind */
 const DEGREES = 180 / Math.PI;
 
 /**
- * Return the card of a fit.
+ * Return the card of a fit; what is no headline is behind "more".
  * @param {Fit} fit
+ * @param {FitKind} kind
  * @param {Record<string, number>} truth of a synthetic film
  * @param {any} registry
  * @param {(options: Record<string, any>) => void} play
  * @param {Node} again what does it once more
  */
-export function fitCard(fit, truth, registry, play, again) {
+export function fitCard(fit, kind, truth, registry, play, again) {
   const values = fit.values ?? {};
-  const main = (MAIN[fit.kind] ?? Object.keys(values)).filter((name) => name in values);
+  const first = kind.headline.length > 0 ? kind.headline : Object.keys(values);
+  const main = first.filter((name) => name in values);
   const rest = Object.keys(values).filter((name) => !main.includes(name));
   const table = (/** @type {string[]} */ names) =>
-    fitTable(fit.kind, names, values, truth, registry);
+    fitTable(kind.title, names, values, truth, registry);
   return el("section", { class: "card fit", "data-fit": fit.kind },
-    el("h2", {}, t(`fit_${fit.kind}`)), table(main), el("p", { class: "hint" }, fit.verdict ?? ""),
+    el("h2", {}, kind.title), table(main), el("p", { class: "hint" }, fit.verdict ?? ""),
     rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
       table(rest)),
     el("div", { class: "actions" }, fit.play && el("button", { type: "button",
@@ -41,27 +37,38 @@ export function fitCard(fit, truth, registry, play, again) {
 }
 
 /**
- * Return the card of the fits that a film does not allow, with the reasons.
- * @param {Fit[]} fits
+ * Return the card of a fit that waits for a click.
+ * @param {FitKind} kind
+ * @param {Node} button
  */
-export function refusedCard(fits) {
-  return el("section", { class: "card" }, el("h2", {}, t("notHere")),
-    ...fits.map((fit) => el("p", { class: "hint" },
-      el("strong", {}, t(`fit_${fit.kind}`)), ": ", fit.error)));
+export function waitingCard(kind, button) {
+  return el("section", { class: "card" }, el("h2", {}, kind.title),
+    el("p", { class: "hint" }, kind.hint), el("div", { class: "actions" }, button));
 }
 
 /**
- * @param {string} kind
+ * Return the card of the fits that a film does not allow, with the reasons.
+ * @param {Fit[]} fits
+ * @param {Record<string, FitKind>} kinds
+ */
+export function refusedCard(fits, kinds) {
+  return el("section", { class: "card" }, el("h2", {}, t("notHere")),
+    ...fits.map((fit) => el("p", { class: "hint" },
+      el("strong", {}, kinds[fit.kind].title), ": ", fit.error)));
+}
+
+/**
+ * @param {string} title
  * @param {string[]} names
  * @param {Record<string, Value>} values
  * @param {Record<string, number>} truth
  * @param {any} registry
  */
-function fitTable(kind, names, values, truth, registry) {
+function fitTable(title, names, values, truth, registry) {
   const compared = names.some((name) => name in truth);
   const heads = ["quantity", "fitted", ...(compared ? ["truth"] : [])];
   return el("div", { class: "table-scroll", tabindex: "0", role: "region",
-    "aria-label": t(`fit_${kind}`) },
+    "aria-label": title },
   el("table", {}, head(heads),
     el("tbody", {}, ...names.map((name) => {
       const { value, sigma, low, high, units, label, symbol } = values[name];

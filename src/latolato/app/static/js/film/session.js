@@ -64,7 +64,7 @@ export class Session {
   /**
    * Return what a job found, null if it failed or was cancelled; the film shows how far it is.
    * @param {Film} film
-   * @param {(told: import("./desk.js").Told) => import("./desk.js").Job} start
+   * @param {(tell: import("./desk.js").Tell) => import("./desk.js").Job} start
    */
   async work(film, start) {
     film.error = film.field = null;
@@ -106,12 +106,12 @@ export class Session {
    */
   async send(film) {
     const { desk } = this;
-    const sent = await this.work(film, (told) =>
-      desk.upload(/** @type {File} */ (film.file), told));
+    const sent = await this.work(film, (tell) =>
+      desk.upload(/** @type {File} */ (film.file), tell));
     if (!sent) return;
     film.key = sent.film;
     film.epoch = desk.epoch;
-    const found = await this.work(film, (told) => desk.job({ do: "look", film: film.key }, told));
+    const found = await this.work(film, (tell) => desk.job({ do: "look", film: film.key }, tell));
     if (found) await this.seen(film, found);
   }
 
@@ -121,7 +121,7 @@ export class Session {
    */
   async example(kind) {
     const film = this.begin(t(`example_${kind}`), null);
-    const found = await this.work(film, (told) => this.desk.job({ do: "example", kind }, told));
+    const found = await this.work(film, (tell) => this.desk.job({ do: "example", kind }, tell));
     if (!found) return null;
     film.key = found.film;
     film.epoch = this.desk.epoch;
@@ -164,12 +164,12 @@ export class Session {
   /**
    * Track a film.
    * @param {Film} film
-   * @param {Record<string, any>} told
+   * @param {Record<string, any>} description
    */
-  async track(film, told) {
+  async track(film, description) {
     if (!(await this.ensure(film))) return;
     const found = await this.work(film, (progress) =>
-      this.desk.job({ do: "track", film: film.key, told }, progress));
+      this.desk.job({ do: "track", film: film.key, description }, progress));
     if (!found) return;
     const track = new Track(await filmBlock(film.key, "points.bin"));
     film.track = track;
@@ -188,16 +188,16 @@ export class Session {
    * Do one fit again.
    * @param {Film} film
    * @param {string} kind
-   * @param {Record<string, any>} told
+   * @param {Record<string, any>} description
    */
-  async fit(film, kind, told) {
+  async fit(film, kind, description) {
     if (!this.isKept(film)) {
       film.error = t("filmsLost");
       this.changed();
       return;
     }
     const found = await this.work(film, (progress) =>
-      this.desk.job({ do: "fit", kind, film: film.key, told }, progress));
+      this.desk.job({ do: "fit", kind, film: film.key, description }, progress));
     if (!found) return;
     film.fits = { ...film.fits, [kind]: found };
     await this.lay(film, { [kind]: found });
@@ -220,8 +220,8 @@ export class Session {
    * @param {string} file
    */
   async make(film, file) {
-    const found = await this.work(film, (told) =>
-      this.desk.job({ do: "export", file, film: film.key }, told));
+    const found = await this.work(film, (tell) =>
+      this.desk.job({ do: "export", file, film: film.key }, tell));
     if (found) film.files.add(file);
     this.changed();
     return found !== null;

@@ -1,4 +1,4 @@
-/** What is told of a video before it is tracked: scale, masses, camera, and how many balls. */
+/** The description of a video before it is tracked: scale, masses, camera, and how many balls. */
 
 import { el, freshId } from "../dom.js";
 import { Form } from "../form.js";

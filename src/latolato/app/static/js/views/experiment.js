@@ -4,7 +4,7 @@ import { Curves } from "../curves.js";
 import { el, refresh } from "../dom.js";
 import { dropCard, exportsCard, filmList } from "../film/cards.js";
 import { Handles } from "../film/handles.js";
-import { fitCard, refusedCard, trialTable } from "../film/results.js";
+import { fitCard, refusedCard, trialTable, waitingCard } from "../film/results.js";
 import { Screen } from "../film/screen.js";
 import { Session } from "../film/session.js";
 import { Setup } from "../film/setup.js";
@@ -31,10 +31,12 @@ export class ExperimentView {
     this.curves = new Curves(curves, this.screen.clock, []);
     /** @type {Setup | null} */
     this.setup = null;
+    /** @type {Record<string, import("../film/desk.js").FitKind>} */
+    this.kinds = {};
     this.shown = "";
     this.drop = el("div", { class: "film-drop" });
     this.list = el("div", { class: "film-list" });
-    this.told = el("div", { class: "film-told" });
+    this.form = el("div", { class: "film-form" });
     this.exports = el("div", { class: "film-exports" });
     this.welcome = el("div", { class: "welcome" },
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
@@ -43,7 +45,7 @@ export class ExperimentView {
     this.cards = el("div", { class: "cards" });
     this.player = el("div", { class: "player" }, this.screen.root, curves, this.cards);
     this.trials = el("section", { class: "card film-trials" });
-    this.side = el("aside", { class: "side" }, this.list, this.told, this.exports);
+    this.side = el("aside", { class: "side" }, this.list, this.form, this.exports);
     this.root = el("div", { class: "view split experiment", on: {
       dragover: (/** @type {DragEvent} */ e) => this.dragged(e, true),
       dragleave: (/** @type {DragEvent} */ e) => this.dragged(e, false),
@@ -90,7 +92,7 @@ export class ExperimentView {
     const { films } = this.session;
     refresh(this.list, [films.map((f) => [f.id, f.stage !== null]), film?.id], () =>
       [filmList(this.session, (each) => this.open(each))]);
-    this.told.hidden = !film;
+    this.form.hidden = !film;
     if (film) this.setup?.update(film);
     const isKept = this.session.isKept(film);
     refresh(this.exports,
@@ -124,7 +126,8 @@ export class ExperimentView {
       cancel: () => this.session.film?.cancel(),
     });
     this.setup = setup;
-    this.told.replaceChildren(setup.root);
+    this.form.replaceChildren(setup.root);
+    this.kinds = Object.fromEntries(hello.fits.map((kind) => [kind.kind, kind]));
     this.drop.replaceChildren(dropCard(hello, (file) => void this.session.add(file),
       (kind) => void this.example(kind)));
     const linked = this.page.store.state.extra[LINKED];
@@ -170,18 +173,20 @@ export class ExperimentView {
       this.cards.replaceChildren();
       return;
     }
-    const again = (/** @type {string} */ kind, /** @type {string} */ text) => el("button", {
+    const button = (/** @type {string} */ kind, /** @type {string} */ text) => el("button", {
       type: "button", disabled: film.stage !== null,
-      on: { click: () => void this.session.fit(film, kind, this.spoken(film)) } }, t(text));
+      on: { click: () => void this.session.fit(film, kind, this.description(film)) } }, text);
     const fits = Object.values(film.fits);
-    const cards = fits.filter((fit) => !fit.error).map((fit) => fitCard(fit, film.truth,
-      this.page.registry, (options) => this.play(options), again(fit.kind, "fitAgain")));
-    if (!film.fits.model && film.track?.hasAngles)
-      cards.push(el("section", { class: "card" }, el("h2", {}, t("fit_model")),
-        el("p", { class: "hint" }, t("fitModelHint")),
-        el("div", { class: "actions" }, again("model", "fitModel"))));
+    const cards = fits.filter((fit) => !fit.error).map((fit) => fitCard(fit, this.kinds[fit.kind],
+      film.truth, this.page.registry, (options) => this.play(options),
+      button(fit.kind, t("fitAgain"))));
+    const balls = film.track?.hasAngles ? film.track.count : 0;
+    const waiting = Object.values(this.kinds).filter((kind) =>
+      kind.is_slow && kind.fewest_balls <= balls && !film.fits[kind.kind]);
+    cards.push(...waiting.map((kind) => waitingCard(kind,
+      button(kind.kind, t("fitOnce", { name: kind.title.toLowerCase() })))));
     const refused = fits.filter((fit) => fit.error);
-    if (refused.length) cards.push(refusedCard(refused));
+    if (refused.length) cards.push(refusedCard(refused, this.kinds));
     this.cards.replaceChildren(...cards);
   }
 
@@ -199,8 +204,8 @@ export class ExperimentView {
       t("export_trials")) : ""]);
   }
 
-  /** Return what is told the server of a film: places, quantities, and who placed the handles. */
-  spoken(/** @type {Film} */ film) {
+  /** Return the description of a film: places, quantities, and who placed the handles. */
+  description(/** @type {Film} */ film) {
     const { pivot, ball_1, ball_2 } = film.places;
     const pair = (/** @type {import("../film/handles.js").Place} */ p) => [p.u, p.v];
     return { ...this.setup?.values, is_proposed: film.isProposed,
@@ -211,7 +216,7 @@ export class ExperimentView {
   tracked() {
     const { film } = this.session;
     if (!film) return;
-    void this.session.track(film, this.spoken(film));
+    void this.session.track(film, this.description(film));
     this.setup?.cancel.focus();
   }
 

@@ -1,0 +1,55 @@
+"""What is known of an experiment before anything is fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from latolato.core.errors import InputError
+from latolato.experiment.table import balls_of
+from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# First guesses where nothing is given: mass [kg], damping [kg m/s], restitution, ball over length.
+_MASS, _DAMPING, _RESTITUTION, _SMALL = 0.1, 0.003, 0.9, 1.0 / 12.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Apparatus:
+    """What is known of what swings before anything is fitted, in SI units; None is unknown."""
+
+    length: float | None = None
+    radius: float | None = None
+    mass: float | None = None
+    damping: float | None = None
+    restitution: float | None = None
+    gravity: float = GRAVITY
+
+    @property
+    def some_mass(self) -> float:
+        """The mass, or a first guess of it [kg]."""
+        return self.mass or _MASS
+
+    def guess(self, table: xr.Dataset) -> Pendulum | LatoLato:
+        """Return what swings in a track table, with first guesses of what is not known.
+
+        Raises
+        ------
+        InputError
+            Without a length.
+        """
+        if not self.length:
+            raise InputError("must be known: it is the scale of the motion", parameter="length")
+        common: dict[str, Any] = {
+            "length": self.length,
+            "mass": self.some_mass,
+            "damping": _DAMPING if self.damping is None else self.damping,
+            "gravity": self.gravity,
+        }
+        if balls_of(table) == 1:
+            return Pendulum(**common)
+        radius = self.radius or table.attrs.get("measured_radius") or _SMALL * self.length
+        restitution = _RESTITUTION if self.restitution is None else self.restitution
+        return LatoLato(**common, radius=float(radius), restitution=restitution)
