@@ -261,10 +261,9 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     """Return the numbers that a diagram can vary: what they are, their unit, and usual limits."""
     from latolato.analysis.flow import value_of
     from latolato.figures.style import pretty_unit
-    from latolato.physics.drives import Static
     from latolato.sweeps import axes
 
-    if isinstance(scenario.drive, Static):
+    if not scenario.drive.moves:
         return {}
     found = {}
     for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():

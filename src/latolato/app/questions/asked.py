@@ -76,35 +76,32 @@ def asked(name: str, **words: Any) -> Callable[[Verdict], Verdict]:
 
 def settles(system: Any, drive: Any) -> str | None:
     """Say whether there is a motion that lasts."""
-    from latolato.physics.pendulum import Mathieu
-
-    if isinstance(system, Mathieu):
+    if system.is_linear:
         return "The Mathieu equation only grows or decays: choose a pendulum or a toy."
     return None
 
 
 def is_shaken(system: Any, drive: Any) -> str | None:
     """Say whether the pivot repeats the same movement."""
-    from latolato.physics.drives import CrankSlider, Harmonic
+    from latolato.physics.drives import PeriodicDrive
 
-    if not isinstance(drive, (Harmonic, CrankSlider)) or drive.drive_frequency == 0.0:
+    if not isinstance(drive, PeriodicDrive) or drive.drive_frequency == 0.0:
         return "The pivot must be shaken evenly: choose the drive Harmonic or CrankSlider."
     return None
 
 
 def is_even(system: Any, drive: Any) -> str | None:
     """Say whether the pivot rests or repeats the same movement."""
-    from latolato.physics.drives import Static
-
-    return None if isinstance(drive, Static) else is_shaken(system, drive)
+    return is_shaken(system, drive) if drive.moves else None
 
 
-def is_harmonic(system: Any, drive: Any) -> str | None:
-    """Say whether the pivot moves as a cosine."""
-    from latolato.physics.drives import Harmonic
+def ends_as_cosine(system: Any, drive: Any) -> str | None:
+    """Say whether the pivot moves as a cosine at last."""
+    from latolato.analysis.shortest_protocol import last_cosine
 
-    if not isinstance(drive, Harmonic) or drive.drive_frequency == 0.0:
-        return "The pivot must move as a cosine: choose the drive Harmonic."
+    last = last_cosine(drive)
+    if last is None or last.frequency == 0.0:
+        return "The pivot must move as a cosine at last: choose the drive Harmonic."
     return None
 
 
@@ -127,16 +124,14 @@ def is_toy(system: Any, drive: Any) -> str | None:
 def _is_free(position: str) -> Condition:
     def check(system: Any, drive: Any) -> str | None:
         from latolato.analysis.linear import linearised
-        from latolato.physics.drives import Static
-        from latolato.physics.pendulum import Mathieu
 
         if system.has_contacts:
             where = "hang straight down" if position == "hanging" else "stand upright"
             return f"It is about one ball: two of them touch before they {where}."
-        if position == "inverted" and isinstance(system, Mathieu):
+        if position == "inverted" and system.is_linear:
             return "The Mathieu equation knows no upright position: choose a pendulum."
         try:
-            linearised(system, None if isinstance(drive, Static) else drive, position)
+            linearised(system, drive if drive.moves else None, position)
         except InputError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return None

@@ -10,8 +10,8 @@ import numpy as np
 from latolato.app.questions.asked import (
     BEGINNING,
     asked,
+    ends_as_cosine,
     has_contacts,
-    is_harmonic,
     is_shaken,
     settles,
 )
@@ -137,7 +137,7 @@ def self_start(found: xr.Dataset) -> str:
     "nothing was searched, a curve shows how far each push leads.",
     first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
     quick={"phases": "4"},
-    conditions=(settles, is_harmonic),
+    conditions=(settles, ends_as_cosine),
 )
 def shortest_protocol(found: xr.Dataset) -> str:
     """Tell the shortest protocol and the least push."""
@@ -167,7 +167,7 @@ def shortest_protocol(found: xr.Dataset) -> str:
     "both curves part, the toy does one thing or the other, depending on its past.",
     first=("frequency_ratio", "duration"),
     quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
-    conditions=(settles, is_harmonic),
+    conditions=(settles, is_shaken),
 )
 def hysteresis(found: xr.Dataset) -> str:
     """Tell the range with two answers and the jumps."""

@@ -12,7 +12,6 @@ from latolato.app.questions.asked import (
     asked,
     has_contacts,
     is_even,
-    is_harmonic,
     is_shaken,
     settles,
 )
@@ -201,7 +200,7 @@ def impact_map(found: xr.Dataset) -> str:
     "The left curve is its memory of the beat: flat near 1 it is kept, falling to 0 it is lost.",
     first=("noise_strength", "trajectories", "periods"),
     quick={"noise_strength": "0", "trajectories": "1"},
-    conditions=(is_harmonic,),
+    conditions=(is_shaken,),
 )
 def time_crystal(found: xr.Dataset) -> str:
     """Tell whether there is a line at half the frequency, and how long it keeps its phase."""

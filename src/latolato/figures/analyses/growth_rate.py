@@ -11,7 +11,6 @@ from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.tongues import told
-from latolato.physics.drives import Harmonic, Static
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,14 +29,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes = panels[0, 0]
     rate, w0 = float(dataset.growth_rate), system.natural_frequency
     axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
-    if isinstance(drive, Static) or about["drive_frequency"] == 0.0:
+    if not drive.moves or about["drive_frequency"] == 0.0:
         place = 0.0
         axes.axhline(rate, color=style.BLUE)
         axes.set_xlim(0.0, 3.2)
     else:
         template: Any = drive
         place = about["drive_frequency"] / w0
-        plain = isinstance(drive, Harmonic) and about["position"] == "hanging"
+        plain = template.is_cosine and about["position"] == "hanging"
         count = _SAMPLES if plain else _FEW_SAMPLES
         ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), count)
         rates = [
