@@ -5,8 +5,17 @@ import pytest
 from latolato.app import analysis_forms, forms
 from latolato.scenario.options import law_options
 
+# Files of an analysis, which its test puts in their places.
+collect_ignore = ["analysis", "figures"]
+
 # What is made once, from the laws that are registered then.
-MADE_ONCE = (law_options, forms._registry, forms.label_of, analysis_forms.forms)
+MADE_ONCE = (
+    law_options,
+    forms._registry,
+    forms.label_of,
+    analysis_forms.forms,
+    analysis_forms.option_words,
+)
 
 
 @pytest.fixture

@@ -137,16 +137,7 @@ def picture_of(name: str) -> Callable[[xr.Dataset], Figure]:
     InputError
         If it has no picture.
     """
-    import importlib
+    from latolato.figures.analyses import module_of
 
-    from latolato.figures import analyses
-
-    home = f"{analyses.__name__}.{name}"
-    try:
-        module = importlib.import_module(home)
-    except ModuleNotFoundError as error:
-        if error.name != home:
-            raise
-        raise InputError(f"analysis '{name}' has no picture; its numbers can be stored") from None
-    draw: Callable[[xr.Dataset], Figure] = module.draw
+    draw: Callable[[xr.Dataset], Figure] = module_of(name).draw
     return draw
