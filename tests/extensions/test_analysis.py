@@ -31,9 +31,13 @@ def two_files(monkeypatch, forget):
     ll.analysis.__loader__.exec_module(ll.analysis)  # it looks again for what it holds
     forget()
     yield
-    for package in packages:
-        sys.modules.pop(f"{package.__name__}.swing_time", None)
-        vars(package).pop("swing_time", None)
+    for package, names in {
+        ll.analysis: ("swings", "swing_time"),
+        pictures: ("swing_time",),
+    }.items():
+        for name in names:
+            sys.modules.pop(f"{package.__name__}.{name}", None)
+            vars(package).pop(name, None)
 
 
 def test_python_finds_and_draws_it():
