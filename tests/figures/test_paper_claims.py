@@ -6,8 +6,8 @@ import pytest
 
 from latolato.figures import catalogue
 from latolato.figures.claim import Verdict
+from quick_figures import EVIDENCE, quick_data
 
-EVIDENCE = catalogue.evidence()
 YES, PART, NO = Verdict.REPRODUCED, Verdict.ASSUMED, Verdict.NOT_AS_PRINTED
 METHOD = Verdict.METHOD_CHECK
 
@@ -126,7 +126,7 @@ NUMBERS = [
 @cache
 def claims(name):
     module = EVIDENCE[name]
-    return {claim.name: claim for claim in catalogue.judge(module, module.data(quick=True))}
+    return {claim.name: claim for claim in catalogue.judge(module, quick_data(name))}
 
 
 def test_every_statement_has_an_expected_verdict():
