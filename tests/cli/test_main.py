@@ -424,7 +424,7 @@ def test_json_is_strict_and_has_null_for_what_never_happened():
     def refuse(constant):
         raise ValueError(constant)
 
-    assert json.loads(printed, parse_constant=refuse)["slack_time"] is None
+    assert json.loads(printed, parse_constant=refuse)["compression_time"] is None
 
 
 def test_a_warning_is_one_line_on_standard_error(capsys):

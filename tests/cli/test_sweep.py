@@ -183,14 +183,18 @@ def test_a_store_is_shown_and_run_again_with_changes():
         (ll.Pendulum(length=1.0, mass=0.8), {"initial_angle": 0.1}),
         (
             ll.LatoLato(length=1.0, mass=0.8, radius=0.1),
-            {"initial_offset": 0.1, "contact": ll.Clamp(step=2e-3), "transient_periods": 2.0},
+            {
+                "initial_offset": 0.1,
+                "contact": ll.ClampContact(clamp_step=2e-3),
+                "transient_periods": 2.0,
+            },
         ),
         (
             ll.BallPair(
                 right=ll.Ball(length=1.0, mass=0.8, radius=0.1),
                 left=ll.Ball(length=1.0, mass=0.7, radius=0.1),
             ),
-            {"initial_angle": (0.3, -0.2), "noise": ll.VelocityKicks(strength=1e-3, seed=2)},
+            {"initial_angle": (0.3, -0.2), "noise": ll.VelocityKicks(noise_strength=1e-3, noise_seed=2)},
         ),
     ],
     ids=["pendulum", "clamp", "pair"],

@@ -176,7 +176,7 @@ def test_its_energy_is_accounted_for():
 
 
 def test_kicks_in_the_wall_leave_no_gap_in_the_ledger():
-    kicks = ll.VelocityKicks(strength=1.0, interval=0.05, seed=1)
+    kicks = ll.VelocityKicks(noise_strength=1.0, noise_interval=0.05, noise_seed=1)
     run = ll.simulate(TOY, SHAKEN, initial_angle=0.6, duration=5.0, contact=SOFT, noise=kicks)
     assert run.attrs["energy_residual"] < 1e-8
 

@@ -129,7 +129,7 @@ def test_labels_come_from_the_metadata():
 
 
 def test_the_clamp_is_called_an_artefact():
-    titles = [axes.get_title(loc="left") for axes in ll.plot(toy(contact=ll.Clamp())).axes]
+    titles = [axes.get_title(loc="left") for axes in ll.plot(toy(contact=ll.ClampContact())).axes]
     assert "Angles (a fixed-step artefact)" in titles
 
 

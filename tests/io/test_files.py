@@ -38,7 +38,7 @@ def run(request):
     if request.param == "no contact yet":
         return ll.simulate(TOY, initial_angle=0.5, duration=0.1)
     if request.param == "pair":
-        noise = ll.VelocityKicks(strength=0.05, seed=2)
+        noise = ll.VelocityKicks(noise_strength=0.05, noise_seed=2)
         pair = ll.BallPair(right=BALL, left=BALL)
         return ll.simulate(pair, initial_angle=(0.5, -0.4), duration=3.0, noise=noise)
     if request.param == "pair without walls":
@@ -380,7 +380,7 @@ def test_a_sweep_is_a_table_of_points_and_comes_back(tmp_path, number, suffix):
 def test_what_fits_no_table_is_refused_with_the_way_out(tmp_path):
     drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
     options = {"axes": {"drive_amplitude": [0.1, 0.2]}, "initial_offset": 0.1, "duration": 100.0}
-    grid = filled(make_plan(TOY, drive, **options, observables=["stroboscope"]))
+    grid = filled(make_plan(TOY, drive, **options, observables=["poincare_section"]))
     with pytest.raises(ValueError, match=r"over sample: it fits no table; use \.nc"):
         save(grid, tmp_path / "map.csv")
     part = filled(make_plan(TOY, drive, **options)).isel(drive_amplitude=[0])

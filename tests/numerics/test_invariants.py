@@ -164,7 +164,7 @@ class TestLedger:
 
     def test_noise_work_enters_the_ledger(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)
-        noise = ll.VelocityKicks(strength=0.3, seed=5)
+        noise = ll.VelocityKicks(noise_strength=0.3, noise_seed=5)
         run = ll.simulate(toy, initial_offset=0.0, duration=60.0, noise=noise)
         assert residual(run) <= 1e-9
         assert recomputed(run) <= 1e-9
@@ -557,7 +557,7 @@ class TestKernelChunks:
         # Kicks make it whirl faster than its step was made for; before step ends were looked at,
         # a hundred samples led to half the step and the last instant alone did not.
         pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.5)
-        noise = ll.VelocityKicks(strength=30.0, seed=4, interval=0.5)
+        noise = ll.VelocityKicks(noise_strength=30.0, noise_seed=4, noise_interval=0.5)
         found = [
             ll.simulate(pendulum, initial_angle=0.5, noise=noise, times=times)
             for times in ([20.0], np.linspace(0.0, 20.0, 2001))
@@ -566,7 +566,7 @@ class TestKernelChunks:
             assert float(found[0][name][-1]) == float(found[1][name][-1])
         assert found[0].attrs["step_halvings"] == found[1].attrs["step_halvings"] > 0
 
-    @pytest.mark.parametrize("contact", ["exact", ll.Clamp(step=1e-3)])
+    @pytest.mark.parametrize("contact", ["exact", ll.ClampContact(clamp_step=1e-3)])
     def test_ledger_error_is_that_of_all_steps(self, contact):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)
         drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=7.5)

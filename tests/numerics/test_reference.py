@@ -55,12 +55,17 @@ def test_contacts(case, run):
 
 
 def test_slack(case, run):
-    if "slack_time" not in case:
+    if "compression_time" not in case:
         if "balls" not in case["model"] and case["model"] != "linear pendulum (eq14)":
-            assert math.isnan(run.attrs["slack_time"]) or "agree_digits" not in case
+            assert math.isnan(run.attrs["compression_time"]) or "agree_digits" not in case
         return
-    check(run.attrs["slack_time"], case["slack_time"], 1e-8, "slack_time")
-    check(run.attrs["slack_fraction"], case["slack_fraction"], 1e-8, "slack_fraction")
+    check(run.attrs["compression_time"], case["compression_time"], 1e-8, "compression_time")
+    check(
+        run.attrs["compression_fraction"],
+        case["compression_fraction"],
+        1e-8,
+        "compression_fraction",
+    )
 
 
 def test_state_at_a_contact_is_the_state_after_it(case):

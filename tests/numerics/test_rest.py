@@ -528,8 +528,8 @@ class TestCoulombFriction:
         system = ll.Pendulum(length=1.0, mass=0.8, coulomb_damping=20.0)
         run = ll.simulate(system, initial_angle=2.5, duration=2.0)
         assert float(run.tension[0]) == pytest.approx(0.8 * G * math.cos(2.5))
-        assert run.attrs["slack_time"] == 0.0
-        assert run.attrs["slack_fraction"] == pytest.approx(1.0)
+        assert run.attrs["compression_time"] == 0.0
+        assert run.attrs["compression_fraction"] == pytest.approx(1.0)
 
     @pytest.mark.parametrize("start", ["hanging", "on the wall", "two hanging", "in contact"])
     @pytest.mark.parametrize("phase", [1.2, 1.5, 1.8])
@@ -556,9 +556,12 @@ class TestCoulombFriction:
         # slope at zero, w/sqrt(1.5^2 - 1), is the error of an end.
         error = run.attrs["step"] ** 2 / 8.0 * 8.0 / math.sqrt(1.25)
         assert 100.0 * error < ends - begins
-        np.testing.assert_allclose(run.attrs["slack_time"], begins, rtol=0.0, atol=error)
+        np.testing.assert_allclose(run.attrs["compression_time"], begins, rtol=0.0, atol=error)
         np.testing.assert_allclose(
-            np.multiply(run.attrs["slack_fraction"], 0.6), ends - begins, rtol=0.0, atol=2.0 * error
+            np.multiply(run.attrs["compression_fraction"], 0.6),
+            ends - begins,
+            rtol=0.0,
+            atol=2.0 * error,
         )
 
 
@@ -643,7 +646,7 @@ class TestRoundedPairs:
             ball = ll.Ball(length=1.0, mass=1.0, radius=radius)
             pair = ll.BallPair(right=ball, left=ball, restitution=0.0)
             run = ll.simulate(pair, initial_angle=(0.5, -0.3), times=np.linspace(0.0, 2.0, 50))
-            return run.tension, run.attrs["slack_fraction"]
+            return run.tension, run.attrs["compression_fraction"]
 
         points, share = tension(0.0)
         assert not share.any()
@@ -657,8 +660,8 @@ class TestTensionAtRest:
         run = ll.simulate(system, harmonic(0.5), initial_offset=0.0, duration=5.0)
         exact = 0.8 * (G + run.pivot_acceleration) / math.cos(system.contact_angle_low)
         np.testing.assert_allclose(run.tension, exact, rtol=1e-14)
-        assert math.isnan(run.attrs["slack_time"])
-        assert run.attrs["slack_fraction"] == 0.0
+        assert math.isnan(run.attrs["compression_time"])
+        assert run.attrs["compression_fraction"] == 0.0
 
     def test_slack_of_unequal_balls_in_contact_begins_where_each_tension_turns(self):
         # Friction slows the ball ahead, so that both swing over the top as one; their rods are
@@ -681,7 +684,7 @@ class TestTensionAtRest:
         begins = run.time.values[np.argmax(pushed, axis=1)]
         assert np.all(pushed.any(axis=1) & ~pushed[:, 0])
         # samples are 0.1 ms apart, and the tension is taken as linear over a step of 5 ms
-        np.testing.assert_allclose(run.attrs["slack_time"], begins, rtol=0.0, atol=2e-4)
+        np.testing.assert_allclose(run.attrs["compression_time"], begins, rtol=0.0, atol=2e-4)
 
 
 def test_a_stop_at_the_very_instant_of_lift_off_is_reached():

@@ -18,9 +18,9 @@ from latolato.observables import (
     Crossings,
     MotionClass,
     Observable,
+    PoincareSection,
     ResponseSamples,
     SelfStart,
-    Stroboscope,
     observables,
 )
 from latolato.observables.hermite import quintic, turning_angle
@@ -193,7 +193,7 @@ def by_hand(name, begin):
         negative = np.minimum(a[late], 0.0)
         share = np.where(negative < 0.0, 1.0, 0.0)
         pushed.append(float((np.diff(t[late]) * 0.5 * (share[1:] + share[:-1])).sum()) / observed)
-    found["slack_fraction"] = pushed
+    found["compression_fraction"] = pushed
     return {k: np.asarray(a, dtype=np.float64) for k, a in found.items()}
 
 
@@ -201,7 +201,7 @@ def by_hand(name, begin):
 def swept(name, how, executor):
     """A sweep of one point, along an axis that changes nothing."""
     system, drive, start = CASES[name]
-    watched = [o for o in ALL if drive is not None or not isinstance(o, Stroboscope)]
+    watched = [o for o in ALL if drive is not None or not isinstance(o, PoincareSection)]
     return ll.sweep(
         system, drive, axes={"gravity": [9.8]}, duration=DURATION, observables=watched, **start,
         **TRANSIENTS[how], tolerance=TOLERANCE, executor=executor,
@@ -212,7 +212,7 @@ def tolerance_of(variable, largest_energy):
     """How far a variable may lie from the dense run's, and why."""
     if variable in COUNTS:
         return 0.0
-    if variable == "slack_fraction":
+    if variable == "compression_fraction":
         # ends of slack lie between samples a millisecond apart: up to a dozen ends in ten seconds
         return 1e-4
     if variable == "mean_energy":
@@ -272,7 +272,7 @@ def test_variables_of_two_balls_are_the_same_compiled():
 
 
 def test_every_registered_observable_is_held_against_a_dense_run():
-    shown = set(by_hand("bouncing toy", 0.0)) | set(Stroboscope.variables)
+    shown = set(by_hand("bouncing toy", 0.0)) | set(PoincareSection.variables)
     shown |= set(ResponseSamples.variables)  # in tests/analysis/test_response_period.py
     for name, kind in observables.items():
         # What becomes of deviations is held against differences, in tests/analysis/test_flow.py.
@@ -298,7 +298,7 @@ def test_stroboscope_gives_the_state_at_whole_periods(name):
     executor = "reference" if system.angles == 2 else "threads"
     found = swept(name, "no transient", executor)
     assert found.sizes["sample"] == 4
-    pairs = {"stroboscopic_angle": "angle", "stroboscopic_angular_velocity": "angular_velocity"}
+    pairs = {"section_angle": "angle", "section_angular_velocity": "angular_velocity"}
     for variable, plain in pairs.items():
         # a step ends at each sample: other steps, each with its share of the tolerance
         np.testing.assert_allclose(found[variable].values, run[plain].values, rtol=0.0, atol=1e-8)
@@ -307,13 +307,13 @@ def test_stroboscope_gives_the_state_at_whole_periods(name):
 def test_stroboscope_leaves_out_what_is_before_the_start_or_in_the_transient():
     system, drive, start = CASES["rotating pendulum"]
     period = 2.0 * math.pi / drive.drive_frequency
-    options = {"observables": [Stroboscope(periods=4)], "executor": "reference", **start}
+    options = {"observables": [PoincareSection(periods=4)], "executor": "reference", **start}
     axes = {"gravity": [9.8]}
     for transient, known in ((0.0, [False, True, True, True]), (1.5, [False, False, False, True])):
         found = ll.sweep(
             system, drive, axes=axes, duration=2.2 * period, transient=transient * period, **options
         )
-        angles = found.stroboscopic_angle.values[0]
+        angles = found.section_angle.values[0]
         assert list(np.isfinite(angles)) == known
         if not transient:
             assert angles[1] == start["initial_angle"]  # period 0 is the start itself
@@ -328,12 +328,12 @@ def test_a_whole_number_of_periods_ends_with_the_final_state(periods, frequency)
         ll.Harmonic(drive_amplitude=0.1, drive_frequency=frequency),
         axes={"gravity": [9.8]},
         duration=periods * math.tau / frequency,
-        observables=[Stroboscope(periods=4), "final_angle", "final_angular_velocity"],
+        observables=[PoincareSection(periods=4), "final_angle", "final_angular_velocity"],
         executor="reference",
         **start,
     )
-    assert found.stroboscopic_angle.values[0, -1] == found.final_angle.values[0]
-    velocity = found.stroboscopic_angular_velocity.values[0, -1]
+    assert found.section_angle.values[0, -1] == found.final_angle.values[0]
+    velocity = found.section_angular_velocity.values[0, -1]
     assert velocity == found.final_angular_velocity.values[0]
 
 

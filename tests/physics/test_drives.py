@@ -87,7 +87,7 @@ def test_every_field_of_a_stretch_is_a_number(drive):
 
 def test_fastest_frequency_is_not_below_the_rate_of_the_motion(drive):
     if drive.fastest_frequency == 0.0:
-        assert isinstance(drive, ll.Static)
+        assert isinstance(drive, ll.FixedPivot)
         return
     heights = np.array([motion(drive, t)[0] for t in np.linspace(0.0, END, 4001)])
     turns = np.count_nonzero(np.diff(np.sign(np.diff(heights))))
@@ -223,7 +223,7 @@ class TestSwept:
 
 class TestStages:
     def test_one_stage_is_the_harmonic_drive(self):
-        one = ll.Stages(
+        one = ll.StagedHarmonic(
             times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[6.0], ramps=[1.0],
             drive_phase=0.4,
         )  # fmt: skip
@@ -234,7 +234,7 @@ class TestStages:
 
     def test_equal_amplitudes_are_a_frequency_schedule(self):
         times, rates = [0.0, 4.0, 7.0], [19.83, 15.11, 17.0]
-        stages = ll.Stages(
+        stages = ll.StagedHarmonic(
             times=times, drive_amplitudes=[0.03] * 3, drive_frequencies=rates, ramps=[0.5] * 3
         )
         same = ll.FrequencySchedule(
@@ -244,7 +244,7 @@ class TestStages:
             assert motion(stages, t) == pytest.approx(motion(same, t), abs=1e-12)
 
     def test_velocity_is_continuous_also_where_changes_overlap(self):
-        stages = ll.Stages(
+        stages = ll.StagedHarmonic(
             times=[0.0, 1.0, 1.1, 1.15],
             drive_amplitudes=[0.0, 0.04, 0.01, 0.05],
             drive_frequencies=[10.0, 20.0, 5.0, 12.0],
@@ -255,7 +255,7 @@ class TestStages:
 
     def test_bound_covers_a_sudden_change_of_frequency_from_rest(self):
         # With phase pi/2 the acceleration is A phase'' = A 6/0.1 at first, and A 6^2 later.
-        drive = ll.Stages(
+        drive = ll.StagedHarmonic(
             times=(0.0, 1.0), drive_amplitudes=(0.1, 0.1001), drive_frequencies=(0.0, 6.0),
             ramps=(0.1, 0.1), drive_phase=0.5 * math.pi,
         )  # fmt: skip
@@ -265,7 +265,7 @@ class TestStages:
     def test_bound_covers_the_end_of_a_change_that_cuts_another_short(self):
         # At 6 s the amplitude is 0.5 m and grows by 0.15 m/s. The cubic from there to 0.8 m in
         # 3 s has no bend at first and ends with A'' = -2 0.15/3; the first change has 6/10^2.
-        drive = ll.Stages(
+        drive = ll.StagedHarmonic(
             times=(0.0, 1.0, 6.0), drive_amplitudes=(0.0, 1.0, 0.8),
             drive_frequencies=(0.0, 0.0, 0.0), ramps=(1.0, 10.0, 3.0),
         )  # fmt: skip
@@ -273,7 +273,7 @@ class TestStages:
         assert drive.largest_acceleration == pytest.approx(0.1, rel=1e-14)
 
     def test_a_stage_ends_with_its_amplitude_and_frequency(self):
-        stages = ll.Stages(
+        stages = ll.StagedHarmonic(
             times=[0.0, 2.0], drive_amplitudes=[0.01, 0.03], drive_frequencies=[9.0, 12.0],
             ramps=[0.1, 0.1],
         )  # fmt: skip
@@ -285,7 +285,9 @@ class TestStages:
 
     def test_a_stage_without_a_frequency_is_refused(self):
         with pytest.raises(ValueError, match="drive_frequencies must hold at least 1 values"):
-            ll.Stages(times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[], ramps=[1.0])
+            ll.StagedHarmonic(
+                times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[], ramps=[1.0]
+            )
 
 
 class TestCrankSlider:

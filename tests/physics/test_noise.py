@@ -13,7 +13,7 @@ from latolato.physics.noise import BOLTZMANN
 TOY = ll.LatoLato(length=0.5, mass=0.2, radius=0.05, damping=0.01)
 
 
-@pytest.mark.parametrize("law, prefix", [(ll.VelocityKicks, "noise"), (ll.Clamp, "clamp")])
+@pytest.mark.parametrize("law, prefix", [(ll.VelocityKicks, "noise"), (ll.ClampContact, "clamp")])
 def test_every_field_carries_its_quantity_and_range(law, prefix):
     for field in dataclasses.fields(law):
         assert field.metadata["quantity"] is QUANTITIES[f"{prefix}_{field.name}"]
@@ -26,7 +26,7 @@ def test_every_field_carries_its_quantity_and_range(law, prefix):
 
 def test_thermal_noise_balances_the_damping():
     # sigma^2 = 2 gamma k_B T / (m l^2) with gamma = C/(m l)
-    found = ll.VelocityKicks.thermal(TOY, temperature=300, seed=4)
+    found = ll.VelocityKicks.thermal(TOY, temperature=300, noise_seed=4)
     wanted = 2.0 * (0.01 / (0.2 * 0.5)) * BOLTZMANN * 300.0 / (0.2 * 0.5**2)
     assert found.strength == pytest.approx(math.sqrt(wanted), rel=1e-15)  # rounding of one root
     assert found.seed == 4
@@ -71,7 +71,7 @@ def test_wrong_parameters_are_refused(options, message):
 
 
 def test_the_noise_is_found_among_the_attributes_of_a_run(tmp_path):
-    noise = ll.VelocityKicks(strength=0.1, seed=2**63 - 1)
+    noise = ll.VelocityKicks(noise_strength=0.1, noise_seed=2**63 - 1)
     run = ll.simulate(TOY, initial_angle=0.5, duration=0.2, noise=noise)
     for found in (run, ll.load(ll.save(run, tmp_path / "run.nc"))):
         assert found.attrs["noise_strength"] == 0.1

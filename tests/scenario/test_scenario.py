@@ -136,8 +136,8 @@ def test_noise_and_clamp_are_built_from_their_tables():
         noise={"strength": 0.1, "seed": 3},
         run={**RUN, "contact": "clamp", "clamp_step": "2 ms"},
     )
-    assert found.run["noise"] == ll.VelocityKicks(strength=0.1, seed=3)
-    assert found.run["contact"] == ll.Clamp(step=2e-3)
+    assert found.run["noise"] == ll.VelocityKicks(noise_strength=0.1, noise_seed=3)
+    assert found.run["contact"] == ll.ClampContact(clamp_step=2e-3)
     assert Scenario.from_dict(found.to_dict()) == found
 
 

@@ -104,7 +104,7 @@ class TestDataset:
         found = ll.simulate(MATHIEU, DRIVE, initial_angle=0.1, duration=1.0, frame="both")
         for name in ("tension", "lab_energy", "rod_power"):
             assert name not in found
-        assert "slack_time" not in found.attrs
+        assert "compression_time" not in found.attrs
 
     def test_total_is_kinetic_plus_potential(self, run):
         np.testing.assert_array_equal(run.total_energy, run.kinetic_energy + run.potential_energy)
@@ -170,7 +170,9 @@ class TestDataset:
             pivot = ll.MeasuredPivot(times=t, pivot_heights=0.02 * np.cos(5.0 * t))
             found = ll.simulate(PENDULUM, pivot, initial_angle=0.2, duration=2.0)
         elif ending == "clamp":
-            found = ll.simulate(TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.Clamp())
+            found = ll.simulate(
+                TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.ClampContact()
+            )
         else:
             found = ll.simulate(TOY, initial_angle=0.7, duration=0.1)
             assert found.sizes["contact"] == 0
@@ -313,11 +315,11 @@ class TestBadInput:
             (ll.MeasuredPivot, {"times": [0, 1, 2, 4, 3, 5, 6]}, "increase strictly"),
             (ll.MeasuredPivot, {"times": [0, 1, 2, 3, 3, 5, 6]}, "increase strictly"),
             (ll.MeasuredPivot, {"pivot_heights": [0.0] * 6}, "of one length, got 7 and 6"),
-            (ll.Stages, {"ramps": [1.0, 0.0]}, "ramps must lie"),
-            (ll.Stages, {"ramps": [1.0]}, "of one length, got 2, 2, 2, 1"),
-            (ll.Stages, {"times": [1.0, 2.0]}, "begin with 0, got 1"),
-            (ll.Stages, {"times": [0.0, 0.0]}, "increase strictly, got 0 after 0"),
-            (ll.Stages, {"drive_amplitudes": [1.0, math.inf]}, "must be finite|must lie"),
+            (ll.StagedHarmonic, {"ramps": [1.0, 0.0]}, "ramps must lie"),
+            (ll.StagedHarmonic, {"ramps": [1.0]}, "of one length, got 2, 2, 2, 1"),
+            (ll.StagedHarmonic, {"times": [1.0, 2.0]}, "begin with 0, got 1"),
+            (ll.StagedHarmonic, {"times": [0.0, 0.0]}, "increase strictly, got 0 after 0"),
+            (ll.StagedHarmonic, {"drive_amplitudes": [1.0, math.inf]}, "must be finite|must lie"),
             (ll.MeasuredPivot, {"pivot_heights": [0.0] * 6 + [math.nan]}, "heights must be finite"),
             (ll.MeasuredPivot, {"pivot_heights": []}, "heights must hold at least 6 values"),
             (ll.MeasuredPivot, {"height_sigma": -1.0}, "height_sigma must lie"),
@@ -342,7 +344,7 @@ class TestBadInput:
                 "times": [0.0, 1.0, 2.0],
                 "drive_frequencies": [5.0, 6.0, 7.0],
             },
-            ll.Stages: {
+            ll.StagedHarmonic: {
                 "times": [0.0, 1.0],
                 "drive_amplitudes": [0.02, 0.03],
                 "drive_frequencies": [5.0, 6.0],
@@ -473,13 +475,15 @@ class TestBadInput:
     def test_clamp_step_is_checked(self):
         for step in (0.0, -1.0, math.nan):
             with pytest.raises(ValueError, match="step must"):
-                ll.Clamp(step=step)
+                ll.ClampContact(clamp_step=step)
 
     def test_clamp_step_beyond_the_run_is_refused(self):
         with pytest.raises(
             ValueError, match="clamp_step must not exceed the duration 1 s, got 100"
         ):
-            ll.simulate(TOY, DRIVE, initial_angle=0.5, duration=1.0, contact=ll.Clamp(step=100.0))
+            ll.simulate(
+                TOY, DRIVE, initial_angle=0.5, duration=1.0, contact=ll.ClampContact(clamp_step=100.0)
+            )
 
     def test_ramp_as_long_as_a_stage_of_decimal_times_is_accepted(self):
         # 0.3 - 0.2 is 0.09999999999999998. The ramps meet: one stretch each, in order.
@@ -609,7 +613,7 @@ class TestExtremeInput:
 class TestClamp:
     def test_clamp_is_labelled(self):
         found = ll.simulate(
-            TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.Clamp(step=2e-3)
+            TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.ClampContact(clamp_step=2e-3)
         )
         assert found.attrs["contact"] == "clamp"
         assert found.attrs["clamp_step"] == 2e-3
@@ -624,7 +628,7 @@ class TestClamp:
         exact = ll.simulate(toy, drive, **given)
         assert np.all(exact.angle.values == toy.contact_angle_low)
         coarse, fine = (
-            ll.simulate(toy, drive, **given, contact=ll.Clamp(step=step)).angle.values
+            ll.simulate(toy, drive, **given, contact=ll.ClampContact(clamp_step=step)).angle.values
             for step in (1e-2, 1e-3)
         )
         assert np.ptp(coarse) > 1e-4
@@ -644,7 +648,7 @@ class TestClamp:
     [
         (ll.Harmonic(drive_amplitude=1e30, drive_frequency=1.0), 0.0, "exact"),
         (None, 1e30, "exact"),
-        (None, 0.0, ll.Clamp(step=1e-30)),
+        (None, 0.0, ll.ClampContact(clamp_step=1e-30)),
     ],
 )
 def test_a_run_of_endless_steps_is_refused(drive, speed, contact):

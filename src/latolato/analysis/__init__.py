@@ -7,7 +7,6 @@ loaded by discovery. Those below are named for type checkers.
 import importlib
 import pkgutil
 
-from latolato.analysis.activation_time import activation_time
 from latolato.analysis.basins import BasinEntropy, basin_entropy, basins
 from latolato.analysis.bifurcation_diagram import bifurcation_diagram
 from latolato.analysis.closed_forms import (
@@ -18,17 +17,18 @@ from latolato.analysis.closed_forms import (
     decay_rate,
     elastic_bounces,
     fall_time,
-    fold_angle,
     impact_angular_velocity,
     mathieu_growth_rate,
     mathieu_parameters,
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,
+    reflected_angle,
     undriven_motion,
     undriven_period,
     zeno_time,
 )
 from latolato.analysis.continuation import continue_orbit
+from latolato.analysis.first_passage_time import first_passage_time
 from latolato.analysis.first_push import first_push
 from latolato.analysis.floquet import floquet
 from latolato.analysis.growth_rate import growth_rate
@@ -43,7 +43,7 @@ from latolato.analysis.response_period import response_period
 from latolato.analysis.response_period_map import response_period_map
 from latolato.analysis.self_start import self_start
 from latolato.analysis.shortest_protocol import shortest_protocol
-from latolato.analysis.stroboscopic import wilson
+from latolato.analysis.stroboscopic import wilson_interval
 from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold_amplitude import threshold_amplitude
 from latolato.analysis.time_crystal import time_crystal
@@ -53,7 +53,6 @@ __all__ = [
     "BasinEntropy",
     "MathieuParameters",
     "Protocol",
-    "activation_time",
     "analyses",
     "basin_entropy",
     "basins",
@@ -65,9 +64,9 @@ __all__ = [
     "decay_rate",
     "elastic_bounces",
     "fall_time",
+    "first_passage_time",
     "first_push",
     "floquet",
-    "fold_angle",
     "growth_rate",
     "hysteresis",
     "impact_angular_velocity",
@@ -80,6 +79,7 @@ __all__ = [
     "mathieu_tongue_edges",
     "pair_symmetry",
     "poincare_section",
+    "reflected_angle",
     "response_period",
     "response_period_map",
     "self_start",
@@ -89,7 +89,7 @@ __all__ = [
     "tongue_edges",
     "undriven_motion",
     "undriven_period",
-    "wilson",
+    "wilson_interval",
     "zeno_time",
 ]
 

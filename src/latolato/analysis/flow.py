@@ -76,7 +76,7 @@ class Flow:
     Parameters
     ----------
     system, drive : System, Drive
-        The drive is given, a pivot at rest is `Static`.
+        The drive is given, a pivot at rest is `FixedPivot`.
     contact, tolerance, rest_speed
         As of `latolato.simulate`; without clamped contact.
     speed : float

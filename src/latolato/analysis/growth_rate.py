@@ -10,7 +10,7 @@ from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.physics.drives import Drive, Static
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_drive
 
@@ -97,6 +97,6 @@ def growth_rate(
             "largest_multiplier": Quantity("1", r"|\rho|", "growth in one drive period"),
         },
         system=system,
-        drive=Static() if is_static else template,
+        drive=FixedPivot() if is_static else template,
         settings={"position": position, "method": method},
     )

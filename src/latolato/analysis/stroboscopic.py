@@ -232,7 +232,7 @@ def motion_of(
 
     balls = 2 if two else 1
     angle, velocity = (
-        np.asarray(grid[f"stroboscopic_{name}"].values).reshape(count, balls, -1)
+        np.asarray(grid[f"section_{name}"].values).reshape(count, balls, -1)
         for name in ("angle", "angular_velocity")
     )
     period, residual, kind = (
@@ -293,7 +293,7 @@ def motion_of(
     }
 
 
-def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
+def wilson_interval(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     """Return a share and the ends of its 95 % interval [1] (Wilson, 1927).
 
     Parameters
@@ -308,7 +308,7 @@ def wilson(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
 
     Examples
     --------
-    >>> share, low, high = wilson(0, 10)
+    >>> share, low, high = wilson_interval(0, 10)
     >>> print(f"{share:.3f} in [{low:.3f}, {high:.3f}]")
     0.000 in [0.000, 0.278]
     """

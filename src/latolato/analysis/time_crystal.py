@@ -15,7 +15,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
-from latolato.observables import Stroboscope
+from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
@@ -283,7 +283,7 @@ def time_crystal(
         raise InputError(f"periods must be at least 16 to tell a line, got {seen}")
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
-    noise = VelocityKicks(strength=strength, seed=noise_seed) if strength > 0.0 else None
+    noise = VelocityKicks(noise_strength=strength, noise_seed=noise_seed) if strength > 0.0 else None
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     if noise is not None:
         axes["noise_stream"] = range(count)
@@ -295,7 +295,7 @@ def time_crystal(
             _at(drive, frequency),
             axes=axes,
             duration=(before + seen) * math.tau / frequency,
-            observables=[Stroboscope(periods=seen)],
+            observables=[PoincareSection(periods=seen)],
             noise=noise,
             tolerance=tolerance,
             contact=contact,
@@ -305,8 +305,8 @@ def time_crystal(
         if "ball" in grid.dims:
             grid = grid.isel(ball=0)
         shape = (len(amplitudes), count, seen)
-        angles = grid.stroboscopic_angle.values.reshape(shape)
-        velocities = grid.stroboscopic_angular_velocity.values.reshape(shape)
+        angles = grid.section_angle.values.reshape(shape)
+        velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
         found.append(
             [
@@ -442,7 +442,7 @@ def _demodulated(signs: Floats, angles: Floats, velocities: Floats, frequency: f
 
 def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
     """Return order, slips, lifetime and autocorrelation of an answer, (trajectory, period)."""
-    from latolato.analysis.activation_time import censored_mean
+    from latolato.analysis.first_passage_time import censored_mean
 
     states = sign_states(demodulated).astype(np.float64)
     count, seen = states.shape

@@ -34,7 +34,7 @@ from latolato.numerics.observe import (
 )
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.watch import Eyes
-from latolato.physics.contacts import BOTTOM, TOP, Exact, contact_laws
+from latolato.physics.contacts import BOTTOM, TOP, ExactContact, contact_laws
 from latolato.physics.drives.stretch import (
     COSINE,
     Stretch,
@@ -86,7 +86,7 @@ class Toy:
         """Begin as a scenario does, or go on from what `state` returned."""
         run, system = scenario.run, scenario.system
         law = checked_contact(run.get("contact", "exact"), system)
-        self._law = Exact() if law.meets else law
+        self._law = ExactContact() if law.meets else law
         self._rest_speed = float(run.get("rest_speed", DEFAULT_REST_SPEED))
         self.system: System = system
         self.walls = walls_of(system, law)

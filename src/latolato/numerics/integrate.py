@@ -20,7 +20,7 @@ from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import BLIND, ON_START, Eyes, Hooks, blank_slots, hooks_of, make_watch
 from latolato.observables import Observable
-from latolato.physics.contacts import ContactLaw, Exact
+from latolato.physics.contacts import ContactLaw, ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import (
     System,
@@ -40,7 +40,7 @@ LARGEST = 1e100
 
 TOLERANCES = (1e-14, 1e-2)
 
-_EXACT = Exact()
+_EXACT = ExactContact()
 
 
 @dataclass(frozen=True)

@@ -267,7 +267,7 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     settings.law[0], settings.law[1] = case.law[0], case.law[1]
     right, left, problem = _start(case, touch, settings.low, settings.high)
     state.mode, state.angle[0] = UNSETTLED, right
-    state.slack_start[0] = state.slack_start[1] = math.nan
+    state.compression_start[0] = state.compression_start[1] = math.nan
     state.velocity[0] = case.initial_angular_velocity[0]
     if case.angles == 2:
         state.angle[1], state.velocity[1] = left, case.initial_angular_velocity[1]

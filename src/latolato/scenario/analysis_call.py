@@ -131,9 +131,9 @@ class AnalysisCall:
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""
-        from latolato.physics.contacts import Clamp
+        from latolato.physics.contacts import ClampContact
 
-        if isinstance(scenario.run.get("contact"), Clamp) and "contact" not in self.own:
+        if isinstance(scenario.run.get("contact"), ClampContact) and "contact" not in self.own:
             warnings.warn(
                 f"contact 'clamp' of the scenario is left out: {self.name} is of exact contact",
                 RuntimeWarning,

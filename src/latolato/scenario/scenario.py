@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import describe, suggest
-from latolato.physics.contacts import Clamp
-from latolato.physics.drives import Drive, Static, drives
+from latolato.physics.contacts import ClampContact
+from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.scenario.tables import (
@@ -76,7 +76,7 @@ class Scenario:
     """
 
     system: System
-    drive: Drive = field(default_factory=Static)
+    drive: Drive = field(default_factory=FixedPivot)
     run: Mapping[str, Any] = field(default_factory=dict)
     varied: Mapping[str, Any] = field(default_factory=dict)
     name: str = ""
@@ -114,7 +114,7 @@ class Scenario:
         if "sweep" in tables:
             tables, varied = with_sweep(tables, folder)
         system = law_from(tables["system"], systems, "system", folder)
-        drive: Drive = Static()
+        drive: Drive = FixedPivot()
         if "drive" in tables:
             plain = without_ratios(checked_table(tables["drive"], "drive"), system)
             with said_as({name: f"drive_{name}" for name in RUN_OPTIONS}):
@@ -131,7 +131,7 @@ class Scenario:
         """Return the tables of this scenario as plain SI numbers, for JSON or TOML."""
         run = {k: list(v) if isinstance(v, tuple) else v for k, v in self.run.items()}
         noise, law = run.pop("noise", None), run.get("contact")
-        if isinstance(law, Clamp):
+        if isinstance(law, ClampContact):
             run.update(contact="clamp", clamp_step=law.step)
         tables: Tables = {
             "system": systems.described(self.system),
@@ -350,6 +350,6 @@ def changed_tables(
         )
     if tables is None:
         tables = read_tables(path) if path else {}
-    if "drive" in changed and tables.get("drive", {}).get("kind", "static") == "static":
+    if "drive" in changed and tables.get("drive", {}).get("kind", "fixed_pivot") == "fixed_pivot":
         changed["drive"].setdefault("kind", "harmonic")
     return overridden(dict(tables), changed), path.parent if path else None

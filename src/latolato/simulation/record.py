@@ -15,7 +15,7 @@ from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
-from latolato.physics.contacts import CONTACT_KINDS, Clamp, ContactLaw, contact_laws
+from latolato.physics.contacts import CONTACT_KINDS, ClampContact, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
@@ -164,7 +164,7 @@ def attributes_of(
             **run,
         },
     }
-    if isinstance(law, Clamp):
+    if isinstance(law, ClampContact):
         scenario["run"]["clamp_step"] = law.step
     if noise is not None:
         scenario["noise"] = describe(noise)

@@ -90,8 +90,8 @@ def simulate(
         Aimed-at error of the angle over a few hundred periods of regular motion [rad], in
         [1e-14, 1e-2]; see Notes.
     contact : {"exact", "clamp", None} or a contact law
-        `Exact` is impact with restitution, rest and lift-off; `Clamp` the labelled fixed-step
-        artefact; None lets the balls pass through each other.
+        `ExactContact` is impact with restitution, rest and lift-off; `ClampContact` the labelled
+        fixed-step artefact; None lets the balls pass through each other.
     rest_speed : float
         Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
     frame : {"pivot", "both"}
@@ -280,11 +280,11 @@ def _recorded(
     if "tension" in found:
         # What a failed run adds up last is no slack.
         known = math.nan if trajectory.failed else 1.0
-        first, total = known * state.slack_start, known * state.slack_time
+        first, total = known * state.compression_start, known * state.compression_time
         share = total / trajectory.reached
         two = system.angles == 2
-        attrs["slack_time"] = first if two else float(first[0])
-        attrs["slack_fraction"] = share if two else float(share[0])
+        attrs["compression_time"] = first if two else float(first[0])
+        attrs["compression_fraction"] = share if two else float(share[0])
     return found
 
 

@@ -160,5 +160,5 @@ def has_lanes(plan: Plan) -> bool:
         and is_smooth(plan)
         and plan.drive.rotation is not None
         and plan.contact.motion == "exact"
-        and not any("slack" in o.needs for o in plan.observables)
+        and not any("compression" in o.needs for o in plan.observables)
     )

@@ -24,7 +24,7 @@ from latolato.core.registry import (
 )
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
-from latolato.physics.contacts import ContactLaw, Exact, contact_laws
+from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
@@ -59,7 +59,7 @@ class Plan:
     transient: float = 0.0
     transient_periods: float = 0.0
     tolerance: float = 1e-6
-    contact: ContactLaw = field(default_factory=Exact)
+    contact: ContactLaw = field(default_factory=ExactContact)
     rest_speed: float = DEFAULT_REST_SPEED
     contact_limit: int = 1_000_000
     noise: VelocityKicks | None = None
@@ -344,14 +344,15 @@ def _names_in(axes: Any) -> set[str]:
 
 def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
     """Return the noise, some of it if there is none but the axes vary its strength."""
-    kicks = VelocityKicks(strength=0.0)
+    kicks = VelocityKicks(noise_strength=0.0)
     asked = sorted(varied & {f"noise_{f.name}" for f in number_fields(kicks)})
     if noise is not None or not asked:
         return noise
     if "noise_strength" in asked:
         return kicks
     raise InputError(
-        f"axis {asked[0]} needs noise: give VelocityKicks(strength=...) or an axis noise_strength"
+        f"axis {asked[0]} needs noise: give VelocityKicks(noise_strength=...) or an axis "
+        "noise_strength"
     )
 
 

@@ -329,7 +329,7 @@ def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> 
 
 def _follows_tension(plan: Plan) -> bool:
     """Return whether an observable asks for the time of slack."""
-    asked = any("slack" in o.needs for o in plan.observables)
+    asked = any("compression" in o.needs for o in plan.observables)
     return asked and not plan.system.is_linear
 
 

@@ -68,7 +68,7 @@ def draw(dataset: xr.Dataset) -> Figure:
 def _draw_attractor(panel: Any, attractor: xr.Dataset, colour: str) -> None:
     """Draw the points of an attractor at the drive phase of the starts."""
     angle, speed = (
-        np.atleast_2d(attractor[f"stroboscopic_{name}"].values)[0]
+        np.atleast_2d(attractor[f"section_{name}"].values)[0]
         for name in ("angle", "angular_velocity")
     )
     is_cloud = str(attractor["status"].values) == "aperiodic"

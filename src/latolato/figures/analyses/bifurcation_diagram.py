@@ -32,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for way in (str(each) for each in dataset["direction"].values):
         colour, mark, text = _WAYS[way]
         part = dataset.sel(direction=way)
-        angle = part["stroboscopic_angle"]
+        angle = part["section_angle"]
         if "ball" in angle.dims:
             angle = angle.isel(ball=0)
         values = angle.transpose(name, "sample").values
@@ -45,7 +45,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             x, part["largest_angle_watched"].values, mark, color=colour, ms=max(size, 1.2),
             mew=0.0, label=f"followed {text}", zorder=3 if way == "up" else 2,
         )  # fmt: skip
-    samples.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))
+    samples.set_ylabel(style.label(dataset["section_angle"], short=True))
     largest.set_ylabel(style.label(dataset["largest_angle_watched"], short=True))
     largest.set_xlabel(style.label(dataset[name]))
     largest.set_xlim(float(x[0]), float(x[-1]))

@@ -27,8 +27,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     course, plane = axes[0]
     period = dataset["response_period"].item()
     cycle = int(period) if np.isfinite(period) else 0
-    angle = np.atleast_2d(dataset["stroboscopic_angle"].values)
-    speed = np.atleast_2d(dataset["stroboscopic_angular_velocity"].values)
+    angle = np.atleast_2d(dataset["section_angle"].values)
+    speed = np.atleast_2d(dataset["section_angular_velocity"].values)
     names = [str(name) for name in dataset["ball"].values] if "ball" in dataset.coords else [""]
     count = min(angle.shape[1], max(_SHOWN, 2 * cycle + 1))
     for ball, name in enumerate(names):
@@ -52,9 +52,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.keep_span(plane, x=least, y=least * dataset.attrs["drive_frequency"])
     course.set_xlim(-0.5, count - 0.5)
     course.set_xlabel("drive periods after the transient")
-    course.set_ylabel(style.label(dataset["stroboscopic_angle"], short=True))
-    plane.set_xlabel(style.label(dataset["stroboscopic_angle"], short=True))
-    plane.set_ylabel(style.label(dataset["stroboscopic_angular_velocity"], short=True))
+    course.set_ylabel(style.label(dataset["section_angle"], short=True))
+    plane.set_xlabel(style.label(dataset["section_angle"], short=True))
+    plane.set_ylabel(style.label(dataset["section_angular_velocity"], short=True))
     style.panel_title(course, "a", _told(dataset, cycle))
     style.panel_title(plane, "b", "once per drive period")
     return figure

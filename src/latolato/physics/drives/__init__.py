@@ -15,23 +15,23 @@ import pkgutil
 
 from latolato.physics.drives.base import Drive, PeriodicDrive, drives
 
-from latolato.physics.drives.harmonic import Harmonic, Static  # isort: skip - the simplest first
+from latolato.physics.drives.harmonic import Harmonic, FixedPivot  # isort: skip - the simplest first
 from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
 from latolato.physics.drives.crank import CrankSlider
 from latolato.physics.drives.measured import MeasuredPivot
-from latolato.physics.drives.stages import Stages
+from latolato.physics.drives.stages import StagedHarmonic
 from latolato.physics.drives.stretch import Stretch
 
 __all__ = [
     "Chirp",
     "CrankSlider",
     "Drive",
+    "FixedPivot",
     "FrequencySchedule",
     "Harmonic",
     "MeasuredPivot",
     "PeriodicDrive",
-    "Stages",
-    "Static",
+    "StagedHarmonic",
     "Stretch",
     "drives",
 ]

@@ -25,9 +25,9 @@ def write_cosine(out: Any, drive: Any) -> int:
     return 1
 
 
-@drives.register("static")
+@drives.register("fixed_pivot")
 @dataclass(frozen=True, kw_only=True)
-class Static(Drive):
+class FixedPivot(Drive):
     """A pivot at rest; what ``drive=None`` means."""
 
     moves: ClassVar[bool] = False

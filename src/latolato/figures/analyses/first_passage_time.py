@@ -32,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     share = np.concatenate([[0.0], np.arange(1, known.size + 1), [known.size]]) / count
     smooth = np.linspace(0.0, end, 400)
     mean, low, high = (
-        float(dataset[f"mean_activation_time{tail}"]) for tail in ("", "_low", "_high")
+        float(dataset[f"mean_first_passage_time{tail}"]) for tail in ("", "_low", "_high")
     )
     for axis, letter, title in zip(
         panels[0], "ab", ("activated", "not yet activated"), strict=True
@@ -63,13 +63,13 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def verdict(dataset: xr.Dataset) -> str:
     """Tell the mean time with its error, or why there is none."""
-    status, share = str(dataset["status"].item()), float(dataset["activated_fraction"])
+    status, share = str(dataset["status"].item()), float(dataset["passage_fraction"])
     angle = degrees(dataset.attrs["threshold_angle"])
-    mean = float(dataset["mean_activation_time"])
+    mean = float(dataset["mean_first_passage_time"])
     if status == "none activated":
         return (
             f"None reached {angle}: on average it takes more than "
-            f"{number(float(dataset['mean_activation_time_low']))} s."
+            f"{number(float(dataset['mean_first_passage_time_low']))} s."
         )
     text = f"{percent(share)} reached {angle}"
     if status == "all at once":
@@ -77,7 +77,7 @@ def verdict(dataset: xr.Dataset) -> str:
     if status == "not exponential":
         tail = "but not by pure chance: first the motion must grow"
         return f"{text}, after some {number(mean)} s, {tail}."
-    told = plus_minus(mean, float(dataset["mean_activation_time_error"]))
+    told = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
     return f"{text}, by chance, after {told} s on average."
 
 
