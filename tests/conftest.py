@@ -2,6 +2,10 @@
 
 Examples are built from the fields' own metadata, so that a new law is covered by the generic
 tests without an edit here. Compiled kernels stay in the user's cache between sessions.
+
+Each package of `src/latolato` has a folder of tests. Beside these, `extensions` adds laws of its
+own as CONTRIBUTING says, `gpu` needs a device, `docs` and `smoke` run what the documentation shows,
+`reference` holds numbers of other programs and `shared` what several tests import.
 """
 
 import dataclasses

@@ -88,7 +88,7 @@ def test_of_unequal_balls_the_one_of_least_friction_leaves_first():
 
 
 def test_a_crank_too_short_is_told():
-    with pytest.warns(RuntimeWarning, match="no amplitude below 0.999 connecting_rod_length"):
+    with pytest.warns(RuntimeWarning, match="no amplitude below 0.999 of the drive"):
         found = ll.analysis.self_start(TOY, 1.0, crank(0.2, "above"), check=True)
     assert str(found.status.values) == "out of reach"
     assert math.isnan(found.drive_amplitude)

@@ -14,15 +14,15 @@ from typer.testing import CliRunner
 from app_server import frames_of
 from latolato.analysis import analyses
 from latolato.app import analyses as app
-from latolato.app.analysis_forms import about_asked, forms
+from latolato.app.analysis_forms import about_asked, forms, option_words
 from latolato.app.blocks import unpack
 from latolato.app.given import Asked, TooLargeError
-from latolato.app.questions import GROUPS, OPTION_WORDS, all_questions
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
+from latolato.figures.analyses.question import GROUPS, question_of
 from latolato.io.files import load
 from latolato.scenario.analysis_options import options_of
 
@@ -109,8 +109,8 @@ def test_every_analysis_is_asked_in_words():
 
 def test_every_option_has_a_label_in_words_and_no_word_is_left_over():
     names = {name for form in forms().values() for name in form["options"]}
-    assert set(OPTION_WORDS) <= names
-    assert not names - set(OPTION_WORDS) - set(QUANTITIES)
+    assert set(option_words()) <= names
+    assert not names - set(option_words()) - set(QUANTITIES)
     for form in forms().values():
         for option in form["options"].values():
             assert "_" not in option["label"] + option["description"]
@@ -193,7 +193,7 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client):
 def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
     largest = 0.5 if status == "chaotic" else -0.5
     found = xr.Dataset({"status": status, "lyapunov_exponents": ("exponent", [largest, -1.0])})
-    verdict = all_questions()["lyapunov_spectrum"].verdict(found)
+    verdict = question_of("lyapunov_spectrum").verdict(found)
     assert verdict.startswith(words)
 
 

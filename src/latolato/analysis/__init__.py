@@ -1,4 +1,11 @@
-"""Exact solutions and tools that read more out of a motion than its samples."""
+"""Exact solutions and tools that read more out of a motion than its samples.
+
+An analysis is a function in a module of its name, registered by a decorator; every module here is
+loaded by discovery. Those below are named for type checkers.
+"""
+
+import importlib
+import pkgutil
 
 from latolato.analysis.attractors import BasinEntropy, basin_entropy, basins
 from latolato.analysis.bifurcation import bifurcation_diagram
@@ -85,3 +92,7 @@ __all__ = [
     "wilson_interval",
     "zeno_time",
 ]
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
+globals().update(analyses)

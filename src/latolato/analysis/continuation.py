@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
-from latolato.analysis.flow import Floats, Flow, allowed_of, periodic_drive, value_of
+from latolato.analysis.flow import Floats, Flow, parameter_of, periodic_drive, value_of
 from latolato.analysis.multipliers import smallest_period, told_of_period
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.core.quantities import QUANTITIES as KNOWN
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -121,9 +120,9 @@ def continue_orbit(
     """
     driven = periodic_drive(system, drive)
     begun = value_of(system, driven, parameter)
-    allowed = allowed_of(system, driven, parameter)
+    known = parameter_of(system, driven, parameter)
     # An end that the parameter itself may not have, such as no drive at all, may be approached.
-    closed, unit = replace(allowed, open_low=False, open_high=False), about_of(parameter).unit
+    closed, unit = replace(known.allowed, open_low=False, open_high=False), known.quantity.unit
     low = checked_number(f"low ({parameter})", low, closed, unit)
     high = checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
@@ -168,11 +167,6 @@ def continue_orbit(
         "low": low, "high": high, "direction": direction, "period": count, "points": most,
         "tolerance": flow.tolerance, "rest_speed": flow.rest_speed, "message": message,
     })  # fmt: skip
-
-
-def about_of(parameter: str) -> Quantity:
-    """Return the quantity of a parameter; of one of two balls the name begins with the ball's."""
-    return KNOWN[parameter if parameter in KNOWN else parameter.split("_", 1)[1]]
 
 
 def _follow(
@@ -246,7 +240,7 @@ def _dataset(
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
 
-    about = about_of(parameter)
+    about = parameter_of(flow.system, flow.drive, parameter).quantity
     multipliers = np.array([p.orbit.multipliers for p in places], dtype=complex)
     multipliers = multipliers.reshape(-1, flow.size)
     largest = np.abs(multipliers).max(axis=1, initial=0.0)

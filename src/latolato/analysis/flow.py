@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import POSITIVE, Range
+from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
-from latolato.physics.drives import CrankSlider, Drive, Harmonic
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
 from latolato.sweeps.axes import DERIVED, parameters_of
@@ -172,10 +172,10 @@ def drive_period(drive: Drive) -> float:
     InputError
         For a drive that does not repeat itself, which one of frequency zero does not.
     """
-    if isinstance(drive, (Harmonic, CrankSlider)):
+    if isinstance(drive, PeriodicDrive):
         frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
         return math.tau / frequency
-    raise InputError(f"the drive must repeat itself, got {drive!r}: use Harmonic or CrankSlider")
+    raise InputError(f"the drive must repeat itself, got {drive!r}: use one such as Harmonic")
 
 
 def periodic_drive(system: System, drive: Any) -> Drive:
@@ -199,7 +199,7 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
     InputError
         For an unknown parameter, with the closest known one, and a value out of range.
     """
-    parameter = _parameter(system, drive, name)
+    parameter = parameter_of(system, drive, name)
     checked_number(name, value, parameter.allowed, parameter.unit)
     target = value * (_unit_of(system, drive, name) if name in DERIVED else 1.0)
     if parameter.owner == "drive":
@@ -212,19 +212,14 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
 
 def value_of(system: System, drive: Drive, name: str) -> float:
     """Return the value of a parameter, derived ones included."""
-    parameter = _parameter(system, drive, name)
+    parameter = parameter_of(system, drive, name)
     owner: Any = system if parameter.owner == "system" else drive
     for part in parameter.path:
         owner = getattr(owner, part)
     return float(owner) / (_unit_of(system, drive, name) if name in DERIVED else 1.0)
 
 
-def allowed_of(system: System, drive: Drive, name: str) -> Range:
-    """Return the values that a parameter may take."""
-    return _parameter(system, drive, name).allowed
-
-
-def _parameter(system: System, drive: Drive, name: Any) -> Parameter:
+def parameter_of(system: System, drive: Drive, name: Any) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
     known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
     if not isinstance(name, str) or name not in known:

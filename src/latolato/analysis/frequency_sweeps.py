@@ -17,8 +17,8 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY
-from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
-from latolato.physics.pendulum import Mathieu, Pendulum, System
+from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.pendulum import Pendulum, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweeps import sweep
 
@@ -72,7 +72,7 @@ def hysteresis(
     ----------
     system : System
         What moves; of two balls the larger angle counts.
-    drive : Harmonic or CrankSlider
+    drive : PeriodicDrive
         The drive; its frequency is swept.
     frequency_ratio : sequence of float, optional
         Driving over natural frequencies [1], increasing; by default 81 from 1.6 to 3.6.
@@ -132,13 +132,13 @@ def hysteresis(
     (['hysteresis'], [3.0])
     """
     system = checked_system(system)
-    if isinstance(system, Mathieu):
+    if system.is_linear:
         raise InputError(
             "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
             "Pendulum"
         )
     checked_drive(drive)
-    if not isinstance(drive, (Harmonic, CrankSlider)):
+    if not isinstance(drive, PeriodicDrive):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise InputError(f"{name} drive has no frequency to sweep: give a Harmonic one")
     ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
@@ -216,7 +216,7 @@ def hysteresis(
 
 def _stirred(
     system: System,
-    drive: Harmonic | CrankSlider,
+    drive: PeriodicDrive,
     amplitudes: list[float],
     ratios: list[float],
     start: dict[str, Any],
@@ -267,7 +267,7 @@ def _listed(name: str, values: Any, default: Any) -> list[float]:
 
 def _lasts(
     system: System,
-    drive: Harmonic | CrankSlider,
+    drive: PeriodicDrive,
     amplitudes: list[float],
     ratios: list[float],
     differ: NDArray[np.bool_],

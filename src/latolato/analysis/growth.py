@@ -12,6 +12,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
+from latolato.simulation.start import checked_drive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +34,7 @@ def growth_rate(
     ----------
     system : Pendulum, Mathieu, LatoLato or BallPair
         Balls with a radius have no hanging position, for they touch before.
-    drive : Harmonic or CrankSlider, optional
+    drive : PeriodicDrive, optional
         The drive; None is a pivot at rest.
     position : {"hanging", "inverted"}
         Where the pendulum is.
@@ -68,7 +69,7 @@ def growth_rate(
     >>> print(f"{ll.analysis.growth_rate(toy, drive).growth_rate:.5f}")
     0.12505
     """
-    is_static = drive is None or isinstance(drive, FixedPivot)
+    is_static = not checked_drive(drive).moves
     problem = linearised(system, None if is_static else drive, position)
     checked_choice("method", method, METHODS)
     template: Any = problem.template

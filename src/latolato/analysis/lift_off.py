@@ -19,7 +19,7 @@ from latolato.analysis.linear import (
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.physics.drives import CrankSlider, Drive, Harmonic
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pair import joint_coupling
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 from latolato.simulation.run import simulate
@@ -55,7 +55,7 @@ def self_start(
         At rest in bottom contact; a `BallPair` where the two balls balance.
     frequency_ratio : float
         w/w0 [1], at least 0.01; of the right ball for a `BallPair`.
-    drive : Harmonic or CrankSlider, optional
+    drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     check : bool
         Also bisect with simulated runs of one drive period.
@@ -111,8 +111,8 @@ def self_start(
     if math.isnan(amplitude):
         status = "out of reach"
         warnings.warn(
-            f"no amplitude below {LARGEST_CRANK:g} connecting_rod_length lifts the balls at "
-            f"frequency_ratio {ratio:g}; raise it or lengthen the rod",
+            f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
+            f"frequency_ratio {ratio:g}; raise it or lengthen a crank's connecting_rod_length",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -167,16 +167,12 @@ def _friction(system: System, angles: tuple[float, ...]) -> float:
     return min(each.coulomb_damping * each.length for each in system.balls) / moment
 
 
-def _amplitude(template: Drive, needed: float) -> float:
+def _amplitude(template: PeriodicDrive, needed: float) -> float:
     """Return the smallest amplitude [m] whose largest -y''/w^2 is `needed` [m]; NaN if none."""
-    if isinstance(template, Harmonic):
+    if template.is_cosine:
         return needed
-    rod = template.connecting_rod_length if isinstance(template, CrankSlider) else math.inf
-    if isinstance(template, CrankSlider) and template.side > 0.0:  # A (1 + A/L) = needed
-        found = 2.0 * needed / (1.0 + math.sqrt(1.0 + 4.0 * needed / rod))
-        return found if found < LARGEST_CRANK * rod else math.nan
-    # No waveform of this amplitude can be much stronger than the cosine.
-    left, last = 0.0, min(LARGEST_CRANK * rod, 10.0 * needed)
+    # No waveform of this amplitude can be much weaker than the cosine.
+    left, last = 0.0, min(LARGEST_CRANK * template.largest_amplitude, 10.0 * needed)
     for right in np.linspace(0.0, last, 50)[1:]:
         if _peak(template, float(right)) >= needed:
             return find_root(lambda a: _peak(template, a) - needed, left, float(right))
@@ -184,7 +180,7 @@ def _amplitude(template: Drive, needed: float) -> float:
     return math.nan
 
 
-def _peak(template: Drive, amplitude: float) -> float:
+def _peak(template: PeriodicDrive, amplitude: float) -> float:
     """Return the largest -y'' [m] at w = 1."""
     if amplitude == 0.0:
         return 0.0
@@ -192,7 +188,7 @@ def _peak(template: Drive, amplitude: float) -> float:
     return -acceleration(_phase_of_peak(template, amplitude))
 
 
-def _phase_of_peak(template: Drive, amplitude: float) -> float:
+def _phase_of_peak(template: PeriodicDrive, amplitude: float) -> float:
     """Return the phase [rad] of the largest -y''."""
     acceleration = acceleration_at(template, amplitude)
     phases = [math.tau * i / _PHASES for i in range(_PHASES)]
@@ -203,14 +199,14 @@ def _phase_of_peak(template: Drive, amplitude: float) -> float:
 
 
 def _simulated(
-    system: System, template: Drive, w: float, angles: tuple[float, ...], computed: float
+    system: System, template: PeriodicDrive, w: float, angles: tuple[float, ...], computed: float
 ) -> float:
     """Return the smallest amplitude [m] at which a run of one period leaves rest; NaN if none."""
     if math.isnan(computed):
         return math.nan
 
     def lifts(amplitude: float) -> bool:
-        drive: Any = replace(  # type: ignore[call-arg]
+        drive = replace(
             template,
             drive_amplitude=amplitude,
             drive_frequency=w,
@@ -223,8 +219,8 @@ def _simulated(
         leaves = bool((run.contact_kind == "release").any())
         return leaves or run.attrs["grazing_contacts"] > 0
 
-    rod = float(getattr(template, "connecting_rod_length", math.inf))
-    low, high = computed / _SPREAD, min(computed * _SPREAD, 0.5 * (computed + rod))
+    limit = 0.5 * (computed + template.largest_amplitude)
+    low, high = computed / _SPREAD, min(computed * _SPREAD, limit)
     if lifts(low) or not lifts(high):
         return math.nan
     while high - low > _BISECTION * high:

@@ -71,7 +71,7 @@ def floquet(
     ----------
     system : System
         Any system.
-    drive : Harmonic or CrankSlider
+    drive : PeriodicDrive
         A drive that repeats itself.
     initial_angle, initial_angular_velocity : float or pair of float
         Guess of the state at time zero [rad], [rad/s], (right, left) for a `BallPair`; refined by

@@ -24,8 +24,9 @@ from latolato.core.quantities import (
     Range,
 )
 from latolato.core.registry import checked_count, checked_number
-from latolato.physics.drives import Chirp, Drive, FrequencySchedule, Harmonic, drives
-from latolato.physics.pendulum import Mathieu, System
+from latolato.physics.drives import Chirp, Drive, Harmonic, Stretch, drives
+from latolato.physics.drives.stretch import COSINE
+from latolato.physics.pendulum import System
 from latolato.simulation.run import simulate
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweeps import sweep
@@ -112,8 +113,8 @@ def shortest_protocol(
     ----------
     system : System
         What moves; of two balls the right one is looked at.
-    drive : Harmonic or FrequencySchedule
-        Its amplitude is used, and its (last) frequency is the target where none is given.
+    drive : Harmonic, FrequencySchedule or another that ends as a cosine
+        Its last amplitude is used, and its last frequency is the target where none is given.
     frequency_ratio : float, optional
         Target driving over natural frequency [1].
     first_frequency_ratio : sequence of float, optional
@@ -178,7 +179,7 @@ def shortest_protocol(
     ('found', '42 degrees')
     """
     system = checked_system(system)
-    if isinstance(system, Mathieu):
+    if system.is_linear:
         raise InputError(
             "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
         )
@@ -285,18 +286,21 @@ def _spread(ratio: float) -> Floats:
     return np.linspace(low * ratio, high * ratio, count)
 
 
+def last_cosine(drive: Drive) -> Stretch | None:
+    """Return the last stretch of a drive's motion if that is a cosine."""
+    last = drive.stretches(math.inf)[-1]
+    return last if getattr(last, "form", None) == COSINE else None
+
+
 def _drive_of(
     system: System, drive: Drive | None, frequency_ratio: float | None
 ) -> tuple[float, float]:
     """Return amplitude [m] and target frequency [rad/s]."""
-    checked_drive(drive)
-    if isinstance(drive, Harmonic):
-        amplitude, target = drive.drive_amplitude, drive.drive_frequency
-    elif isinstance(drive, FrequencySchedule):
-        amplitude, target = drive.drive_amplitude, drive.drive_frequencies[-1]
-    else:
+    last = last_cosine(checked_drive(drive))
+    if last is None:
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
+    amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
         target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
@@ -331,7 +335,7 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
     names = list(cases)
     # Balls that still rest are in equal states: each is run once.
     table, back = np.unique(np.column_stack(list(cases.values())), axis=0, return_inverse=True)
-    wait = search.settling + (search.ramp if isinstance(drive, Chirp) else 0.0)
+    wait = search.settling + drive.stretches(math.inf)[-1].start
     grid = sweep(
         search.system,
         drive,

@@ -21,8 +21,8 @@ from latolato.observables.period import (
     find_mirror,
     find_period,
 )
-from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
-from latolato.physics.pendulum import LatoLato, Mathieu, System
+from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.pendulum import LatoLato, System
 from latolato.simulation.start import checked_drive
 from latolato.sweeps import sweep
 
@@ -53,7 +53,7 @@ _NEARLY = 0.05
 _LONGEST = 64
 
 
-def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic | CrankSlider:
+def checked_periodic(system: System, drive: Drive | None, what: str) -> PeriodicDrive:
     """Return a drive with a period, or say why `what` cannot be found.
 
     Raises
@@ -62,7 +62,7 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
         For a drive without a period, and for the linearised pendulum.
     """
     checked_system(system)
-    if isinstance(system, Mathieu):
+    if system.is_linear:
         raise InputError(
             "needs motion that settles, but the linearised Mathieu only grows or decays",
             parameter=what,
@@ -73,10 +73,9 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Harmonic
         raise InputError(
             "needs a drive with a period, got None", parameter=what, way_out="give Harmonic"
         )
-    if not isinstance(drive, (Harmonic, CrankSlider)):
+    if not isinstance(drive, PeriodicDrive):
         raise InputError(
-            "needs a drive with a single period, harmonic or crank_slider, got "
-            f"{drives.name_of(drive)}",
+            f"needs a drive with a single period, such as harmonic, got {drives.name_of(drive)}",
             parameter=what,
         )
     checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")

@@ -16,7 +16,7 @@ from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
-from latolato.physics.drives import CrankSlider, Drive, Harmonic, drives
+from latolato.physics.drives import Drive, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
@@ -192,7 +192,7 @@ def time_crystal(
     ----------
     system : System
         What moves; of two balls the right one is looked at.
-    drive : Harmonic or CrankSlider
+    drive : PeriodicDrive
         The drive, whose frequency and amplitude stand where no others are given.
     frequency_ratio : sequence of float, optional
         Driving over natural frequencies [1].
@@ -263,7 +263,7 @@ def time_crystal(
     """
     system = checked_system(system)
     checked_drive(drive)
-    if not isinstance(drive, (Harmonic, CrankSlider)):
+    if not isinstance(drive, PeriodicDrive):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
         raise InputError(f"{name} drive has no single period to count in: give a Harmonic one")
     ratios = _listed("frequency_ratio", frequency_ratio)
@@ -383,7 +383,7 @@ def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, 
     return start_options(system, 0.1, velocity, None)
 
 
-def _at(drive: Harmonic | CrankSlider, frequency: float) -> Drive:
+def _at(drive: PeriodicDrive, frequency: float) -> Drive:
     """Return the drive at another frequency."""
     from dataclasses import replace
 

@@ -35,7 +35,7 @@ def threshold_amplitude(
     ----------
     system : Pendulum, Mathieu, LatoLato or BallPair
         Balls with a radius have no hanging position; for them see `self_start`.
-    drive : Harmonic or CrankSlider, optional
+    drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     frequency_ratio : float
         w/w0 [1], at least 0.01.

@@ -44,7 +44,7 @@ def tongue_edges(
     ----------
     system : Pendulum, Mathieu, LatoLato or BallPair
         Balls with a radius have no hanging position, for they touch before.
-    drive : Harmonic or CrankSlider, optional
+    drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     drive_amplitude : float
         A0 [m], at least 0.

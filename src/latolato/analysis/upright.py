@@ -38,7 +38,7 @@ def inverted_limits(
     ----------
     system : Pendulum, LatoLato or BallPair
         Balls with a radius have no upright position, for they touch before.
-    drive : Harmonic or CrankSlider, optional
+    drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     frequency_ratio : float
         w/w0 [1], at least 0.01.

@@ -23,6 +23,7 @@ from latolato.app.given import MOST_LISTED, Asked, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
 from latolato.core.errors import InputError
+from latolato.figures.analyses.question import question_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
     from latolato.scenario.analysis_options import AnalysisOption
 
-# Options that multiply the work.
-_COUNTS = ("points", "angle_points", "velocity_points", "trajectories", "scan_points", "phases")
 # Most steps of all motions together: minutes of work on two cores.
 MOST_STEPS = 1e10
 _STEPS_PER_PERIOD = 40.0
@@ -39,12 +38,8 @@ _STEPS_PER_PERIOD = 40.0
 _WATCHED = 48.0
 # How much longer a second run at a tenth of the tolerance makes the work.
 _TWICE = 2.3
-# Values of lists that are tried where none are given.
-_LISTED = {"first_frequency_ratio": 12, "dwell_time": 16}
-# Steps in a second on two cores, and seconds that every answer takes, with its picture.
-_RATE, _LEAST_SECONDS = 1e7, 1.0
-# The same of work that is done one step after another, or with neighbours.
-_RATES = {"bifurcation_diagram": 2.5e5, "hysteresis": 1e6, "lyapunov_spectrum": 1e5}
+# Seconds that every answer takes, with its picture.
+_LEAST_SECONDS = 1.0
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
 _OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
 _PICTURE_DPI = 200
@@ -257,7 +252,7 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
     """Return roughly how many steps of motion an analysis takes, 0 if it does not say."""
     from latolato.scenario.analysis_options import options_of
 
-    own = options_of(function)
+    own, cost = options_of(function), question_of(function.__name__).cost
     known = {n: p.default for n, p in inspect.signature(function).parameters.items()}
     known |= arguments
     drive, system = known.get("drive"), known["system"]
@@ -279,7 +274,7 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
         span = number("settling", 0.0)
     else:
         return 0.0
-    many = math.prod(max(number(name, 1.0), 1.0) for name in _COUNTS)
+    many = math.prod(max(number(name, 1.0), 1.0) for name in cost.counts)
     if "check_tolerance" in known:
         many *= _TWICE
     for name, option in own.items():
@@ -287,13 +282,13 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
         if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):
             many *= max(len(value), 1)
         elif value is None:
-            many *= _LISTED.get(name, 1)
+            many *= cost.lengths.get(name, 1)
     return many * span * fastest / (2.0 * math.pi) * _STEPS_PER_PERIOD
 
 
 def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
     """Return roughly how long an answer takes [s], once its kernels are compiled."""
-    rate = _RATES.get(function.__name__, _RATE)
+    rate = question_of(function.__name__).cost.steps_per_second
     return _LEAST_SECONDS + steps_of(function, arguments) / rate
 
 
@@ -327,7 +322,6 @@ def compute(
     """Answer a question and write what is found: what the job `analyse` does in its process."""
     import warnings
 
-    from latolato.app.questions import all_questions
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.io.files import save
@@ -345,7 +339,7 @@ def compute(
         save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "found.svg")
         panels = panels_of(figure, found)
-    asked = all_questions()[question.name]
+    asked = question_of(question.name)
     return {
         "analysis": question.name,
         "verdict": asked.verdict(found),

@@ -10,7 +10,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked, options_of
+from latolato.app.option_words import OPTION_WORDS
 from latolato.core.errors import InputError
+from latolato.figures.analyses.question import Cost, all_questions
 
 if TYPE_CHECKING:
     from latolato.scenario.analysis_options import AnalysisOption
@@ -23,23 +25,11 @@ _AROUND = (0.5, 1.5)
 _RATIOS = (1.5, 3.0)
 # Of two lists: a little beyond.
 _WIDER = (1.4, 3.2)
-# Motion has settled after so many decay times, in as many shakes at most [1].
+# Motion has settled after so many decay times.
 _SETTLED = 8.0
 # Along a branch each motion begins near where it ends.
 _NEAR = 1.5
-_MOST_SHAKES = {
-    "response_period": 20_000,
-    "poincare_section": 20_000,
-    "impact_map": 20_000,
-    "time_crystal": 20_000,
-    "bifurcation_diagram": 1000,
-    "response_period_map": 5000,
-    "first_push": 5000,
-    "basins": 5000,
-}
-# Decay times that a run lasts, and the longest one [s]. Lyapunov exponents need more to be told
-# from zero.
-_SETTLING_RUNS = {"lyapunov_spectrum": 30.0, "hysteresis": 6.0}
+# The longest run that is proposed [s].
 _LONGEST_RUN = 3000
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 ASKED_RUN = ("duration",)
@@ -53,7 +43,6 @@ _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
 def forms() -> dict[str, Any]:
     """Return what the form of each analysis is made from, by name, group after group."""
     from latolato.analysis import analyses
-    from latolato.app.questions import all_questions
     from latolato.scenario.analysis_options import plain_text, summary_of
     from latolato.simulation.summary import plain
 
@@ -108,6 +97,13 @@ def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
     }
 
 
+@lru_cache(maxsize=1)
+def option_words() -> dict[str, str]:
+    """Return the labels of options that are no quantities."""
+    own = [question.labels for question in all_questions().values()]
+    return OPTION_WORDS | {name: text for labels in own for name, text in labels.items()}
+
+
 def label_of(name: str) -> str:
     """Return what an option, a choice or a variable is called on a page.
 
@@ -116,11 +112,10 @@ def label_of(name: str) -> str:
     >>> label_of("transient_periods"), label_of("damping"), label_of("inverted")
     ('Shakes that are left out at the beginning', 'Linear damping coefficient', 'Inverted')
     """
-    from latolato.app.questions import OPTION_WORDS
     from latolato.core.quantities import QUANTITIES
 
     known = QUANTITIES.get(name)
-    text: str = OPTION_WORDS.get(name) or (known.long_name if known else name.replace("_", " "))
+    text: str = option_words().get(name) or (known.long_name if known else name.replace("_", " "))
     return f"{text[:1].upper()}{text[1:]}"
 
 
@@ -155,7 +150,6 @@ def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
 
 def about_asked(asked: Asked) -> dict[str, Any]:
     """Return the options of what a page asks for, and what can be asked of it."""
-    from latolato.app.questions import all_questions
     from latolato.simulation.summary import plain
 
     scenario = asked.to_scenario()
@@ -193,7 +187,6 @@ def _stands(scenario: Scenario) -> bool:
 def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     """Return what the options of each analysis begin with, as texts, so that it takes seconds."""
     from latolato.analysis import analyses
-    from latolato.app.questions import all_questions
 
     ranges = {
         name: f"{low:.3g} : {high:.3g}"
@@ -210,7 +203,7 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         limits = known.get(texts.get("parameter", ""))
         if limits:
             texts |= {end: limits[end] for end in ("low", "high") if end in own}
-        texts |= _settled(name, scenario, own, texts)
+        texts |= _settled(question.cost, scenario, own, texts)
         found[name] = {option: text for option, text in texts.items() if option in own}
     if _stands(scenario):
         found["growth_rate"]["position"] = "inverted"
@@ -218,7 +211,7 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
 
 
 def _settled(
-    name: str, scenario: Scenario, own: Mapping[str, AnalysisOption], texts: Mapping[str, str]
+    cost: Cost, scenario: Scenario, own: Mapping[str, AnalysisOption], texts: Mapping[str, str]
 ) -> dict[str, str]:
     """Return times in which motion settles, for analyses whose usual ones are too short for it."""
     ball = scenario.system.balls[0]
@@ -227,14 +220,14 @@ def _settled(
         return {}
     found = {}
     frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
-    if name in _MOST_SHAKES and frequency > 0.0:
+    if cost.most_shakes and frequency > 0.0:
         times = _NEAR if "parameter" in own else _SETTLED
         shakes = times / rate * frequency / math.tau
         default = float(own["transient_periods"].default or 0.0)
         if shakes > default:
-            found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, _MOST_SHAKES[name])}"
-    if name in _SETTLING_RUNS and "duration" in texts:
-        least = _SETTLING_RUNS[name] / rate
+            found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, cost.most_shakes)}"
+    if cost.decay_times and "duration" in texts:
+        least = cost.decay_times / rate
         if least > float(texts["duration"]):
             found["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
     return found
@@ -261,10 +254,9 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     """Return the numbers that a diagram can vary: what they are, their unit, and usual limits."""
     from latolato.analysis.flow import value_of
     from latolato.figures.style import pretty_unit
-    from latolato.physics.drives import FixedPivot
     from latolato.sweeps import axes
 
-    if isinstance(scenario.drive, FixedPivot):
+    if not scenario.drive.moves:
         return {}
     found = {}
     for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():

@@ -8,7 +8,6 @@ from inspect import signature
 from typing import Any
 
 from latolato.app.given import options_of
-from latolato.physics.drives import FixedPivot
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.run import simulate
 
@@ -28,7 +27,7 @@ def python_line(scenario: Scenario) -> str:
     """
     lines = ["import latolato as ll", "", f"system = {constructor(scenario.system)}"]
     arguments = ["system"]
-    if not isinstance(scenario.drive, FixedPivot):
+    if scenario.drive.moves:
         lines.append(f"drive = {constructor(scenario.drive)}")
         arguments.append("drive")
     defaults = {name: p.default for name, p in signature(simulate).parameters.items()}

@@ -18,7 +18,7 @@ from latolato.core.quantities import ANY, Range
 from latolato.core.registry import checked_number, suggest
 from latolato.figures.sides import is_geometric
 from latolato.observables import Observable, observables
-from latolato.physics.drives import Drive, FixedPivot, Harmonic
+from latolato.physics.drives import Drive, Harmonic
 from latolato.scenario.options import law_options
 from latolato.scenario.scenario import Scenario
 from latolato.sweeps.axes import DERIVED
@@ -73,7 +73,7 @@ class Span:
 
 def moving_drive(scenario: Scenario) -> Drive:
     """Return the drive; of a sweep over drives, the one in the middle; else a gentle one."""
-    if not isinstance(scenario.drive, FixedPivot):
+    if scenario.drive.moves:
         return scenario.drive
     amplitude, ratio = 0.1 * scenario.system.balls[0].length, 2.0
     axes = scenario.varied.get("axes", {})

@@ -11,7 +11,6 @@ from latolato.app.lines import constructor, literal
 from latolato.app.map_asked import Map
 from latolato.app.map_choices import Span
 from latolato.observables import Observable, observables
-from latolato.physics.drives import FixedPivot
 from latolato.sweeps.axes import TARGETS
 
 # Arguments of `latolato.sweep` that a scenario's run may have.
@@ -32,7 +31,7 @@ def sweep_lines(shown: Map) -> str:
     lines = ["import numpy as np", "import latolato as ll", ""]
     lines.append(f"system = {constructor(scenario.system)}")
     arguments = ["system"]
-    if not isinstance(scenario.drive, FixedPivot):
+    if scenario.drive.moves:
         lines.append(f"drive = {constructor(scenario.drive)}")
         arguments.append("drive")
     lines += ["grid = ll.sweep(", f"    {', '.join(arguments)},", "    axes={"]

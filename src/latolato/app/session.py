@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.app.given import Asked
 from latolato.core.errors import InputError
-from latolato.physics.drives import CrankSlider, MeasuredPivot
 
 if TYPE_CHECKING:
     from latolato.app.recording import Recording
@@ -172,6 +171,7 @@ def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
     """Return what a page must know of a toy beside its motion."""
     from latolato.app.given import options_of
     from latolato.app.runs import balls_of
+    from latolato.app.steering import is_by_cosine
 
     system = toy.system
     return {
@@ -184,7 +184,7 @@ def ready(toy: Toy, scenario: Any) -> dict[str, Any]:
         "frame": FRAME,
         "title": scenario.title,
         "options": options_of(scenario),
-        "by_cosine": not isinstance(scenario.drive, (CrankSlider, MeasuredPivot)),
+        "by_cosine": is_by_cosine(scenario.drive),
     }
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Range
 from latolato.core.registry import checked_number
-from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.drives import Drive
+from latolato.physics.drives.stretch import COSINE, STILL, SWEPT
 from latolato.physics.pendulum import System
 
 # What may be set: up to so many lengths and natural frequencies.
@@ -22,15 +24,19 @@ def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:
         found: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
         return float(found[0])
 
-    usual = (
-        2.0 * system.natural_frequency if isinstance(drive, FixedPivot) else drive.fastest_frequency
-    )
+    usual = drive.fastest_frequency if drive.moves else 2.0 * system.natural_frequency
     heights = getattr(drive, "pivot_heights", (0.0,))
     return (
         first("drive_amplitude", "drive_amplitudes", 0.5 * (max(heights) - min(heights))),
         first("drive_frequency", "drive_frequencies", usual),
         float(getattr(drive, "drive_phase", 0.0)),
     )
+
+
+def is_by_cosine(drive: Drive) -> bool:
+    """Return whether a drive rests or moves as a cosine, whose amplitude and frequency may vary."""
+    forms = {getattr(stretch, "form", None) for stretch in drive.stretches(math.inf)}
+    return forms <= {STILL, COSINE, SWEPT}
 
 
 def limits_of(system: System) -> dict[str, tuple[float, float]]:

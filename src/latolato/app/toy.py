@@ -34,7 +34,7 @@ from latolato.numerics.observe import (
 )
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.watch import Eyes
-from latolato.physics.contacts import BOTTOM, TOP, ExactContact, PassThrough, contact_laws
+from latolato.physics.contacts import BOTTOM, TOP, ExactContact, contact_laws
 from latolato.physics.drives.stretch import (
     COSINE,
     Stretch,
@@ -46,7 +46,7 @@ from latolato.physics.drives.stretch import (
     write_change,
     written,
 )
-from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear
+from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 
@@ -86,7 +86,7 @@ class Toy:
         """Begin as a scenario does, or go on from what `state` returned."""
         run, system = scenario.run, scenario.system
         law = checked_contact(run.get("contact", "exact"), system)
-        self._law = law if isinstance(law, PassThrough) else ExactContact()
+        self._law = ExactContact() if law.meets else law
         self._rest_speed = float(run.get("rest_speed", DEFAULT_REST_SPEED))
         self.system: System = system
         self.walls = walls_of(system, law)
@@ -376,7 +376,7 @@ class Toy:
             samples[records.S_WORK :, 0] = 0.0
         observation = Observation(
             instants, samples[records.S_MODE], samples, self._stretches, self._balls,
-            float(self.system.gravity), int(self.system.restoring is restoring_linear), 0,
+            float(self.system.gravity), int(self.system.is_linear), 0,
             pivot, out,
         )  # fmt: skip
         observe(observation, *self._laws)

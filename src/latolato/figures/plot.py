@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
+from latolato.figures.pictures import module_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
 
 
 # Where the pictures of each kind of result are, one module each.
-_FOLDERS = {"analysis": "analyses", "fit": "fits"}
 
 
 def plot(
@@ -140,14 +140,5 @@ def picture_of(kind: str, name: str) -> Callable[[xr.Dataset], Figure]:
     InputError
         If it has no picture.
     """
-    import importlib
-
-    home = f"latolato.figures.{_FOLDERS[kind]}.{name}"
-    try:
-        module = importlib.import_module(home)
-    except ModuleNotFoundError as error:
-        if error.name != home:
-            raise
-        raise InputError(f"{kind} '{name}' has no picture; its numbers can be stored") from None
-    draw: Callable[[xr.Dataset], Figure] = module.draw
+    draw: Callable[[xr.Dataset], Figure] = module_of(kind, name).draw
     return draw

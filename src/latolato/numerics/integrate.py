@@ -209,7 +209,7 @@ def integrate(
     angles = system.angles
     case = _case_of(
         system, drive, start, duration, law, rest_speed=rest_speed, follows_ledger=1,
-        follows_tension=system.restoring is not restoring_linear,
+        follows_tension=not system.is_linear,
     )  # fmt: skip
     case["step"] = step
     stretches = records.stretch_records(drive, duration)

@@ -27,7 +27,7 @@ from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Ste
 from latolato.physics.contacts import FINE, ContactLaw, meeting
 from latolato.physics.drives.stretch import fastest_frequency, largest_acceleration
 from latolato.physics.pair import joint_coupling
-from latolato.physics.pendulum import System, restoring_linear
+from latolato.physics.pendulum import System
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
 # benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
@@ -318,7 +318,7 @@ def cases_of(
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0
     cases["angles"], cases["meets"] = system.angles, system.has_contacts and law.meets
-    cases["is_linear"] = system.restoring is restoring_linear
+    cases["is_linear"] = system.is_linear
     cases["is_rough"] = choose_stepper(system) is BLANES_MOAN_GENERAL
     for name, value in numbers.items():
         cases[name] = value

@@ -121,6 +121,11 @@ class System:
         return (Ball(**shared),)
 
     @property
+    def is_linear(self) -> bool:
+        """Whether the restoring torque is proportional to the angle."""
+        return self.restoring is restoring_linear
+
+    @property
     def natural_frequency(self) -> float:
         """Angular frequency of small free swings of the right ball [rad/s]."""
         return math.sqrt(self.gravity / self.balls[0].length)

@@ -151,9 +151,7 @@ class AnalysisCall:
 
 def _moving(scenario: Scenario) -> Any:
     """Return the drive of a scenario, None for a pivot at rest."""
-    from latolato.physics.drives import FixedPivot
-
-    return None if isinstance(scenario.drive, FixedPivot) else scenario.drive
+    return scenario.drive if scenario.drive.moves else None
 
 
 def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:

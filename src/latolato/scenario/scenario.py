@@ -221,7 +221,7 @@ class Scenario:
             if "times" not in self.run:
                 raise InputError("a sweep needs a duration [s]")
             run["duration"] = self.run["times"][-1]
-        drive = None if isinstance(self.drive, FixedPivot) else self.drive
+        drive = self.drive if self.drive.moves else None
         return {"system": self.system, "drive": drive, **run, **self.varied}
 
 

@@ -18,7 +18,7 @@ from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
 from latolato.physics.contacts import CONTACT_KINDS, ClampContact, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import BallPair, LatoLato, System, restoring_linear, systems
+from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -126,7 +126,7 @@ def record_of(
     for name in PIVOT_ROWS:
         variables[name] = (("time",), seen[name])
     left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
-    if system.restoring is restoring_linear:  # the small-angle model has no such quantities
+    if system.is_linear:  # the small-angle model has no such quantities
         left_out |= {"tension", "lab_energy", "rod_power"}
     for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
         if name not in left_out:

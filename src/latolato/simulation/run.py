@@ -29,7 +29,7 @@ from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import System, restoring_linear, systems
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.record import Record, attributes_of, record_of
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
@@ -363,7 +363,7 @@ def _observe(
     samples = trajectory.samples
     observation = Observation(
         times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
-        int(system.restoring is restoring_linear), int(with_lab), pivot, out,
+        int(system.is_linear), int(with_lab), pivot, out,
     )  # fmt: skip
     laws = drive.height, drive.velocity, drive.acceleration, *laws_key(system)
     observe(observation, *laws)

@@ -38,7 +38,6 @@ from latolato.numerics.prepare import write_stepper
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
-from latolato.physics.pendulum import restoring_linear
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch, is_smooth
 
@@ -63,7 +62,7 @@ def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tupl
     table = hook_table(looking)
     scratch = make_scratch(stretch)
     write_stepper(scratch.runs, stepper)
-    scratch.runs["settings"]["is_linear"] = plan.system.restoring is restoring_linear
+    scratch.runs["settings"]["is_linear"] = plan.system.is_linear
     scratch.runs["engine"] = engine.address
     scratch.runs["hooks"] = table.ctypes.data
     return scratch, (engine, looking, table)

@@ -26,7 +26,7 @@ from latolato.core.registry import (
 from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
-from latolato.physics.drives import CrankSlider, Drive, FixedPivot, Harmonic, drives
+from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
@@ -271,7 +271,7 @@ def make_plan(
             raise InputError(f"two observables both give '{name}': drop one")
         if name in {axis.name for axis in dimensions}:
             raise InputError(f"axis name '{name}' is that of an observable: choose another")
-    if any(o.marks for o in watched) and not isinstance(drive, (Harmonic, CrankSlider)):
+    if any(o.marks for o in watched) and not isinstance(drive, PeriodicDrive):
         raise InputError(
             f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
         )
@@ -482,9 +482,9 @@ def _check_continuation(
             f"continuation along {starts[0]} makes no sense: each point starts where the one "
             "before ended"
         )
-    if not isinstance(drive, (Harmonic, CrankSlider, FixedPivot)):
+    if drive.moves and not isinstance(drive, PeriodicDrive):
         raise InputError(
-            f"continuation needs a drive that goes on: harmonic, crank_slider or none, "
+            f"continuation needs a drive that goes on: a periodic one, such as harmonic, or none, "
             f"got {drives.name_of(drive)}"
         )
     if noise is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -33,10 +34,9 @@ from latolato.numerics.prepare import (
 from latolato.numerics.records import BALL, BODY, SETTINGS
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE
-from latolato.physics.drives import Drive, FixedPivot, Harmonic
-from latolato.physics.drives.stretch import COSINE
+from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, VelocityKicks
-from latolato.physics.pendulum import System, restoring_linear
+from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_start, kicks_of, walls_of
 from latolato.sweeps.axes import DERIVED, parameters_of
 from latolato.sweeps.plan import Plan
@@ -226,12 +226,9 @@ def _stretches(
     columns turn into stretches where each point has one cosine.
     """
     count = len(cases)
-    if isinstance(plan.drive, (Harmonic, FixedPivot)):
+    if plan.drive.rotation is not None and plan.drive.write is not None:
         stretches = np.zeros(count, dtype=records.stretch_dtype())
-        if isinstance(plan.drive, Harmonic):
-            stretches["form"], stretches["phase"] = COSINE, columns["drive_phase"]
-            stretches["c0"] = columns["drive_amplitude"]
-            stretches["frequency"] = columns["drive_frequency"]
+        plan.drive.write([stretches.view(np.recarray)], SimpleNamespace(**columns))
         return stretches, np.arange(count + 1)
     result: list[NDArray[Any]] = []
     firsts, known = np.zeros(count + 1, dtype=np.int64), None
@@ -334,7 +331,7 @@ def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> 
 def _follows_tension(plan: Plan) -> bool:
     """Return whether an observable asks for the time of compression."""
     asked = any("compression" in o.needs for o in plan.observables)
-    return asked and plan.system.restoring is not restoring_linear
+    return asked and not plan.system.is_linear
 
 
 def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:

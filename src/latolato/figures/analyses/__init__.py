@@ -1,1 +1,1 @@
-"""The pictures of analyses, one module each with ``draw(dataset)``."""
+"""What people see of analyses: a module each, with the picture ``draw`` and words, ``QUESTION``."""

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
 from latolato.figures.analyses.response_period_map import edges_of
+from latolato.figures.analyses.sentences import UPRIGHT, degrees, listed, percent, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,3 +124,66 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
         still = f", {moving:.2f} % not settled" if moving else ""
         entries.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
     return entries
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell how many motions there are and which shares of the starts they have."""
+    count, left = dataset.sizes["attractor"], float(dataset["unresolved_fraction"])
+    if not count:
+        return "No motion has settled yet: leave out more shakes at the beginning."
+    parts: list[str] = []
+    for i in range(min(count, 4)):
+        one = dataset.isel(attractor=i)
+        status, period = str(one["status"].item()), float(one["response_period"])
+        kind = {"rest": "rest", "aperiodic": "chaos"}.get(status)
+        if kind == "rest" and one["largest_angle_watched"].max() > UPRIGHT:
+            kind = "rest upright"
+        if kind is None:
+            size = degrees(float(one["largest_angle_watched"].max()))
+            kind = f"one that repeats {shakes(period)} and goes out to {size}"
+        of = "" if parts else " of the starts"
+        parts.append(f"{kind} ({percent(float(one['basin_fraction']))}{of})")
+    rest = f"; {percent(left)} of the starts have not settled" if left else ""
+    uncertain = float(dataset["uncertain_fraction"])
+    if uncertain:
+        rest += f"; of {percent(uncertain)} of the starts the end depends on the numerical error"
+    if count == 1:
+        only = "all starts end" if not left else "the starts that settle end"
+        return f"It does not matter: {only} in {parts[0]}{rest}."
+    more = f" and {times(count - 4, 'more')}".removesuffix("s") if count > 4 else ""
+    joined = ", ".join(parts) + more if more else listed(parts)
+    return f"It does: there are {count} motions to end in, {joined}{rest}."
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="Does it matter how it starts?",
+    term="basins of attraction",
+    reading="Each point is a start: to the right its angle, upwards its speed. One colour ends in "
+    "one motion; where they mix finely, a tiny change decides. Dots: even rounding does.",
+    first=("angle_points", "velocity_points", "transient_periods"),
+    quick={"angle_points": "40", "velocity_points": "40"},
+    conditions=(settles, is_shaken),
+    place=2,
+    cost=Cost(
+        counts=(
+            "angle_points",
+            "velocity_points",
+        ),
+        most_shakes=5_000,
+    ),
+    labels={
+        "angle_high": "Angles at the start, to",
+        "angle_low": "Angles at the start, from",
+        "angle_points": "Number of angles at the start",
+        "asymmetry": "Left ball differs from the mirror image by",
+        "chaos_box": "Size of boxes that tell chaotic motions apart",
+        "entropy_box": "Starts along a box of the basin entropy",
+        "check_tolerance": "Tolerance of the second run, which finds uncertain starts",
+        "match_tolerance": "Two motions are the same within",
+        "velocity_high": "Speeds at the start, to",
+        "velocity_low": "Speeds at the start, from",
+        "velocity_points": "Number of speeds at the start",
+    },
+    verdict=verdict,
+)

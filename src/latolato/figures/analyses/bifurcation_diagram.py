@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
+from latolato.figures.analyses.sentences import listed, number, percent, shakes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,3 +75,51 @@ def _shade(panel: Any, x: Any, where: Any, hatch: str = "") -> None:
             x[start] - half, x[end - 1] + half, facecolor="none" if hatch else style.PALE_GREY,
             edgecolor=style.PALE_GREY, hatch=hatch, lw=0.0, zorder=0,
         )  # fmt: skip
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell how many settings move, which periods occur, and where both ways differ."""
+    status = dataset["status"].values.astype(str)
+    moving = np.isin(status, ("periodic", "grazing", "aperiodic"))
+    if not moving.any():
+        rest = percent((status == "rest").mean())
+        if (status == "rest").all():
+            return "It ends at rest at every setting tried."
+        return f"It ends at rest at {rest} of the settings; at the others it has not settled yet."
+    periods = dataset["response_period"].values[np.isin(status, ("periodic", "grazing"))]
+    known = [shakes(p) for p in np.unique(periods[np.isfinite(periods)])]
+    parts = [f"repeats {listed(known[:4], 'or')}"] if known else []
+    if (status == "aperiodic").any():
+        parts.append("never repeats")
+    text = f"It keeps moving at {percent(moving.mean())} of the settings; there it "
+    text += ", or ".join(parts)
+    if "is_hysteretic" in dataset:
+        both = np.flatnonzero(dataset["is_hysteretic"].values == 1)
+        if both.size:
+            values = dataset[dataset.attrs["parameter"]]
+            unit = str(values.attrs.get("units", "1")).replace("^2", "²")
+            unit = "" if unit == "1" else f" {unit}"
+            ends = sorted({number(float(values[both[0]])), number(float(values[both[-1]]))})
+            text += (
+                f". Between {' and '.join(ends)}{unit}"
+                if len(ends) == 2
+                else (f". At {ends[0]}{unit}")
+            )
+            text += " there are settings with two answers: the way there decides"
+    return text + "."
+
+
+QUESTION = Question(
+    group=LONG_RUN,
+    title="What happens when I turn one knob?",
+    term="bifurcation diagram",
+    reading="Above each setting of the knob stand the angles seen once per shake: one dot, it "
+    "repeats every shake; two dots, every second; a smear, never. Red is the way up, blue the way "
+    "back down: where they differ, the past decides.",
+    first=("parameter", "low", "high", "points"),
+    quick={"points": "41", "parameter": "frequency_ratio"},
+    conditions=(settles, is_shaken),
+    place=1,
+    cost=Cost(counts=("points",), steps_per_second=2.5e5, most_shakes=1_000),
+    verdict=verdict,
+)

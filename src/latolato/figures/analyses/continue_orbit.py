@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, is_shaken
+from latolato.figures.analyses.sentences import listed, number
 from latolato.figures.map_title import title_of
 
 if TYPE_CHECKING:
@@ -169,3 +171,35 @@ def _without(dataset: xr.Dataset, parameter: str) -> xr.Dataset:
     return dataset.drop_attrs(deep=False).assign_attrs(
         {key: value for key, value in dataset.attrs.items() if key not in dropped}
     )
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the range, the share that is stable, and special points."""
+    if not dataset.sizes["point"] or str(dataset["status"].item()) == "not found":
+        return "No repeating motion was found from this start: change the start or the repetition."
+    values = dataset[dataset.attrs["parameter"]].values
+    low, high = number(float(values.min()), 4), number(float(values.max()), 4)
+    stable = dataset["is_stable"].values == 1
+    kind = "stable" if stable.all() else "unstable" if not stable.any() else "partly stable"
+    text = f"The rhythm goes on from {low} to {high} and is {kind} there"
+    names, counts = np.unique(dataset["special_kind"].values.astype(str), return_counts=True)
+    if names.size:
+        marks = [f"{n.replace('_', ' ')} ({c})" for n, c in zip(names, counts, strict=True)]
+        text += f"; on the way: {listed(marks)}"
+    ends = {"lost": "; then it ends", "points": "; there is more of it", "closed": "; it is a loop"}
+    return f"{text}{ends.get(str(dataset['status'].item()), '')}."
+
+
+QUESTION = Question(
+    group=DISTURBANCE,
+    title="How does a rhythm change, and where does it end?",
+    term="continuation of a periodic orbit",
+    reading="One repeating motion is followed while a knob is turned: solid where it is stable, "
+    "dashed where it is not. Marks show where it turns round, splits or begins to touch.",
+    first=("parameter", "low", "high", "period", "direction"),
+    quick={"points": "100", "parameter": "frequency_ratio"},
+    conditions=(is_shaken,),
+    place=3,
+    cost=Cost(counts=("points",)),
+    verdict=verdict,
+)

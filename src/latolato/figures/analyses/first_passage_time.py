@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import BEGINNING, Cost, Question
+from latolato.figures.analyses.sentences import degrees, number, percent, plus_minus
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,3 +59,38 @@ def draw(dataset: xr.Dataset) -> Figure:
     panels[0, 1].set_yscale("log")
     panels[0, 1].set_ylim(0.5 / count, 1.2)
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the mean time with its error, or why there is none."""
+    status, share = str(dataset["status"].item()), float(dataset["passage_fraction"])
+    angle = degrees(dataset.attrs["threshold_angle"])
+    mean = float(dataset["mean_first_passage_time"])
+    if status == "none activated":
+        return (
+            f"None reached {angle}: on average it takes more than "
+            f"{number(float(dataset['mean_first_passage_time_low']))} s."
+        )
+    text = f"{percent(share)} reached {angle}"
+    if status == "all at once":
+        return f"{text}, all at the same time: the drive takes them there, not chance."
+    if status == "not exponential":
+        tail = "but not by pure chance: first the motion must grow"
+        return f"{text}, after some {number(mean)} s, {tail}."
+    told = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
+    return f"{text}, by chance, after {told} s on average."
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="How long until random jiggling sets it off?",
+    term="noise activation, first passage",
+    reading="Many toys are jiggled at random. The curve is the share that has not yet reached the "
+    "angle; a straight line here means that the toy does not age: pure chance.",
+    first=("noise_strength", "threshold_angle", "trajectories", "duration"),
+    quick={"noise_strength": "0.5", "trajectories": "100", "duration": "300"},
+    place=6,
+    cost=Cost(counts=("trajectories",)),
+    labels={"noise_interval": "Time between random kicks"},
+    verdict=verdict,
+)

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
 from latolato.figures.analyses.response_period_map import edges_of
+from latolato.figures.analyses.sentences import listed, number, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,9 +54,9 @@ def _draw_curves(panel: Any, dataset: xr.Dataset) -> None:
     """
     x = dataset["frequency_ratio"].values
     few = len(x) <= 60
-    for number, phase in enumerate(dataset["drive_phase"].values):
+    for k, phase in enumerate(dataset["drive_phase"].values):
         column = dataset["first_push"].sel(drive_phase=phase).values
-        colour = style.COLOURS[number]
+        colour = style.COLOURS[k]
         panel.step(x, column, where="mid", color=colour, lw=style.THIN, clip_on=False)
         panel.plot(
             x, column, "o", color=colour, ms=3.0 if few else 1.5,
@@ -103,3 +105,50 @@ def _draw_map(figure: Any, panel: Any, dataset: xr.Dataset) -> None:
             )
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell at how many settings which push is needed."""
+    status = dataset["status"].values.astype(str).ravel()
+    push = dataset["first_push"].values.ravel()
+    error = dataset["push_error"].values.ravel()
+    ratio = np.repeat(dataset["frequency_ratio"].values, dataset.sizes["drive_phase"])
+    unit = str(dataset["first_push"].attrs["units"])
+    alone, none = np.isin(status, ("self-start", "any push")), status == "none"
+    parts = []
+    if alone.any():
+        parts.append(f"at {alone.sum()} it starts by itself")
+    pushed = np.flatnonzero(status == "push")
+    if pushed.size:
+        best = pushed[np.argmin(push[pushed])]
+        told = number(float(push[best]))
+        parts.append(
+            f"at {pushed.size} it needs a push, the least being {told} {unit} "
+            f"(known to {number(float(error[best]), 1)}) for ω/ω₀ = {number(float(ratio[best]))}"
+        )
+    if none.any():
+        parts.append(f"at {none.sum()} no push helps")
+    text = listed(parts) if parts else "no setting has an answer"
+    return f"Of {times(status.size, 'drive speed')}: {text}."
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="How hard must I push to get it going?",
+    term="basin boundary on a line of starts",
+    reading="To the right the speed of the drive, upwards the smallest push that starts lasting "
+    "motion. At zero it starts by itself; where a point is missing no push helps.",
+    first=("frequency_ratio", "push", "largest_push"),
+    quick={"frequency_ratio": "{ratios} : 16", "scan_points": "30"},
+    conditions=(settles, is_shaken),
+    place=1,
+    cost=Cost(counts=("scan_points",), most_shakes=5_000),
+    labels={
+        "drive_phase": "Phase of the drive at the push",
+        "largest_push": "Largest push that is tried",
+        "refinements": "Rounds of refinement",
+        "scan_points": "Number of pushes that are tried",
+        "sustained_angle": "It counts as going beyond",
+    },
+    verdict=verdict,
+)

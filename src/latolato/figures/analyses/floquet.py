@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.words import head, number, write_words
+from latolato.figures.analyses.question import DISTURBANCE, Question, is_shaken
+from latolato.figures.analyses.sentences import number, shakes
+from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,27 +80,60 @@ def _rows(dataset: xr.Dataset) -> list[tuple[str, str]]:
         return float(dataset[name].item())
 
     if not math.isfinite(value_of("response_period")):
-        return [("defect", number(value_of("defect"), 2))]
+        return [("defect", tex_number(value_of("defect"), 2))]
     rows = []
     for i, value in enumerate(dataset["multipliers"].values, start=1):
-        text = number(value.real, 5)
+        shown = tex_number(value.real, 5)
         if value.imag:
             sign = "+" if value.imag > 0 else "\N{MINUS SIGN}"
-            text += f" {sign} {number(abs(value.imag), 5)} i"
-        rows.append((rf"$\mu_{i}$", text))
+            shown += f" {sign} {tex_number(abs(value.imag), 5)} i"
+        rows.append((rf"$\mu_{i}$", shown))
     rate = value_of("growth_rate")
     rows += [
-        ("growth rate", number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),
+        ("growth rate", tex_number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),
         ("period", _counted(value_of("response_period"), "drive period")),
         ("impacts in it", f"{value_of('impacts'):.0f}"),
     ]
     if value_of("turns"):
-        rows.append(("whole turns", number(value_of("turns"))))
+        rows.append(("whole turns", tex_number(value_of("turns"))))
     if math.isfinite(value_of("slowest_impact")):
-        rows.append(("slowest impact", f"{number(value_of('slowest_impact'))} rad/s"))
-    return [*rows, (r"error of $\mu$", number(value_of("multiplier_error"), 1))]
+        rows.append(("slowest impact", f"{tex_number(value_of('slowest_impact'))} rad/s"))
+    return [*rows, (r"error of $\mu$", tex_number(value_of("multiplier_error"), 1))]
 
 
 def _counted(number: float, what: str) -> str:
     """Return a number of things, e.g. ``2 drive periods``."""
     return f"{number:.0f} {what}{'' if number == 1 else 's'}"
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell whether the orbit is stable."""
+    status, rate = str(dataset["status"].item()), float(dataset["growth_rate"])
+    if status == "not found":
+        return "No repeating motion was found from this start: change the start or the repetition."
+    text = f"There is a motion that repeats {shakes(float(dataset['response_period']))}"
+    if status == "unstable":
+        return f"{text}; it is unstable: disturbances grow e-fold every {number(1.0 / rate)} s."
+    if status == "stable":
+        fade = "die out" if math.isinf(rate) else f"fade e-fold every {number(-1.0 / rate)} s"
+        return f"{text}; it is stable: disturbances {fade}."
+    words = {
+        "neutral": "disturbances neither grow nor fade",
+        "rest": "the balls rest on each other, and disturbances vanish",
+        "grazing": "it touches without speed, so nothing can be said of disturbances",
+        "contradicted": "a check of the result failed: do not trust it",
+    }
+    return f"{text}; {words.get(status, status)}."
+
+
+QUESTION = Question(
+    group=DISTURBANCE,
+    title="Is there a steady rhythm nearby, and is it stable?",
+    term="Floquet multipliers of a periodic orbit",
+    reading="A motion that repeats is found exactly, from a start near it. If all dots lie inside "
+    "the circle, small disturbances die out; a red one outside makes them grow.",
+    first=("period",),
+    conditions=(is_shaken,),
+    place=2,
+    verdict=verdict,
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,9 @@ import numpy as np
 from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.question import REST, Question, can_hang, is_even
+from latolato.figures.analyses.sentences import POSITION_WORDS, number
 from latolato.figures.analyses.tongues import parameters_in_words
-from latolato.physics.drives import FixedPivot, Harmonic
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,14 +32,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes = panels[0, 0]
     rate, w0 = float(dataset.growth_rate), system.natural_frequency
     axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
-    if isinstance(drive, FixedPivot) or about["drive_frequency"] == 0.0:
+    if not drive.moves or about["drive_frequency"] == 0.0:
         place = 0.0
         axes.axhline(rate, color=style.BLUE)
         axes.set_xlim(0.0, 3.2)
     else:
         template: Any = drive
         place = about["drive_frequency"] / w0
-        plain = isinstance(drive, Harmonic) and about["position"] == "hanging"
+        plain = template.is_cosine and about["position"] == "hanging"
         count = _SAMPLES if plain else _FEW_SAMPLES
         ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), count)
         rates = [
@@ -59,3 +61,26 @@ def draw(dataset: xr.Dataset) -> Figure:
     names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
     axes.set_title(f"{about['position']}\n{parameters_in_words(about, *names)}")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the rate as the time in which a swing doubles or halves."""
+    rate, where = float(dataset["growth_rate"]), POSITION_WORDS[dataset.attrs["position"]]
+    if abs(rate) < 1e-9:
+        return f"About {where} a small swing neither grows nor dies away."
+    verb = "doubles" if rate > 0.0 else "halves"
+    time = math.log(2.0) / abs(rate)
+    return f"About {where} a small swing {verb} every {number(time)} s."
+
+
+QUESTION = Question(
+    group=REST,
+    title="Does a small swing grow or die away?",
+    term="growth rate, Floquet exponent",
+    reading="To the right the speed of the drive, upwards how fast a small swing grows. Above zero "
+    "it grows, below it dies away. The dot is the speed of now.",
+    first=("position",),
+    conditions=(can_hang, is_even),
+    place=3,
+    verdict=verdict,
+)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
+from latolato.figures.analyses.sentences import listed, number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,15 +32,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     for axis in panels.flat[len(indices) :]:
         axis.set_visible(False)
-    for number, (axis, i) in enumerate(zip(panels.flat, indices, strict=False)):
+    for place, (axis, i) in enumerate(zip(panels.flat, indices, strict=False)):
         row = dataset.isel(drive_amplitude=int(i))
         _draw_loop(row, axis)
         name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm: {row.status.item()}"
-        style.panel_title(axis, "abcd"[number], name)
+        style.panel_title(axis, "abcd"[place], name)
         style.degree_axis(axis)
-        if number % columns == 0:
+        if place % columns == 0:
             axis.set_ylabel(style.label(dataset.largest_angle))
-        if number + columns >= len(indices):
+        if place + columns >= len(indices):
             axis.set_xlabel(style.label(dataset.frequency_ratio))
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
@@ -60,3 +62,45 @@ def _draw_loop(row: xr.Dataset, axis: Axes) -> None:
             axis.axvline(jump, color=_COLOURS[way], lw=style.THIN, ls=dashes, zorder=0, label=text)
     axis.set_xlim(ratio[0], ratio[-1])
     axis.set_ylim(0.0, None)
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the range with two answers and the jumps."""
+    row = dataset.isel(drive_amplitude=0)
+    status = str(row["status"].item())
+    if status == "no hysteresis":
+        return "No: on the way up and on the way down it does the same."
+    if status == "not settled":
+        return "Both ways differ, but the runs are too short, or too wild, to tell: lengthen them."
+    if status != "hysteresis":
+        return "It cannot be told: at some of these speeds a run has no answer."
+    low, high = (number(float(row[f"bistable_{end}"])) for end in ("low", "high"))
+    where = f"at ω/ω₀ = {low}" if low == high else f"from ω/ω₀ = {low} to {high}"
+    text = f"Yes: {where} the past decides"
+    up = float(row["jump_ratio"].sel(direction="up"))
+    down = float(row["jump_ratio"].sel(direction="down"))
+    jumps = [
+        f"at {number(place)} on the way {way}"
+        for place, way in ((up, "up"), (down, "down"))
+        if math.isfinite(place)
+    ]
+    return f"{text}; its largest jumps are {listed(jumps)}." if jumps else f"{text}."
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="Does it remember where it came from?",
+    term="hysteresis, bistability",
+    reading="The drive is made slowly faster, then slowly slower; upwards the largest swing. Where "
+    "both curves part, the toy does one thing or the other, depending on its past.",
+    first=("frequency_ratio", "duration"),
+    quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
+    conditions=(settles, is_shaken),
+    place=5,
+    cost=Cost(steps_per_second=1e6, decay_times=6.0),
+    labels={
+        "least_jump": "A jump is a change of at least",
+        "least_motion": "Smallest swing that is kept alive",
+    },
+    verdict=verdict,
+)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, has_contacts, is_shaken
+from latolato.figures.analyses.sentences import listed, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,3 +59,36 @@ def draw(dataset: xr.Dataset) -> Figure:
     else:
         style.note(plane, str(dataset["status"].values), (math.pi, 0.5), (0.0, 0.0), ha="center")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the rate of impacts and their sides."""
+    count = dataset.sizes.get("impact", 0)
+    if not count:
+        return "The balls do not clack: they rest on each other, or swing without touching."
+    side = dataset["impact_side"].values.astype(str)
+    where = [name for name in ("bottom", "top") if (side == name).any()]
+    rate = float(dataset["impacts_per_period"])
+    phases = dataset["impact_phase"].values
+    # On the circle, a little coarser than the drive's phase is told.
+    places = np.unique(np.round(np.exp(1j * phases), 2)).size
+    steady = places <= 12
+    text = f"The balls clack {times(rate, 'time')} per shake, at the {listed(where)}"
+    rests = int(dataset["rests"])
+    if rests:
+        text += f", and come to rest {times(rests, 'time')} meanwhile"
+    return f"{text}; {'the rhythm is steady' if steady else 'the rhythm keeps changing'}."
+
+
+QUESTION = Question(
+    group=LONG_RUN,
+    title="In what rhythm do the balls clack?",
+    term="impact map",
+    reading="Every dot is a clack: to the right when in the shake it comes, upwards how fast the "
+    "balls part. Few dots mean a steady rhythm. On the right each clack against the one before.",
+    first=("periods", "transient_periods"),
+    conditions=(has_contacts, is_shaken),
+    place=5,
+    cost=Cost(most_shakes=20_000),
+    verdict=verdict,
+)

@@ -11,6 +11,8 @@ import numpy as np
 from latolato.analysis import inverted_limits
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.question import REST, Question, can_stand
+from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
 
 if TYPE_CHECKING:
@@ -61,3 +63,27 @@ def draw(dataset: xr.Dataset) -> Figure:
     names = ("length", "mass", "damping", "connecting_rod_length")
     axes.set_title(f"upright is stable inside\n{parameters_in_words(about, *names)}")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell between which amplitudes."""
+    at = f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'], 4)}"
+    low, high = float(dataset["low"]), float(dataset["high"])
+    if not math.isfinite(low):
+        return f"{at} no amplitude holds it upright."
+    if not math.isfinite(high):
+        return f"{at} every amplitude above {millimetres(low)} that was tried holds it upright."
+    return f"{at} it stands upright with an amplitude of {millimetres(low)} to {millimetres(high)}."
+
+
+QUESTION = Question(
+    group=REST,
+    title="Can it stand on its head?",
+    term="Kapitza's pendulum, dynamic stabilisation",
+    reading="Inside the coloured part fast shaking holds the ball upright. To the right the speed "
+    "of the drive, upwards its amplitude over the length; dashed is Kapitza's formula.",
+    first=("frequency_ratio",),
+    conditions=(can_stand,),
+    place=4,
+    verdict=verdict,
+)

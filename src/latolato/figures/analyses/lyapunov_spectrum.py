@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.words import head, number, write_words
+from latolato.figures.analyses.question import DISTURBANCE, Cost, Question
+from latolato.figures.analyses.sentences import number
+from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +44,7 @@ def draw(dataset: xr.Dataset) -> Figure:
             axes.bar(place, value, width=0.55, color=colour)
             up = value >= 0.0
             style.note(
-                axes, number(value), (place, value), (0.0, 3.0 if up else -3.0), ha="center",
+                axes, tex_number(value), (place, value), (0.0, 3.0 if up else -3.0), ha="center",
                 va="bottom" if up else "top",
             )  # fmt: skip
         elif np.isneginf(value):
@@ -77,6 +79,37 @@ def _rows(dataset: xr.Dataset, values: np.ndarray) -> list[tuple[str, str]]:
     ]
     observed = dataset.attrs["duration"] - dataset.attrs["transient"]
     return [
-        *((name, f"{number(value)} 1/s") for name, value in rows if not math.isnan(value)),
+        *((name, f"{tex_number(value)} 1/s") for name, value in rows if not math.isnan(value)),
         ("observed", f"{observed:g} s"),
     ]
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell whether neighbours part and how fast."""
+    status, largest = str(dataset["status"].item()), float(dataset["lyapunov_exponents"].max())
+    if status == "rest":
+        return "No: the balls come to rest on each other, and the past is forgotten."
+    if status == "chaotic":
+        return (
+            f"Yes: neighbouring starts drift apart e-fold every {number(1.0 / largest)} s: chaos."
+        )
+    if status == "regular":
+        return f"No: neighbouring starts come together e-fold every {number(-1.0 / largest)} s."
+    if status == "marginal":
+        return "It cannot be told in this time: neighbours hardly drift. Follow it longer."
+    return f"There is no answer: {status}."
+
+
+QUESTION = Question(
+    group=DISTURBANCE,
+    title="Is it chaotic?",
+    term="Lyapunov exponents",
+    reading="Two starts that almost agree: do they drift apart? A red bar above zero means yes, "
+    "ever faster, and nobody can foretell the motion for long; blue bars mean they meet again.",
+    first=("duration", "transient"),
+    quick={"duration": "300"},
+    place=1,
+    # It takes long to tell an exponent from zero.
+    cost=Cost(steps_per_second=1e5, decay_times=30.0),
+    verdict=verdict,
+)

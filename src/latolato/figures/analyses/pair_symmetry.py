@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.words import head, number, write_words
+from latolato.figures.analyses.question import DISTURBANCE, Question, is_toy
+from latolato.figures.analyses.sentences import number
+from latolato.figures.analyses.words import head, tex_number, write_words
 from latolato.figures.map_title import in_words, title_of
 from latolato.figures.sides import side_of
 
@@ -132,7 +135,7 @@ def _number(dataset: xr.Dataset) -> Figure:
     """Return one rate as text."""
     figure, panels = style.new_figure(width=0.6 * style.PAGE, height=1.75)
     status = str(dataset["status"].item())
-    rate = number(float(dataset["transverse_exponent"].item()), 5)
+    rate = tex_number(float(dataset["transverse_exponent"].item()), 5)
     angle = np.degrees(float(dataset["largest_angle_after_transient"].item()))
     rows = [
         ("growth rate of departures", f"{rate} 1/s"),
@@ -142,3 +145,37 @@ def _number(dataset: xr.Dataset) -> Figure:
     write_words(panels[0, 0], status, _MEANING.get(status, ""), rows, column=0.5)
     head(figure, dataset)
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell whether departures grow, of one toy or of how many."""
+    status = dataset["status"].values.astype(str)
+    rate = dataset["transverse_exponent"].values.ravel()
+    if status.size > 1:
+        share = 100.0 * float((status == "valid").mean())
+        return f"They do in {share:.0f} % of the {status.size} cases."
+    told, value = str(status.ravel()[0]), float(rate[0])
+    if math.isnan(value):
+        return f"There is no answer: {told}."
+    if told == "valid" and math.isinf(value):
+        return "Yes: they rest on each other, and every difference vanishes."
+    shown = number(value)
+    if told == "valid":
+        return f"Yes: differences between them die out, at a rate of {shown} 1/s."
+    if told == "broken":
+        return f"No: a small difference between them grows, at a rate of {shown} 1/s."
+    return f"It cannot be told in this time: the rate is {shown} 1/s."
+
+
+QUESTION = Question(
+    group=DISTURBANCE,
+    title="Do both balls stay mirror images?",
+    term="transverse stability of the symmetric motion",
+    reading="Both balls start almost as mirror images. Below zero the difference dies out, and one "
+    "ball tells all; above zero it grows, and each ball goes its own way.",
+    first=("duration", "transient"),
+    quick={"duration": "300"},
+    conditions=(is_toy,),
+    place=4,
+    verdict=verdict,
+)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
+from latolato.figures.analyses.sentences import UPRIGHT, degrees, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,3 +71,42 @@ def _title(dataset: xr.Dataset, cycle: int) -> str:
         return f"{status}: no period up to {dataset.attrs['longest']}"
     rotation = dataset["rotation_number"].item()
     return f"{status}, period {cycle}, rotation number {rotation:.4g}"
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the period and what happens in it."""
+    status = str(dataset["status"].item())
+    if status == "rest" and dataset["largest_angle_watched"].item() > UPRIGHT:
+        return "It comes to rest upright: it stands on its head."
+    if status == "rest":
+        return "It comes to rest: nothing moves against the pivot any more."
+    if status == "not settled":
+        return (
+            f"After {dataset.attrs['transient_periods']:g} shakes it still changes: leave out more "
+            "shakes at the beginning."
+        )
+    if status == "aperiodic":
+        longest = dataset.attrs["longest"]
+        return f"It does not repeat within {longest} shakes: look whether it is chaos."
+    if status not in ("periodic", "grazing"):
+        return f"There is no answer: {status}."
+    text = f"The motion repeats {shakes(dataset['response_period'].item())}"
+    if dataset["impacts_per_period"].item():
+        text += f", with {times(dataset['impacts_per_period'].item(), 'impact')} per shake"
+    text += f", and goes out to {degrees(dataset['largest_angle_watched'].item())}"
+    tail = " It touches almost without speed, so a small change may change the rhythm."
+    return f"{text}.{tail if status == 'grazing' else ''}"
+
+
+QUESTION = Question(
+    group=LONG_RUN,
+    title="After how many shakes does it repeat?",
+    term="response period and rotation number",
+    reading="The angle is noted once per shake, as if by a flash. Dots that jump between p heights "
+    "mean that the motion repeats after p shakes; dots without order never repeat.",
+    first=("longest", "transient_periods"),
+    conditions=(settles, is_shaken),
+    place=2,
+    cost=Cost(most_shakes=20_000),
+    verdict=verdict,
+)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_even, settles
+from latolato.figures.analyses.sentences import listed, percent, shakes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,3 +100,35 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
     if lost:
         text += f"\n{lost} without an answer (black)"
     axes.set_xlabel(f"share, with its 95 % interval\n{text}", fontsize=style.SMALL)
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the shares of rest, of the most frequent period and of motion without one."""
+    if not dataset["cells"].values.any():
+        return "No cell has an answer."
+    share = dict(zip(dataset["motion"].values.astype(str), dataset["share"].values, strict=True))
+    rest = share.pop("rest", 0.0)
+    parts = [f"{percent(rest)} rest"] if rest else []
+    wild = share.pop("aperiodic", 0.0)
+    moving = {name: s for name, s in share.items() if name.startswith("period ") and s > 0.0}
+    if moving:
+        name = max(moving, key=lambda each: moving[each])
+        parts.append(f"{percent(moving[name])} repeat {shakes(int(name.split()[1]))}")
+    if wild:
+        parts.append(f"{percent(wild)} never repeat")
+    return f"Of the cells {listed(parts)}." if parts else "No cell has settled."
+
+
+QUESTION = Question(
+    group=LONG_RUN,
+    title="Where does it repeat, rest or run wild?",
+    term="map of response periods",
+    reading="Each cell is one toy: to the right the speed of the drive, upwards its amplitude. The "
+    "colour says after how many shakes its motion repeats; pale cells rest, red ones never repeat.",
+    first=("drive_amplitude", "frequency_ratio"),
+    quick={"drive_amplitude": "{amplitudes} : 16", "frequency_ratio": "{ratios} : 16"},
+    conditions=(settles, is_even),
+    place=4,
+    cost=Cost(most_shakes=5_000),
+    verdict=verdict,
+)

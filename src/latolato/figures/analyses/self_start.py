@@ -11,6 +11,8 @@ import numpy as np
 from latolato.analysis import self_start
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
+from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
 
 if TYPE_CHECKING:
@@ -56,3 +58,31 @@ def draw(dataset: xr.Dataset) -> Figure:
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
     axes.set_title(f"leaves rest inside\n{parameters_in_words(about, *names)}")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the amplitude."""
+    amplitude = float(dataset["drive_amplitude"])
+    if not math.isfinite(amplitude):
+        return "It never starts by itself at this speed: the crank would jam first."
+    text = (
+        f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'])} the balls part by themselves from "
+    )
+    text += f"{millimetres(amplitude)} on"
+    return (
+        f"{text}, where the pivot reaches {number(float(dataset['drive_acceleration_ratio']))} g."
+    )
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="How far must the hand move for it to start by itself?",
+    term="lift-off from resting contact",
+    reading="To the right the speed of the drive, upwards its amplitude. Inside the coloured part "
+    "the pivot drops faster than the balls fall, and they part without a push.",
+    first=("frequency_ratio", "check"),
+    conditions=(has_contacts,),
+    place=3,
+    labels={"check": "Check with simulated runs"},
+    verdict=verdict,
+)

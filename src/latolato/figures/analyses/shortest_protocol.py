@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.figures import style
+from latolato.figures.analyses.question import BEGINNING, Cost, Question, ends_as_cosine, settles
+from latolato.figures.analyses.sentences import degrees, number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,3 +105,49 @@ def _draw_pushes(dataset: xr.Dataset, axis: Axes) -> None:
     axis.set_ylim(-0.03, 1.05)
     axis.set_xlabel(_PUSH)
     axis.set_ylabel("share of drive phases")
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the shortest protocol and the least push."""
+    status = str(dataset["status"].item())
+    if status == "reached from rest":
+        return "It is not needed: the large swing comes from rest by itself."
+    push = float(dataset["smallest_push"])
+    hand = f"a push of {number(push)} rad/s does it" if math.isfinite(push) else "no push does it"
+    if status == "no upper branch":
+        rest, most = (
+            degrees(float(dataset["angle_from_rest"])),
+            number(float(dataset["push"].max())),
+        )
+        return f"It cannot help: no push up to {most} rad/s leads beyond the {rest} from rest."
+    if status != "found":
+        return f"No first stage that was tried reaches the large swing; {hand}."
+    ratio, lead = float(dataset["best_first_ratio"]), float(dataset["lead_time"])
+    angle = float(dataset["upper_angle"])
+    swing = "whole turns" if angle > math.pi else f"the large swing of {degrees(angle)}"
+    tail = " as well" if math.isfinite(push) else ""
+    return f"Yes: {number(lead)} s at ω/ω₀ = {number(ratio)} lead to {swing}; {hand}{tail}."
+
+
+QUESTION = Question(
+    group=BEGINNING,
+    title="Does “first fast, then slow” help?",
+    term="two-stage driving protocol",
+    reading="On the left each cell is a first stage: to the right how long it is held, upwards how "
+    "fast it is; bright ones succeed. On the right the push of a hand that does the same. If "
+    "nothing was searched, a curve shows how far each push leads.",
+    first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
+    quick={"phases": "4"},
+    conditions=(settles, ends_as_cosine),
+    place=4,
+    cost=Cost(counts=("phases",), lengths={"first_frequency_ratio": 12, "dwell_time": 16}),
+    labels={
+        "dwell_time": "Times in the first stage",
+        "first_frequency_ratio": "Drive speeds of the first stage, ω/ω₀",
+        "phases": "Drive phases that are tried",
+        "ramp": "Time to change the speed",
+        "required_share": "Share of the phases that must succeed",
+        "settling": "Time to settle afterwards",
+    },
+    verdict=verdict,
+)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.question import REST, Question, can_hang, is_even
+from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
@@ -39,3 +41,25 @@ def draw(dataset: xr.Dataset) -> Figure:
     names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
     axes.set_title(f"hanging is unstable inside\n{parameters_in_words(about, *names)}")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell the amplitude."""
+    at = f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'], 4)}"
+    amplitude = float(dataset["drive_amplitude"])
+    if not math.isfinite(amplitude):
+        return f"{at} no amplitude up to the limit of the search makes hanging unstable."
+    return f"{at} a small swing grows once the amplitude exceeds {millimetres(amplitude)}."
+
+
+QUESTION = Question(
+    group=REST,
+    title="How strongly must it be shaken to swing up by itself?",
+    term="threshold of parametric resonance",
+    reading="Inside the coloured tongues hanging still is impossible. The dot is where this speed "
+    "first meets a tongue; below it a small swing dies away.",
+    first=("frequency_ratio", "order"),
+    conditions=(can_hang, is_even),
+    place=2,
+    verdict=verdict,
+)

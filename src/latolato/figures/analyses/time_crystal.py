@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken
+from latolato.figures.analyses.sentences import degrees, number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,3 +113,42 @@ def _draw_order(point: xr.Dataset, axis: Axes) -> None:
     axis.set_xlim(point.period.values[0], point.period.values[-1])
     axis.set_xlabel(style.label(point.period))
     axis.set_ylabel("order kept " + style.label(point.order_parameter_decay, short=True))
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell whether there is a line at half the frequency, and how long it keeps its phase."""
+    heights = dataset["peak_amplitude"].fillna(-1.0)
+    best = np.unravel_index(int(np.argmax(heights.values)), heights.shape)
+    point = dataset.isel(dict(zip(map(str, heights.dims), best, strict=True)))
+    status, peak = str(point["status"].item()), float(point["peak_frequency"])
+    angle = degrees(float(point["peak_amplitude"]))
+    life, least = float(point["lifetime"]), float(point["lifetime_low"])
+    if status in ("no motion", "no subharmonic", "no answer") or not math.isfinite(peak):
+        words = {"no motion": "it rests", "no subharmonic": "it follows every shake alike"}
+        return f"There is no beat of two shakes: {words.get(status, 'the run has no answer')}."
+    text = {
+        "locked": "It swings exactly once in two shakes",
+        "drifting": f"Its beat is near half the drive's speed but not at it ({number(peak, 4)})",
+        "broad": "There is no clear beat of two shakes, but a broad mixture about it",
+    }[status]
+    text += f", {angle} to each side"
+    if math.isfinite(life):
+        return f"{text}; it slips out of step about every {number(life)} s."
+    if math.isfinite(least):
+        return f"{text}; it never slipped, so it does so less than once in {number(least)} s."
+    return f"{text}."
+
+
+QUESTION = Question(
+    group=LONG_RUN,
+    title="Does it keep its half-speed beat?",
+    term="subharmonic line, “time crystal” order",
+    reading="Does it swing once in two shakes, and does random jiggling make it lose the beat? "
+    "The left curve is its memory of the beat: flat near 1 it is kept, falling to 0 it is lost.",
+    first=("noise_strength", "trajectories", "periods"),
+    quick={"noise_strength": "0", "trajectories": "1"},
+    conditions=(is_shaken,),
+    place=6,
+    cost=Cost(counts=("trajectories",), most_shakes=20_000),
+    verdict=verdict,
+)

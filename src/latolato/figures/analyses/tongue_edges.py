@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from latolato.figures import style
 from latolato.figures.analyses.laws import drive_of, system_of
+from latolato.figures.analyses.question import REST, Question, can_hang, is_shaken
+from latolato.figures.analyses.sentences import POSITION_WORDS, millimetres, number
 from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
@@ -40,3 +42,30 @@ def draw(dataset: xr.Dataset) -> Figure:
     names = ("length", "mass", "damping", "connecting_rod_length")
     axes.set_title(f"{about['position']} is unstable inside\n{parameters_in_words(about, *names)}")
     return figure
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """Tell both edges."""
+    low, high = float(dataset["low"]), float(dataset["high"])
+    where = POSITION_WORDS[dataset.attrs["position"]]
+    with_amplitude = f"With an amplitude of {millimetres(dataset.attrs['drive_amplitude'])}"
+    if not math.isfinite(low):
+        return f"{with_amplitude} tongue {dataset.attrs['order']} is closed: drag is too strong."
+    if not math.isfinite(high):
+        return f"{with_amplitude} {where} is unstable at all speeds above ω/ω₀ = {number(low, 5)}."
+    return (
+        f"{with_amplitude} {where} is unstable from ω/ω₀ = {number(low, 5)} to {number(high, 5)}."
+    )
+
+
+QUESTION = Question(
+    group=REST,
+    title="At which speeds does hanging still become impossible?",
+    term="parametric resonance, Mathieu-Hill tongue",
+    reading="Inside the coloured tongues the smallest swing grows by itself, as on a garden swing. "
+    "The dashed line is the amplitude asked for; the dots are the edges on it.",
+    first=("drive_amplitude", "order", "position"),
+    conditions=(can_hang, is_shaken),
+    place=1,
+    verdict=verdict,
+)

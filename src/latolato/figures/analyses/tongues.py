@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.analysis import tongue_edges
 from latolato.figures import style
-from latolato.physics.drives import Drive, Harmonic
+from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def draw_tongues(
 ) -> None:
     """Fill the tongues of orders 1 to 3 up to an amplitude [m], over w/w0 and A0/l."""
     length = system.balls[0].length
-    plain = isinstance(drive, Harmonic) and position == "hanging"
+    plain = drive.is_cosine and position == "hanging"
     amplitudes = np.linspace(0.0, largest, _SAMPLES if plain else _FEW_SAMPLES)[1:]
     right = 3.2 if position == "hanging" else 12.0
     for order in _ORDERS if position == "hanging" else (0, 1):

@@ -49,12 +49,12 @@ def head(figure: Figure, dataset: xr.Dataset) -> None:
     figure.suptitle("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL, x=0.01, ha="left")
 
 
-def number(value: float, digits: int = 4) -> str:
+def tex_number(value: float, digits: int = 4) -> str:
     r"""Return a number as it is printed, powers of ten and infinity included.
 
     Examples
     --------
-    >>> print(number(0.25), number(3e-15, 1), number(float("inf")))
+    >>> print(tex_number(0.25), tex_number(3e-15, 1), tex_number(float("inf")))
     0.25 $3\times10^{-15}$ ∞
     """
     if math.isnan(value):

@@ -13,7 +13,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
-from latolato.physics.drives.base import Drive, drives
+from latolato.physics.drives.base import Drive, PeriodicDrive, drives
 
 from latolato.physics.drives.harmonic import Harmonic, FixedPivot  # isort: skip - the simplest first
 from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
@@ -30,6 +30,7 @@ __all__ = [
     "FrequencySchedule",
     "Harmonic",
     "MeasuredPivot",
+    "PeriodicDrive",
     "StagedHarmonic",
     "Stretch",
     "drives",

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import QUANTITIES, Range
+from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES, Range, quantity_field
 from latolato.core.registry import Registry, check_fields, checked_number
 from latolato.physics.drives.stretch import (
     Stretch,
@@ -29,17 +29,21 @@ class Drive:
 
     Attributes
     ----------
+    moves : bool
+        Whether the pivot moves at all.
     height, velocity, acceleration : formula
         Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package know every form of `Stretch`;
         a class with formulas of its own has kernels of its own.
     rotation : formula or None
         Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
-        of a stretch. Lanes then rotate the phase instead of computing cosines.
+        of a stretch. Lanes then rotate the phase instead of computing cosines. Such a drive is one
+        stretch, and its `write` works for arrays too.
     write : formula or None
         ``number = write(out, drive)`` writes the drive's stretches, at most two for each of its
         `times` and two more.
     """
 
+    moves: ClassVar[bool] = True
     height: ClassVar[Any] = staticmethod(pivot_height)
     velocity: ClassVar[Any] = staticmethod(pivot_velocity)
     acceleration: ClassVar[Any] = staticmethod(pivot_acceleration)
@@ -76,6 +80,11 @@ class Drive:
         return self.stretches(math.inf), math.inf
 
     @property
+    def is_cosine(self) -> bool:
+        """Whether the pivot moves as one steady cosine, which is where it has a `rotation`."""
+        return self.rotation is not None
+
+    @property
     def fastest_frequency(self) -> float:
         """Largest angular frequency in the motion [rad/s]; sets the step.
 
@@ -87,6 +96,25 @@ class Drive:
     def largest_acceleration(self) -> float:
         """Bound of |pivot_acceleration| [m/s^2]; sets the step."""
         return largest_acceleration(*self.course())
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeriodicDrive(Drive):
+    """A drive that repeats itself: a function of ``drive_frequency t + drive_phase``.
+
+    Of that phase it has the period 2 pi, and the pivot rests at `drive_amplitude` zero; with a
+    `rotation` it is the cosine of that amplitude. Analyses that look once per drive period, follow
+    an orbit, or vary amplitude and frequency take every subclass.
+    """
+
+    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
+    drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
+    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
+
+    @property
+    def largest_amplitude(self) -> float:
+        """Bound of `drive_amplitude` [m], infinite by default."""
+        return math.inf
 
 
 def checked_array(

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, quantity_field
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, quantity_field
 from latolato.core.scalar import formula
-from latolato.physics.drives.base import Drive, drives
+from latolato.physics.drives.base import PeriodicDrive, drives
 from latolato.physics.drives.stretch import CRANK, write_stretch
 
 
@@ -23,7 +23,7 @@ def write_crank(out: Any, drive: Any) -> int:
 
 @drives.register("crank_slider")
 @dataclass(frozen=True, kw_only=True)
-class CrankSlider(Drive):
+class CrankSlider(PeriodicDrive):
     """The paper's motor: a crank of radius A0 moves a guided piston by a connecting rod.
 
     `guide` says whether the piston lies ``"below"`` (the paper's) or ``"above"`` the crank.
@@ -32,11 +32,9 @@ class CrankSlider(Drive):
     write: ClassVar[Any] = staticmethod(write_crank)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.1))
-    drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
     connecting_rod_length: float = quantity_field(
         "connecting_rod_length", POSITIVE, suggested=(0.05, 1.0)
     )
-    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
     guide: str = field(
         default="below",
         metadata={"description": "side of the guide", "choices": ("below", "above")},
@@ -52,6 +50,11 @@ class CrankSlider(Drive):
                 f"{self.drive_amplitude:g}: the crank would jam",
                 parameter="drive_amplitude",
             )
+
+    @property
+    def largest_amplitude(self) -> float:
+        """The connecting rod's length [m], at which the crank would jam."""
+        return self.connecting_rod_length
 
     @property
     def side(self) -> float:

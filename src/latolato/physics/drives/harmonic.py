@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
 from latolato.core.scalar import formula
-from latolato.physics.drives.base import Drive, drives
+from latolato.physics.drives.base import Drive, PeriodicDrive, drives
 from latolato.physics.drives.stretch import COSINE, STILL, rotation, write_stretch
 
 
@@ -31,18 +30,15 @@ def write_cosine(out: Any, drive: Any) -> int:
 class FixedPivot(Drive):
     """A pivot at rest; what ``drive=None`` means."""
 
+    moves: ClassVar[bool] = False
     rotation: ClassVar[Any] = staticmethod(rotation)
     write: ClassVar[Any] = staticmethod(write_rest)
 
 
 @drives.register("harmonic")
 @dataclass(frozen=True, kw_only=True)
-class Harmonic(Drive):
+class Harmonic(PeriodicDrive):
     """``y0 = A0 cos(w t + phase)`` (Paper, before eq8)."""
 
     rotation: ClassVar[Any] = staticmethod(rotation)
     write: ClassVar[Any] = staticmethod(write_cosine)
-
-    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
-    drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
-    drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))

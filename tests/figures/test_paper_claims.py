@@ -4,10 +4,9 @@ from functools import cache
 
 import pytest
 
-from latolato.figures import catalogue
 from latolato.figures.claim import Verdict
+from quick_figures import EVIDENCE, quick_data
 
-EVIDENCE = catalogue.evidence()
 YES, PART, NO = Verdict.REPRODUCED, Verdict.ASSUMED, Verdict.NOT_AS_PRINTED
 METHOD = Verdict.METHOD_CHECK
 
@@ -126,7 +125,7 @@ NUMBERS = [
 @cache
 def claims(name):
     evidence = EVIDENCE[name]
-    return {claim.name: claim for claim in evidence.judge(evidence.data(quick=True))}
+    return {claim.name: claim for claim in evidence.judge(quick_data(name))}
 
 
 def test_every_statement_has_an_expected_verdict():

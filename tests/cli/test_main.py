@@ -474,7 +474,7 @@ def test_the_version_is_printed():
 
 def test_the_citation_names_software_and_paper_as_the_citation_file_does():
     printed = run("cite").stdout
-    file = (Path(__file__).parents[1] / "CITATION.cff").read_text(encoding="utf-8")
+    file = (Path(__file__).parents[2] / "CITATION.cff").read_text(encoding="utf-8")
     title = "Parametric resonance and nonlinear dynamics in a coupled double-pendulum system"
     for text in (title, "The latolato developers", ll.__version__):
         assert text in file

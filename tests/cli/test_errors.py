@@ -574,7 +574,7 @@ import latolato
 
 
 def test_the_console_script_is_the_one_that_looks_after_ctrl_c():
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     assert project["project"]["scripts"] == {"latolato": "latolato_command:main"}
 
 

@@ -1,4 +1,4 @@
-"""What a question consists of, and when it can be asked."""
+"""An analysis as a question: in whose words it is asked, when it can be, and what it costs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.core.registry import Registry
+from latolato.figures.pictures import module_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,19 +19,45 @@ DISTURBANCE = "What do small disturbances do?"
 # In the order of a page.
 GROUPS = (LONG_RUN, BEGINNING, REST, DISTURBANCE)
 
-Verdict = Callable[["xr.Dataset"], str]
 # Says of system and drive why a question cannot be asked of them, None if it can.
 Condition = Callable[[Any, Any], str | None]
 
 
 @dataclass(frozen=True, kw_only=True)
+class Cost:
+    """What the time of an answer depends on.
+
+    Attributes
+    ----------
+    counts : tuple of str
+        Options that multiply the work.
+    lengths : mapping of str to int
+        How many values of a list are tried where none are given.
+    steps_per_second : float
+        Steps of motion in a second on two cores; fewer where one is taken after another.
+    most_shakes : int
+        To so many drive periods the form lengthens a transient in which motion has not settled.
+    decay_times : float
+        So many decay times last the runs that the form begins with, if the drag is known.
+    """
+
+    counts: tuple[str, ...] = ()
+    lengths: Mapping[str, int] = field(default_factory=dict)
+    steps_per_second: float = 1e7
+    most_shakes: int = 0
+    decay_times: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Question:
-    """An analysis in the words of a page.
+    """An analysis in the words of a page: what `QUESTION` is in the module of its picture.
 
     Attributes
     ----------
     group : str
         One of `GROUPS`.
+    place : int
+        Smaller ones come first in a group.
     title, reading : str
         The question, and what its picture tells and how it is read.
     term : str
@@ -43,68 +69,80 @@ class Question:
         and ``{amplitudes}`` stand for usual ranges about those of the drive.
     conditions : tuple of callable
         What system and drive must have.
+    cost : Cost
+        What the time of an answer depends on.
+    labels : mapping of str to str
+        Of options that only this analysis has and that are no quantities.
     verdict : callable
         Says in one sentence what was found.
     """
 
     group: str
+    place: int = 100
     title: str
     term: str
     reading: str
     first: tuple[str, ...]
     quick: Mapping[str, str] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
-    verdict: Verdict
+    cost: Cost = field(default_factory=Cost)
+    labels: Mapping[str, str] = field(default_factory=dict)
+    verdict: Callable[[xr.Dataset], str]
 
     def unfit(self, system: Any, drive: Any) -> str | None:
         """Return why this cannot be asked of a system and a drive, None if it can."""
         return next((why for each in self.conditions if (why := each(system, drive))), None)
 
 
-questions: Registry[Question] = Registry("question")
+def question_of(name: str) -> Question:
+    """Return the question of an analysis.
+
+    Raises
+    ------
+    InputError
+        If it has no picture, and so no words.
+    """
+    question: Question = module_of("analysis", name).QUESTION
+    return question
 
 
-def asked(name: str, **words: Any) -> Callable[[Verdict], Verdict]:
-    """Return a decorator that makes a function the verdict on an analysis, asked in these words."""
+def all_questions() -> dict[str, Question]:
+    """Return the question of each analysis by its name, in the order in which a page lists them."""
+    from latolato.analysis import analyses
 
-    def add(verdict: Verdict) -> Verdict:
-        questions.register(name)(Question(verdict=verdict, **words))
-        return verdict
-
-    return add
+    questions = {name: question_of(name) for name in analyses}
+    order = sorted(questions, key=lambda n: (GROUPS.index(questions[n].group), questions[n].place))
+    return {name: questions[name] for name in order}
 
 
 def settles(system: Any, drive: Any) -> str | None:
     """Say whether there is a motion that lasts."""
-    from latolato.physics.pendulum import Mathieu
-
-    if isinstance(system, Mathieu):
+    if system.is_linear:
         return "The Mathieu equation only grows or decays: choose a pendulum or a toy."
     return None
 
 
 def is_shaken(system: Any, drive: Any) -> str | None:
     """Say whether the pivot repeats the same movement."""
-    from latolato.physics.drives import CrankSlider, Harmonic
+    from latolato.physics.drives import PeriodicDrive
 
-    if not isinstance(drive, (Harmonic, CrankSlider)) or drive.drive_frequency == 0.0:
+    if not isinstance(drive, PeriodicDrive) or drive.drive_frequency == 0.0:
         return "The pivot must be shaken evenly: choose the drive Harmonic or CrankSlider."
     return None
 
 
 def is_even(system: Any, drive: Any) -> str | None:
     """Say whether the pivot rests or repeats the same movement."""
-    from latolato.physics.drives import FixedPivot
-
-    return None if isinstance(drive, FixedPivot) else is_shaken(system, drive)
+    return is_shaken(system, drive) if drive.moves else None
 
 
-def is_harmonic(system: Any, drive: Any) -> str | None:
-    """Say whether the pivot moves as a cosine."""
-    from latolato.physics.drives import Harmonic
+def ends_as_cosine(system: Any, drive: Any) -> str | None:
+    """Say whether the pivot moves as a cosine at last."""
+    from latolato.analysis.protocol_search import last_cosine
 
-    if not isinstance(drive, Harmonic) or drive.drive_frequency == 0.0:
-        return "The pivot must move as a cosine: choose the drive Harmonic."
+    last = last_cosine(drive)
+    if last is None or last.frequency == 0.0:
+        return "The pivot must move as a cosine at last: choose the drive Harmonic."
     return None
 
 
@@ -127,16 +165,14 @@ def is_toy(system: Any, drive: Any) -> str | None:
 def _is_free(position: str) -> Condition:
     def check(system: Any, drive: Any) -> str | None:
         from latolato.analysis.linear import linearised
-        from latolato.physics.drives import FixedPivot
-        from latolato.physics.pendulum import Mathieu
 
         if system.has_contacts:
             where = "hang straight down" if position == "hanging" else "stand upright"
             return f"It is about one ball: two of them touch before they {where}."
-        if position == "inverted" and isinstance(system, Mathieu):
+        if position == "inverted" and system.is_linear:
             return "The Mathieu equation knows no upright position: choose a pendulum."
         try:
-            linearised(system, None if isinstance(drive, FixedPivot) else drive, position)
+            linearised(system, drive if drive.moves else None, position)
         except InputError as error:
             return f"{str(error)[:1].upper()}{str(error)[1:]}."
         return None

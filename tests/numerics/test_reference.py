@@ -1,7 +1,7 @@
 """High-precision trajectories: every state, work, loss, contact time and velocity they list.
 
-`reference/trajectories.json` holds 30 digits from Taylor series in mpmath; `reference/cases.json`
-is made by `reference/make_cases.py` in the same way. Neither shares anything with latolato.
+`tests/reference/trajectories.json` holds 30 digits from Taylor series in mpmath; `cases.json`
+beside it is made by `make_cases.py` in the same way. Neither shares anything with latolato.
 """
 
 import math

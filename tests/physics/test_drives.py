@@ -12,7 +12,7 @@ import pytest
 import latolato as ll
 from latolato.numerics.engine.record import as_objects
 from latolato.numerics.records import stretch_records
-from latolato.physics.drives import drives
+from latolato.physics.drives import PeriodicDrive, drives
 
 END = 10.0
 
@@ -93,6 +93,21 @@ def test_fastest_frequency_is_not_below_the_rate_of_the_motion(drive):
     turns = np.count_nonzero(np.diff(np.sign(np.diff(heights))))
     # Each period has two turning points; a factor two is spared for sampled motions.
     assert 2.0 * drive.fastest_frequency * END / math.pi >= turns
+
+
+def test_a_periodic_drive_is_a_function_of_its_phase(drive):
+    if not isinstance(drive, PeriodicDrive):
+        return
+    period = math.tau / drive.drive_frequency
+    later = dataclasses.replace(drive, drive_phase=drive.drive_phase + math.pi / 2)
+    for t in np.linspace(0.0, period, 23):
+        height = motion(drive, t)[0]
+        # Phases of some 10 rad are rounded to 1e-15.
+        assert motion(drive, t + period)[0] == pytest.approx(height, abs=1e-14)
+        assert motion(later, t + 0.75 * period)[0] == pytest.approx(height, abs=1e-14)
+        if drive.is_cosine:
+            cosine = math.cos(drive.drive_frequency * t + drive.drive_phase)
+            assert height == pytest.approx(drive.drive_amplitude * cosine, abs=1e-14)
 
 
 @pytest.mark.parametrize("name", [n for n in drives if n != "fixed_pivot"])

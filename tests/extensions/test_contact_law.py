@@ -1,5 +1,6 @@
 """A mode of motion that a user brings: walls that push back like springs, in place of impacts."""
 
+import json
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,9 +8,12 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.analysis.flow import Flow
+from latolato.app.forms import registry
+from latolato.cli.main import app as command_line
 from latolato.core.scalar import formula
 from latolato.numerics.engine.balls import GAP
 from latolato.numerics.engine.events import Event
@@ -121,8 +125,9 @@ SOFT = SoftWall()
 
 
 @pytest.fixture(autouse=True)
-def known(monkeypatch):
+def known(monkeypatch, forget):
     """One entry in each table."""
+    forget()
     monkeypatch.setitem(MOTIONS, SoftWall.motion, make_soft_wall)
     monkeypatch.setitem(contact_laws._entries, "soft wall", SoftWall)
 
@@ -241,3 +246,17 @@ def test_small_deviations_are_followed_through_it(tolerance, error):
     np.testing.assert_allclose(found.matrix, np.array(differences).T, rtol=error, atol=error)
     rate = TOY.damping / (TOY.mass * TOY.length)
     assert np.linalg.det(found.matrix) == pytest.approx(np.exp(-rate * 4.0), rel=1e-9)
+
+
+def test_scenarios_the_command_line_and_the_app_know_it_by_name(tmp_path):
+    alone = ll.simulate(TOY, SHAKEN, initial_angle=0.6, duration=5.0, contact=SOFT)
+    again = ll.Scenario.from_dict(json.loads(alone.attrs["scenario"])).simulate()
+    np.testing.assert_array_equal(alone.angle, again.angle)
+    file = tmp_path / "run.nc"
+    words = (
+        "simulate fig02 --system latolato --radius 0.1 --initial-angle 0.6 --duration 5 --contact"
+    )
+    result = CliRunner().invoke(command_line, [*words.split(), "soft wall", "--output", str(file)])
+    assert result.exit_code == 0, result.output
+    assert ll.load(file).attrs["contact"] == "soft wall"
+    assert "soft wall" in registry()["contacts"]

@@ -1,64 +1,12 @@
-"""Words for options of analyses that are no quantities, and for numbers in sentences."""
+"""Numbers, counts and lists as they stand in a sentence."""
 
 from __future__ import annotations
 
 import math
 
-# Labels of options. Those that are missing are quantities, whose names their registry knows.
-OPTION_WORDS = {
-    "angle_high": "Angles at the start, to",
-    "angle_low": "Angles at the start, from",
-    "angle_points": "Number of angles at the start",
-    "angle_tolerance": "Two samples are the same within",
-    "asymmetry": "Left ball differs from the mirror image by",
-    "chaos_box": "Size of boxes that tell chaotic motions apart",
-    "check": "Check with simulated runs",
-    "direction": "Which way it is followed",
-    "drive_amplitude": "Amplitude of the drive",
-    "drive_phase": "Phase of the drive at the push",
-    "duration": "How long each run lasts",
-    "dwell_time": "Times in the first stage",
-    "entropy_box": "Starts along a box of the basin entropy",
-    "first_frequency_ratio": "Drive speeds of the first stage, ω/ω₀",
-    "frequency_ratio": "Drive speed, ω/ω₀",
-    "high": "To",
-    "largest_amplitude_ratio": "Search up to the amplitude A₀/l",
-    "largest_push": "Largest push that is tried",
-    "least_jump": "A jump is a change of at least",
-    "least_motion": "Smallest swing that is kept alive",
-    "longest": "Longest repetition that is looked for, in shakes",
-    "low": "From",
-    "check_tolerance": "Tolerance of the second run, which finds uncertain starts",
-    "match_tolerance": "Two motions are the same within",
-    "method": "Method of calculation",
-    "noise_interval": "Time between random kicks",
-    "noise_seed": "Seed of the random numbers",
-    "noise_strength": "Strength of the random kicks",
-    "order": "Number of the tongue (1 at ω = 2ω₀)",
-    "parameter": "What is changed",
-    "period": "Repeats after how many shakes",
-    "periods": "Shakes that are watched",
-    "phases": "Drive phases that are tried",
-    "points": "How many values",
-    "position": "Position of the ball",
-    "push": "What the push gives",
-    "ramp": "Time to change the speed",
-    "refinements": "Rounds of refinement",
-    "required_share": "Share of the phases that must succeed",
-    "scan_points": "Number of pushes that are tried",
-    "section_phase": "Phase of the drive at which one looks",
-    "settling": "Time to settle afterwards",
-    "sustained_angle": "It counts as going beyond",
-    "threshold_angle": "Angle that counts",
-    "trajectories": "How many repetitions",
-    "transient": "Time that is left out at the beginning",
-    "transient_periods": "Shakes that are left out at the beginning",
-    "velocity_high": "Speeds at the start, to",
-    "velocity_low": "Speeds at the start, from",
-    "velocity_points": "Number of speeds at the start",
-}
 # Beyond this angle [rad] one ball at rest stands upright.
 UPRIGHT = 0.75 * math.pi
+POSITION_WORDS = {"hanging": "hanging still", "inverted": "standing upright"}
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
 

@@ -1,0 +1,49 @@
+"""How long free swings last: an analysis as it would lie in `latolato/analysis`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.analysis.closed_forms import undriven_period
+from latolato.analysis.registry import analyses, labelled
+from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.registry import checked_count, checked_number
+from latolato.physics.pendulum import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@analyses.register("swing_time")
+def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -> xr.Dataset:
+    """Return how long free swings last over the angle that they reach [s].
+
+    Parameters
+    ----------
+    system : Pendulum
+        What swings, its drag left out.
+    largest_angle : float
+        The widest swing [rad].
+    swings : int
+        How many swings are looked at.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``swing_time`` [s] over ``largest_angle``.
+    """
+    widest = checked_number("largest_angle", largest_angle, POSITIVE, "rad")
+    angles = np.linspace(0.0, widest, checked_count("swings", swings) + 1)[1:]
+    length = system.balls[0].length
+    times = [
+        undriven_period(initial_angle=a, length=length, gravity=system.gravity) for a in angles
+    ]
+    return labelled(
+        "swing_time",
+        {"swing_time": ("largest_angle", times)},
+        coordinates={"largest_angle": ("largest_angle", angles)},
+        quantities={"swing_time": Quantity("s", "T", "time of a swing")},
+        system=system,
+    )

@@ -1,0 +1,73 @@
+"""An analysis that a user brings: a file with the function, a file with its picture and words."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import latolato as ll
+from latolato.analysis import analyses
+from latolato.app import analyses as app
+from latolato.app.analysis_forms import about_asked, forms
+from latolato.app.given import Asked
+from latolato.cli.main import app as command_line
+from latolato.figures import analyses as pictures
+
+HERE = Path(__file__).parent
+PENDULUM = {"system": "pendulum", "length": "1 m", "mass": "0.8 kg"}
+ASKED = {"options": {**PENDULUM, "initial_angle": "0.1", "duration": "1 s"}}
+
+
+@pytest.fixture(autouse=True)
+def two_files(monkeypatch, forget):
+    """The packages find the files as if they lay among their own, in these tests only."""
+    monkeypatch.setattr(analyses, "_entries", dict(analyses))
+    packages = {ll.analysis: HERE / "analysis", pictures: HERE / "figures"}
+    for package, folder in packages.items():
+        monkeypatch.setattr(package, "__path__", [*package.__path__, str(folder)])
+    ll.analysis.__loader__.exec_module(ll.analysis)  # it looks again for what it holds
+    forget()
+    yield
+    for package, names in {
+        ll.analysis: ("swings", "swing_time"),
+        pictures: ("swing_time",),
+    }.items():
+        for name in names:
+            sys.modules.pop(f"{package.__name__}.{name}", None)
+            vars(package).pop(name, None)
+
+
+def test_python_finds_and_draws_it():
+    found = ll.analysis.swing_time(ll.Pendulum(length=1.0, mass=0.8), largest_angle=2.0, swings=3)
+    # T = T0 (1 + a^2/16 + 11 a^4/3072 + ...), Lagrange (1788).
+    slow = math.tau / math.sqrt(9.8)
+    for a, time in zip(found.largest_angle.values, found.swing_time.values, strict=True):
+        assert time == pytest.approx(slow * (1.0 + a**2 / 16.0 + 11.0 * a**4 / 3072.0), rel=2e-2)
+    assert ll.plot(found).axes[0].get_ylabel().startswith("time of a swing")
+
+
+def test_the_command_line_asks_it(tmp_path):
+    options = [word for name, text in PENDULUM.items() for word in (f"--{name}", text)]
+    words = ["analyse", "swing_time", *options, "--largest-angle", "90 deg", "--swings", "2"]
+    result = CliRunner().invoke(command_line, [*words, "--plot", str(tmp_path / "a.png"), "--json"])
+    assert result.exit_code == 0, result.output
+    times = json.loads(result.stdout)["variables"]["swing_time"]["values"]
+    # 2 K(sin 45 degrees)/pi, to six digits
+    assert times[1] == pytest.approx(1.180341 * math.tau / math.sqrt(9.8), rel=1e-6)
+    assert (tmp_path / "a.png").exists()
+
+
+def test_the_app_has_its_form_its_cost_and_its_answer(tmp_path):
+    form = forms()["swing_time"]
+    assert form["title"] == "Do wide swings take longer?"
+    assert form["options"]["swings"]["label"] == "Number of swings"
+    about = about_asked(Asked.from_json(ASKED))
+    assert "swing_time" not in about["unfit"]
+    request = {**ASKED, "analysis": "swing_time", "given": about["quick"]["swing_time"]}
+    assert app.prepare(request)
+    answer = app.compute(request, tmp_path, print)
+    assert answer["verdict"] == "A swing of 57° takes 2.14 s."
+    assert (tmp_path / "found.png").exists()

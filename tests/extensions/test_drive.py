@@ -1,0 +1,296 @@
+"""Drives that a user brings: classes with formulas and numbers of their own, one periodic."""
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.analysis import (
+    bifurcation_diagram,
+    continue_orbit,
+    floquet,
+    poincare_section,
+    response_period,
+)
+from latolato.app import analyses as app_analyses
+from latolato.app.analysis_forms import about_asked
+from latolato.app.forms import registry
+from latolato.app.given import Asked
+from latolato.app.runs import simulate_asked
+from latolato.core.quantities import NON_NEGATIVE, UNIT_INTERVAL, quantity_field
+from latolato.core.scalar import cosine, formula, sine
+from latolato.physics.drives import Drive, PeriodicDrive, drives
+
+
+class Beat(NamedTuple):
+    """Two cosines of one amplitude."""
+
+    start: float
+    amplitude: float
+    slow: float
+    fast: float
+
+
+@formula
+def height(t, p):
+    return p.amplitude * (cosine(p.slow * t) + cosine(p.fast * t))
+
+
+@formula
+def velocity(t, p):
+    return -p.amplitude * (p.slow * sine(p.slow * t) + p.fast * sine(p.fast * t))
+
+
+@formula
+def acceleration(t, p):
+    return -p.amplitude * (p.slow**2 * cosine(p.slow * t) + p.fast**2 * cosine(p.fast * t))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beating(Drive):
+    height = staticmethod(height)
+    velocity = staticmethod(velocity)
+    acceleration = staticmethod(acceleration)
+
+    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE)
+    slow: float = quantity_field("drive_frequency", NON_NEGATIVE)
+    fast: float = quantity_field("drive_frequency", NON_NEGATIVE)
+
+    def stretches(self, duration):
+        return [Beat(0.0, self.drive_amplitude, self.slow, self.fast)]
+
+    @property
+    def fastest_frequency(self):
+        return max(self.slow, self.fast)
+
+    @property
+    def largest_acceleration(self):
+        return self.drive_amplitude * (self.slow**2 + self.fast**2)
+
+
+class Tone(NamedTuple):
+    """A cosine and its third overtone."""
+
+    start: float
+    amplitude: float
+    frequency: float
+    phase: float
+    sharpness: float
+
+
+@formula
+def tone_height(t, p):
+    q = p.frequency * t + p.phase
+    return p.amplitude * (cosine(q) + p.sharpness * cosine(3.0 * q))
+
+
+@formula
+def tone_velocity(t, p):
+    q = p.frequency * t + p.phase
+    return -p.amplitude * p.frequency * (sine(q) + 3.0 * p.sharpness * sine(3.0 * q))
+
+
+@formula
+def tone_acceleration(t, p):
+    q = p.frequency * t + p.phase
+    return -p.amplitude * p.frequency**2 * (cosine(q) + 9.0 * p.sharpness * cosine(3.0 * q))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sharp(PeriodicDrive):
+    """A cosine with a third overtone."""
+
+    height = staticmethod(tone_height)
+    velocity = staticmethod(tone_velocity)
+    acceleration = staticmethod(tone_acceleration)
+
+    sharpness: float = quantity_field("amplitude_ratio", UNIT_INTERVAL, default=0.0)
+
+    def stretches(self, duration):
+        given = self.drive_amplitude, self.drive_frequency, self.drive_phase, self.sharpness
+        return [Tone(0.0, *given)]
+
+    @property
+    def fastest_frequency(self):
+        return 3.0 * self.drive_frequency
+
+    @property
+    def largest_acceleration(self):
+        return self.drive_amplitude * self.drive_frequency**2 * (1.0 + 9.0 * self.sharpness)
+
+
+TOY = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
+RUN = {"initial_angle": 0.7, "duration": 5.0}
+
+
+@pytest.fixture(autouse=True)
+def known(monkeypatch, forget):
+    """Only these tests know the drives: others range over all registered ones."""
+    monkeypatch.setattr(drives, "_entries", dict(drives._entries))
+    drives.register("beating")(Beating)
+    drives.register("sharp")(Sharp)
+    forget()
+
+
+def test_a_drive_of_ones_own_moves_the_toy_like_the_packages_own():
+    # Two equal cosines of half the amplitude are the harmonic drive.
+    own = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=15.1, fast=15.1), **RUN)
+    known = ll.simulate(TOY, ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1), **RUN)
+    assert own.sizes["contact"] == known.sizes["contact"] > 5
+    # Same formulas up to the order of a product; 10 impacts in 5 s enlarge roundings a little.
+    for name in ("angle", "pivot_height", "pivot_velocity", "pivot_acceleration", "drive_work"):
+        scale = float(np.max(np.abs(known[name])))
+        np.testing.assert_allclose(own[name], known[name], rtol=0.0, atol=1e-10 * scale)
+
+
+def test_a_beat_closes_the_ledger_where_the_packages_drives_cannot():
+    run = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=11.0, fast=15.1), **RUN)
+    assert run.pivot_height[0] == pytest.approx(0.02, abs=1e-15)
+    # The ledger's relative error at the default tolerance of 1e-10, with room.
+    assert run.attrs["energy_residual"] < 1e-9
+
+
+def test_a_drive_of_ones_own_is_swept_along_its_own_parameters():
+    slow = np.array([11.0, 13.0])
+    drive = Beating(drive_amplitude=0.01, slow=11.0, fast=15.1)
+    run = {"initial_angle": 0.7, "duration": 1.0, "tolerance": 1e-8}
+    grid = ll.sweep(
+        TOY, drive, axes={"slow": slow}, observables=["final_angle"], executor="reference", **run
+    )
+    for value, found in zip(slow, grid.final_angle.values, strict=True):
+        one = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=value, fast=15.1), **run)
+        # Two impacts at a tolerance of 1e-8; `simulate` may halve the step, a sweep does not.
+        assert found == pytest.approx(float(one.angle[-1]), abs=1e-7)
+
+
+def test_a_drive_without_bounds_or_with_former_jumps_is_refused():
+    class Boundless(Beating):
+        fastest_frequency = Drive.fastest_frequency
+
+    found = Boundless(drive_amplitude=0.1, slow=3.0, fast=4.0)
+    with pytest.raises(TypeError, match="must define fastest_frequency and largest_acceleration"):
+        ll.simulate(ll.Pendulum(length=1.0, mass=1.0), found, initial_angle=0.1, duration=1.0)
+    with pytest.raises(TypeError, match="a stretch has its `jump`"):
+
+        class Jumping(Beating):
+            def velocity_jumps(self, duration):
+                return [0.0]
+
+
+# A sharp drive without its overtone is the harmonic one, and with it it is not.
+PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+SHAKEN = {"drive_amplitude": 0.05, "drive_frequency": 6.26}
+SOFT, SHARP = Sharp(**SHAKEN), Sharp(**SHAKEN, sharpness=0.1)
+HARMONIC = ll.Harmonic(**SHAKEN)
+# Motions of one law whose formulas differ by roundings.
+CLOSE = {"rtol": 1e-6, "atol": 1e-9}
+
+
+def equal(name, own, harmonic, **close):
+    """Compare a variable of two answers; `close` where roundings grow."""
+    np.testing.assert_allclose(own[name], harmonic[name], **(close or CLOSE))
+
+
+def test_a_periodic_drive_of_ones_own_repeats_itself():
+    period, t = math.tau / SHARP.drive_frequency, np.linspace(0.0, 1.0, 7)
+    run = ll.simulate(PENDULUM, SHARP, initial_angle=0.1, times=[*t, *(t + period)][1:])
+    heights = np.array([SHARP.height(0.0, SHARP.stretches(9.0)[0]), *run.pivot_height])
+    np.testing.assert_allclose(heights[:7], heights[7:], rtol=0.0, atol=1e-15)
+
+
+def test_it_is_swept_over_ratios_and_followed_from_point_to_point():
+    options = {"duration": 20.0, "observables": ["largest_angle"], "initial_angle": 0.1}
+    axes = {"drive_amplitude": [0.02, 0.05], "frequency_ratio": [1.9, 2.0, 2.1]}
+    for more in ({}, {"continuation": "frequency_ratio"}):
+        found = [ll.sweep(PENDULUM, d, axes=axes, **options, **more) for d in (SOFT, HARMONIC)]
+        equal("largest_angle", *found)
+    both, plain = (
+        axes | {"sharpness": [0.0, 0.1]},
+        ll.sweep(PENDULUM, HARMONIC, axes=axes, **options),
+    )
+    equal("largest_angle", ll.sweep(PENDULUM, SHARP, axes=both, **options).isel(sharpness=0), plain)
+
+
+def test_it_is_looked_at_once_per_period():
+    options = {"initial_angle": 0.1, "transient_periods": 100}
+    sections = [poincare_section(PENDULUM, d, periods=4, **options) for d in (SOFT, HARMONIC)]
+    equal("angle", *sections)
+    span = {"parameter": "frequency_ratio", "low": 1.9, "high": 2.1, "points": 3}
+    diagrams = [bifurcation_diagram(PENDULUM, d, **span, **options) for d in (SOFT, HARMONIC)]
+    equal("largest_angle_watched", *diagrams)
+    found = response_period(PENDULUM, SHARP, initial_angle=1.0, transient_periods=400)
+    assert found.response_period == 2.0
+
+
+def test_its_orbits_and_their_branches_are_followed():
+    found = [floquet(PENDULUM, d, period=2, initial_angle=1.0) for d in (SOFT, HARMONIC, SHARP)]
+    equal("multipliers", *found[:2])
+    assert abs(found[2].multipliers - found[0].multipliers).max() > 1e-4
+    options = {"parameter": "sharpness", "low": 0.0, "high": 0.1, "period": 2, "initial_angle": 1.0}
+    branch = continue_orbit(PENDULUM, SOFT, **options)
+    assert float(branch.sharpness.max()) == pytest.approx(0.1)
+
+
+def test_its_small_motions_grow_as_those_of_any_waveform():
+    growth = ll.analysis.growth_rate
+    equal("growth_rate", *(growth(PENDULUM, d) for d in (SOFT, HARMONIC)))
+    plain, checked = (growth(PENDULUM, SHARP, method=m) for m in ("determinant", "monodromy"))
+    equal("growth_rate", plain, checked)
+    edges = [ll.analysis.tongue_edges(PENDULUM, d, drive_amplitude=0.05) for d in (SOFT, HARMONIC)]
+    equal("high", *edges)
+
+
+def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
+    laws = {"system": "pendulum", "length": "1 m", "mass": "0.8 kg", "damping": "0.05 kg m/s"}
+    run = {"drive_amplitude": "5 cm", "drive_frequency": "6.26", "initial_angle": "0.1",
+           "duration": "5 s"}  # fmt: skip
+    about = {}
+    for drive in ("sharp", "harmonic"):
+        asked = {"scenario": None, "options": {**laws, **run, "drive": drive}}
+        about[drive] = about_asked(Asked.from_json(asked))
+    unfit = {drive: set(each["unfit"]) for drive, each in about.items()}
+    # The search for protocols steps the frequency of a cosine.
+    assert unfit["sharp"] - unfit["harmonic"] == {"shortest_protocol"}
+    assert "sharpness" in about["sharp"]["parameters"]
+    asked = {
+        "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
+    }
+    given = {"analysis": "floquet", "given": {"period": "2"}}
+    answer = app_analyses.compute({**asked, **given}, tmp_path, print)
+    assert answer["verdict"]
+    assert (tmp_path / "found.png").exists()
+
+
+def test_it_has_a_form_and_runs_in_the_app():
+    form = registry()["drives"]["sharp"]
+    assert form["title"] == "Sharp"
+    assert form["options"] == ["drive_amplitude", "drive_frequency", "drive_phase", "sharpness"]
+    asked = {"options": {"system": "pendulum", "length": "1", "mass": "1", "drive": "sharp",
+             "drive_amplitude": "5 cm", "drive_frequency": "6", "sharpness": "0.2",
+             "initial_angle": "0.1", "duration": "1"}}  # fmt: skip
+    assert simulate_asked(Asked.from_json(asked))
+
+
+def test_the_command_line_knows_it(tmp_path):
+    program = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from test_drive import Sharp, drives\n"
+        "drives.register('sharp')(Sharp)\n"
+        "from latolato.cli.main import main\nmain()"
+    )
+    words = (
+        "simulate --system pendulum --length 1 --mass 1 --drive sharp --drive-amplitude 5cm "
+        "--drive-frequency 6 --sharpness 0.2 --initial-angle 0.1 --duration 1 --json"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, *words.split()], cwd=tmp_path, check=True,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert json.loads(done.stdout)["status"] == "complete"

@@ -1,0 +1,62 @@
+"""A view that a user brings: its module, a line among the views and its title."""
+
+from pathlib import Path
+
+import pytest
+
+import latolato.app
+from app_pages import browser, page, server, watch
+
+__all__ = ["browser", "page", "server", "watch"]
+
+STATIC = Path(latolato.app.__file__).parent / "static" / "js"
+MODULE = """
+import { el } from "../dom.js";
+
+export class HelloView {
+  constructor(page) {
+    this.root = el("section", {}, `${Object.keys(page.registry.drives).length} drives`);
+  }
+  show() { this.shown = true; }
+  hide() { this.shown = false; }
+}
+"""
+LINES = {
+    "main.js": (
+        "const VIEWS = {\n",
+        '  hello: async () => (await import("./views/hello.js")).HelloView,\n',
+    ),
+    "strings.js": ('  view_live: "Live",\n', '  view_hello: "Hello",\n'),
+}
+
+
+@pytest.fixture
+def with_view(page):
+    """A page whose server has the view's module and the two lines."""
+    files = {"views/hello.js": MODULE}
+    for name, (place, line) in LINES.items():
+        text = (STATIC / name).read_text(encoding="utf-8")
+        assert place in text
+        files[name] = text.replace(place, place + line)
+
+    def serve(route, request):
+        body = files.get(request.url.partition("/static/js/")[2])
+        if body is None:
+            route.continue_()
+        else:
+            route.fulfill(body=body, content_type="text/javascript")
+
+    page.route("**/static/js/**", serve)
+    return page
+
+
+def test_it_is_linked_and_shown_and_left(with_view):
+    with_view.goto("/?view=hello")
+    with_view.get_by_role("heading", level=1, name="Hello").wait_for()
+    assert with_view.locator("main section").inner_text().endswith(" drives")
+    links = with_view.get_by_role("navigation", name="Views").get_by_role("link")
+    assert "Hello" in links.all_inner_texts()
+    assert with_view.title() == "Hello · latolato"
+    links.filter(has_text="Play").click()
+    with_view.get_by_role("heading", level=1, name="Play").wait_for()
+    assert with_view.evaluate("() => window.latolato.views.hello.shown") is False
