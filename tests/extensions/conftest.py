@@ -12,7 +12,6 @@ collect_ignore = ["analysis", "figures"]
 MADE_ONCE = (
     law_options,
     forms._registry,
-    forms.label_of,
     analysis_forms.forms,
     analysis_forms.option_words,
 )

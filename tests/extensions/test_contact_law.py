@@ -23,6 +23,8 @@ from latolato.numerics.engine.swing import tension_at
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.numerics.trajectory import MOTIONS
 from latolato.physics.contacts import ContactLaw, contact_laws
+from latolato.scenario.scenario import changed_tables
+from latolato.scenario.variation import tables_of_plan
 
 IN_WALL = 3
 
@@ -259,4 +261,31 @@ def test_scenarios_the_command_line_and_the_app_know_it_by_name(tmp_path):
     result = CliRunner().invoke(command_line, [*words.split(), "soft wall", "--output", str(file)])
     assert result.exit_code == 0, result.output
     assert ll.load(file).attrs["contact"] == "soft wall"
+
+
+def test_its_parameters_stay_with_runs_and_sweeps():
+    hard = ll.simulate(
+        TOY, SHAKEN, initial_angle=0.6, duration=5.0, contact=SoftWall(stiffness=1e4)
+    )
+    assert hard.attrs["stiffness"] == 1e4
+    again = ll.Scenario.from_dict(json.loads(hard.attrs["scenario"]))
+    np.testing.assert_array_equal(hard.angle, again.simulate().angle)
+    tables = again.to_dict()
+    assert tables["run"]["stiffness"] == 1e4
+    sweep = {"axes": {"initial_angle": [0.3, 0.6]}, "observables": ["final_angle"]}
+    run = {k: v for k, v in tables["run"].items() if k not in ("initial_angle", "frame")}
+    plan = ll.Scenario.from_dict({**tables, "run": run, "sweep": sweep}).plan()
+    assert tables_of_plan(plan)["run"]["stiffness"] == 1e4
+
+
+def test_another_law_takes_none_of_its_parameters():
+    run = {"initial_angle": 0.6, "duration": 5.0, "contact": "soft wall", "stiffness": 1e4}
+    tables = {"system": {"kind": "latolato", "length": 1.0, "mass": 0.8, "radius": 0.1}, "run": run}
+    changed, _ = changed_tables(None, {"run": {"contact": "exact"}}, tables)
+    assert "stiffness" not in changed["run"]
+    with pytest.raises(ll.InputError, match="stiffness needs contact 'soft wall', got 'exact'"):
+        ll.Scenario.from_dict({**tables, "run": {**run, "contact": "exact"}})
+
+
+def test_the_application_lists_it():
     assert "soft wall" in registry()["contacts"]

@@ -11,7 +11,7 @@ import latolato as ll
 from latolato.core.errors import InputError
 from latolato.figures import paper
 from latolato.scenario.scenario import Scenario, load_scenario, overridden, scenarios
-from latolato.scenario.tables import RUN_OPTIONS
+from latolato.scenario.tables import run_options
 
 SHIPPED = sorted(scenarios())
 RUNS = [name for name, scenario in sorted(scenarios().items()) if not scenario.varied]
@@ -320,4 +320,4 @@ def test_every_run_option_is_an_argument_of_simulate_or_turned_into_one():
     import inspect
 
     known = set(inspect.signature(ll.simulate).parameters)
-    assert set(RUN_OPTIONS) - known == {"samples", "clamp_step"}
+    assert set(run_options()) - known == {"samples", "clamp_step"}

@@ -13,8 +13,8 @@ from latolato.app.blocks import pack
 from latolato.app.map_asked import MapAsked, make_map
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
-from latolato.core.registry import checked_number
-from latolato.physics.contacts import ClampContact, contact_laws
+from latolato.core.registry import checked_number, describe
+from latolato.physics.contacts import contact_laws
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.run import simulate
 from latolato.sweeps.executors import ROUNDING
@@ -55,7 +55,7 @@ def scenario_at(given: Any, find: Find) -> Scenario:
         found = arguments_of(make_map(MapAsked.from_json(rest)).plan_at(x, y), 0)
     system, drive = found.pop("system"), found.pop("drive")
     law = found.get("contact")
-    if law is not None and not isinstance(law, ClampContact):
+    if law is not None and not describe(law):
         found["contact"] = contact_laws.name_of(law)
     usual = {name: p.default for name, p in signature(simulate).parameters.items()}
     run = {k: v for k, v in found.items() if v != usual[k]}

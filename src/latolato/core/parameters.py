@@ -97,7 +97,7 @@ def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
             continue
         about = field.metadata
         words = field.name.replace("_", " ")
-        quantity = about.get("quantity", Quantity("", "", words))
+        quantity = about.get("quantity", Quantity("1" if kind is float else "", "", words))
         plain = kind if kind in (bool, int) else float if quantity.unit else str
         yield Parameter(
             name=field.name,

@@ -133,11 +133,13 @@ class AnalysisCall:
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""
-        from latolato.physics.contacts import ClampContact
+        from latolato.physics.contacts import ContactLaw, contact_laws
 
-        if isinstance(scenario.run.get("contact"), ClampContact) and "contact" not in self.own:
+        law = scenario.run.get("contact")
+        if isinstance(law, ContactLaw) and "contact" not in self.own:
+            kind = contact_laws.name_of(law)
             warnings.warn(
-                f"contact 'clamp' of the scenario is left out: {self.name} is of exact contact",
+                f"contact '{kind}' of the scenario is left out: {self.name} is of exact contact",
                 RuntimeWarning,
                 stacklevel=2,
             )

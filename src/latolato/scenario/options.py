@@ -12,7 +12,7 @@ from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
-from latolato.scenario.tables import RATIOS, RUN_OPTIONS
+from latolato.scenario.tables import RATIOS, RUN_OPTIONS, run_options
 from latolato.scenario.units import to_si_list
 
 
@@ -44,7 +44,7 @@ def law_options() -> dict[str, Parameter]:
             default=None,
             suggested=(0.0, 5.0),
         )
-    return result | RUN_OPTIONS | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
+    return result | run_options() | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
 
 
 def table_value(parameter: Parameter, given: Any) -> Any:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import describe, suggest
-from latolato.physics.contacts import ClampContact
+from latolato.physics.contacts import ContactLaw, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
@@ -130,8 +130,8 @@ class Scenario:
         """Return the tables of this scenario as plain SI numbers, for JSON or TOML."""
         run = {k: list(v) if isinstance(v, tuple) else v for k, v in self.run.items()}
         noise, law = run.pop("noise", None), run.get("contact")
-        if isinstance(law, ClampContact):
-            run.update(contact="clamp", clamp_step=law.clamp_step)
+        if isinstance(law, ContactLaw):
+            run |= {"contact": contact_laws.name_of(law), **describe(law)}
         tables: Tables = {
             "system": systems.described(self.system),
             "drive": drives.described(self.drive),
@@ -311,8 +311,8 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
             law = (systems if part == "system" else drives)[kind]
             known = {f.name for f in fields(law)}
             old = {k: v for k, v in old.items() if RATIOS.get(k, k) in known}
-        if new.get("contact", "clamp") != "clamp":
-            old.pop("clamp_step", None)
+        if part == "run" and new.get("contact", old.get("contact")) != old.get("contact"):
+            old = {k: v for k, v in old.items() if k in RUN_OPTIONS}
         for group in _ALTERNATIVES:
             if group & new.keys():
                 old = {k: v for k, v in old.items() if k not in group}

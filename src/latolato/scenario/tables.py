@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.parameters import Parameter
+from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_number, suggest, types_of
 from latolato.observables import Observable, observables
-from latolato.physics.contacts import ClampContact, contact_laws
+from latolato.physics.contacts import contact_laws
 from latolato.physics.pendulum import System
 from latolato.scenario.units import to_si, to_si_list
 from latolato.scenario.variation import known_quantities, read_axes, with_placeholders
@@ -60,7 +60,6 @@ RUN_OPTIONS = {
         _of_run("samples", "number of evenly spaced samples instead of times", int),
         _of_run("tolerance", "aimed-at error of the angle"),
         _of_run("contact", f"contact law: {', '.join(contact_laws)}", str),
-        _of_run("clamp_step", "fixed step of contact 'clamp'"),
         _of_run("rest_speed", "impacts up to this speed begin rest"),
         _of_run("frame", "'both' adds the energy in the laboratory frame", str),
         _of_run("contact_limit", "contacts after which the run stops", int),
@@ -79,6 +78,34 @@ SWEEP_OPTIONS = {
 _OF_RUN = ("duration", "tolerance")
 
 Tables = dict[str, Any]
+
+
+def run_options() -> dict[str, Parameter]:
+    """Return the entries of ``[run]`` by name, the parameters of contact laws among them."""
+    return RUN_OPTIONS | {
+        parameter.name: parameter
+        for law in contact_laws.values()
+        for parameter in law_parameters(law, "run")
+    }
+
+
+def _with_contact(run: Tables) -> Tables:
+    """Return entries of ``[run]`` with a contact law in place of its name and parameters."""
+    if isinstance(run.get("contact"), str):
+        contact_laws[run["contact"]]  # names unknown ones, also where no contact can be
+    owners: dict[str, list[str]] = {}
+    for kind, law in contact_laws.items():
+        for parameter in law_parameters(law, "run"):
+            owners.setdefault(parameter.name, []).append(kind)
+    own = {name: value for name, value in run.items() if name in owners}
+    for name in own:
+        if run.get("contact") not in owners[name]:
+            kinds = " or ".join(map(repr, owners[name]))
+            raise InputError(f"needs contact {kinds}", parameter=name, value=run.get("contact"))
+    if not own:
+        return run
+    law = contact_laws[run["contact"]](**own)
+    return {name: value for name, value in run.items() if name not in own} | {"contact": law}
 
 
 def checked_table(value: Any, name: str) -> Mapping[str, Any]:
@@ -184,13 +211,14 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
 def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the arguments of `simulate` that ``[run]`` describes."""
     plain: dict[str, Any] = {}
+    known = run_options()
     for name, value in table.items():
-        if name not in RUN_OPTIONS:
+        if name not in known:
             raise InputError(
-                f"unknown entry '{{parameter}}' of [run]: {suggest(name, list(RUN_OPTIONS))}",
+                f"unknown entry '{{parameter}}' of [run]: {suggest(name, list(known))}",
                 parameter=name,
             )
-        option = RUN_OPTIONS[name]
+        option = known[name]
         if value is None or not option.unit:
             plain[name] = value
         elif name == "times":
@@ -200,14 +228,7 @@ def run_arguments(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             plain[name] = tuple(to_si_list(name, value, option.unit))
         else:
             plain[name] = to_si(name, value, option.unit)
-    if isinstance(plain.get("contact"), str):
-        contact_laws[plain["contact"]]  # names unknown ones, also where no contact can be
-    if "clamp_step" in plain:
-        if plain.get("contact") != "clamp":
-            raise InputError(
-                "needs contact 'clamp'", parameter="clamp_step", value=plain.get("contact")
-            )
-        plain["contact"] = ClampContact(clamp_step=plain.pop("clamp_step"))
+    plain = _with_contact(plain)
     if "samples" in plain:
         plain["times"] = _even_times(plain.pop("samples"), plain)
     return plain

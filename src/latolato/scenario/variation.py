@@ -310,9 +310,7 @@ def tables_of_plan(plan: Plan) -> dict[str, Any]:
     described = plan.describe()
     start = described["start"]
     run = {k: described[k] for k in ("duration", "tolerance", "rest_speed", "contact_limit")}
-    run["contact"] = described["contact"]["kind"]
-    if "clamp_step" in described["contact"]:
-        run["clamp_step"] = described["contact"]["clamp_step"]
+    run |= {"contact" if k == "kind" else k: v for k, v in described["contact"].items()}
     if plan.system.angles == 1:
         run |= start
     else:

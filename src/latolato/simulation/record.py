@@ -15,7 +15,7 @@ from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
-from latolato.physics.contacts import CONTACT_KINDS, ClampContact, ContactLaw, contact_laws
+from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
@@ -163,11 +163,10 @@ def attributes_of(
             "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],
             "duration": end,
             "contact": contact_laws.name_of(law),
+            **describe(law),
             **run,
         },
     }
-    if isinstance(law, ClampContact):
-        scenario["run"]["clamp_step"] = law.clamp_step
     if noise is not None:
         scenario["noise"] = describe(noise)
     attributes: dict[str, Any] = {
