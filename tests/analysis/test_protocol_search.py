@@ -92,7 +92,7 @@ def test_dead_ends_say_so():
     assert found.status.item() == "no upper branch"
     assert math.isnan(found.lead_time.item())
     assert np.isnan(found.push_share).all()
-    # What was not searched has no empty panel: the lasting angles say why.
+    # What was not searched has no empty panel: the settled angles say why.
     assert found.angle_after_push.values == pytest.approx([TOY.contact_angle_low] * 2)
     (axes,) = draw(found).axes
     assert axes.lines[0].get_ydata() == pytest.approx(np.rad2deg(found.angle_after_push))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,7 @@ def bifurcation_diagram(
     low: float,
     high: float,
     points: int = 201,
-    direction: str = "both",
+    direction: Literal["both", "up", "down"] = "both",
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -150,7 +150,7 @@ def bifurcation_diagram(
         "initial_angular_velocity": initial_angular_velocity,
         "initial_offset": initial_offset,
     }
-    ways = ["up", "down"] if direction == "both" else [direction]
+    ways: list[str] = ["up", "down"] if direction == "both" else [direction]
     found = _follow(
         system,
         law,

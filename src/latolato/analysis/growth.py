@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from latolato.analysis.linear import METHODS, SLOWEST, checked_choice, linearised
 from latolato.analysis.mathieu import mathieu_growth_rate
@@ -23,8 +23,8 @@ def growth_rate(
     system: System,
     drive: Drive | None = None,
     *,
-    position: str = "hanging",
-    method: str = "determinant",
+    position: Literal["hanging", "inverted"] = "hanging",
+    method: Literal["determinant", "monodromy"] = "determinant",
 ) -> xr.Dataset:
     """Return the growth rate of a small motion about hanging or standing upright [1/s].
 

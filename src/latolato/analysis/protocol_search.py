@@ -40,7 +40,7 @@ FOUND, BY_ITSELF = "found", "reached from rest"
 NO_BRANCH, NOT_REACHED = "no upper branch", "not reached"
 # The upper branch lies at least so far above the lower one [rad].
 _LEAST_GAP = 0.1
-# The last share of the time after the protocol in which the lasting angle is read.
+# The last share of the time after the protocol in which the settled angle is read.
 _READ = 0.25
 # More candidates than this are not run in full when chaos makes the search's answers differ.
 _MOST_CHECKS = 10
@@ -63,10 +63,10 @@ _QUANTITIES = {
     "smallest_push": Quantity("rad/s", r"\dot\theta_p^*", "smallest push that reaches it"),
     "smallest_push_energy": Quantity("J", "E_p", "kinetic energy of that push, all balls"),
     "angle_after_push": Quantity(
-        "rad", r"\theta_p", "lasting angle after a push, median over drive phases"
+        "rad", r"\theta_p", "settled angle after a push, median over drive phases"
     ),
-    "angle_from_rest": Quantity("rad", r"\theta_-", "lasting angle from rest at the target"),
-    "upper_angle": Quantity("rad", r"\theta_+", "lasting angle on the upper branch"),
+    "angle_from_rest": Quantity("rad", r"\theta_-", "settled angle from rest at the target"),
+    "upper_angle": Quantity("rad", r"\theta_+", "settled angle on the upper branch"),
     "status": Quantity("1", "", "whether a protocol was found"),
 }
 
@@ -131,9 +131,9 @@ def shortest_protocol(
     required_share : float
         Share of these phases that must succeed [1].
     settling : float
-        Time after the protocol [s]; the lasting angle is the largest one in its last quarter.
+        Time after the protocol [s]; the settled angle is the largest one in its last quarter.
     threshold_angle : float, optional
-        Lasting angle that counts as the upper branch [rad]; by default halfway between the angle
+        Settled angle that counts as the upper branch [rad]; by default halfway between the angle
         from rest and the median of those that lie above it.
     initial_angle, initial_angular_velocity, initial_offset
         The start, as for `latolato.simulate`; by default the system hangs at rest.
@@ -331,7 +331,7 @@ def _velocity(search: _Search, push: float) -> dict[str, float]:
 
 
 def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: Any) -> Floats:
-    """Return the lasting angle of each case, NaN where there is no answer."""
+    """Return the settled angle of each case, NaN where there is no answer."""
     names = list(cases)
     # Balls that still rest are in equal states: each is run once.
     table, back = np.unique(np.column_stack(list(cases.values())), axis=0, return_inverse=True)
@@ -353,7 +353,7 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
 
 
 def _pushed(search: _Search, pushes: list[float]) -> Floats:
-    """Return lasting angles at the target frequency after pushes, of shape (push, phase)."""
+    """Return settled angles at the target frequency after pushes, of shape (push, phase)."""
     cases = [
         {**_velocity(search, push), "drive_phase": phase}
         for push in pushes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,7 @@ def first_push(
     *,
     frequency_ratio: Sequence[float],
     drive_phase: Sequence[float] = (0.0,),
-    push: str = "initial_angular_velocity",
+    push: Literal["initial_angular_velocity", "initial_offset"] = "initial_angular_velocity",
     largest_push: float | None = None,
     scan_points: int = 100,
     refinements: int = 3,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from latolato.analysis.linear import METHODS, checked_choice, linearised, told_waveform, tongue
 from latolato.analysis.mathieu import mathieu_tongue_edges
@@ -33,8 +33,8 @@ def tongue_edges(
     *,
     drive_amplitude: float,
     order: int = 1,
-    position: str = "hanging",
-    method: str = "determinant",
+    position: Literal["hanging", "inverted"] = "hanging",
+    method: Literal["determinant", "monodromy"] = "determinant",
 ) -> xr.Dataset:
     """Return the frequency ratios w/w0 [1] between which hanging straight down is unstable.
 

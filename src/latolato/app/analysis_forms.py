@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,6 @@ _NEAR = 1.5
 _LONGEST_RUN = 3000
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 ASKED_RUN = ("duration",)
-_CHOICES = re.compile(r"^(?P<names>[a-z_, ]+) : \{(?P<choices>[^}]*)\}", re.M)
 # Names of parameters in a text.
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
@@ -49,7 +48,6 @@ def forms() -> dict[str, Any]:
     found = {}
     for name, question in all_questions().items():
         function = analyses[name]
-        choices = choices_of(function)
         notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
         own, run = own_options(function)
         found[name] = {
@@ -60,7 +58,7 @@ def forms() -> dict[str, Any]:
             "first": question.first,
             "summary": shown(summary_of(function)),
             "notes": shown(" ".join(map(plain_text, notes))),
-            "options": {o.name: _option(o, choices.get(o.name, ())) for o in own.values()},
+            "options": {o.name: _option(o) for o in own.values()},
             "run": list(run),
         }
     result: dict[str, Any] = plain(found)
@@ -78,7 +76,7 @@ def own_options(
     return own, {n: o for n, o in both.items() if n not in own}
 
 
-def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
+def _option(option: AnalysisOption) -> dict[str, Any]:
     """Return how an option of an analysis is shown."""
     from latolato.figures.style import pretty_unit
 
@@ -93,7 +91,7 @@ def _option(option: AnalysisOption, choices: Sequence[str]) -> dict[str, Any]:
         "several": option.is_sequence,
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
-        "choices": {each: label_of(each) for each in choices},
+        "choices": {each: label_of(each) for each in option.choices},
     }
 
 
@@ -130,22 +128,6 @@ def shown(text: str) -> str:
     for plain, pretty in _LETTERS.items():
         text = re.sub(rf"(?<![\w/]){plain}(?!\w)", pretty, text)
     return text
-
-
-def choices_of(function: Callable[..., Any]) -> dict[str, list[str]]:
-    r"""Return the texts that parameters may be, by the type in their docstring.
-
-    Examples
-    --------
-    >>> from latolato.analysis import growth_rate
-    >>> choices_of(growth_rate)["position"]
-    ['hanging', 'inverted']
-    """
-    found: dict[str, list[str]] = {}
-    for match in _CHOICES.finditer(inspect.getdoc(function) or ""):
-        choices = [part.strip().strip("\"'") for part in match["choices"].split(",")]
-        found |= dict.fromkeys([name.strip() for name in match["names"].split(",")], choices)
-    return found
 
 
 def about_asked(asked: Asked) -> dict[str, Any]:

@@ -77,7 +77,7 @@ def trials(
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Make the table of trials: drive, largest and lasting angle, class.
+    """Make the table of trials: drive, largest and settled angle, class.
 
     A bad file is named and left out; the exit code is then 1.
     """

@@ -29,7 +29,7 @@ CAPTION = (
     "rest; which one is met depends on details that the printed digits do not fix."
 )
 DURATION = 12.0  # s shown
-SETTLED = (35.0, 40.0)  # s, where the lasting angle is read
+SETTLED = (35.0, 40.0)  # s, where the settled angle is read
 RAMPS = (0.0, paper.LONGEST_RAMP)
 PHASES = 16
 PUSHES = (0.0, 0.05, 0.1, 0.2)  # rad above the contact angle
@@ -39,7 +39,7 @@ _ROUNDING = 0.0005  # half of the last printed digit of a ratio
 
 
 def data(quick: bool = False) -> xr.Dataset:
-    """Return curves for two ramps and several phases, and the lasting angles of many starts."""
+    """Return curves for two ramps and several phases, and the settled angles of many starts."""
     w0 = paper.COUPLED.natural_frequency
     first, second = paper.STAGE_RATIOS
     phases = np.arange(PHASES) * (2.0 * np.pi / PHASES)
@@ -63,19 +63,19 @@ def data(quick: bool = False) -> xr.Dataset:
             "angle",
             ("ramp", "frequency_ratio"),
             [[lasting(_stepped(ratio, ramp, 0.0, late)) for ratio in ratios] for ramp in RAMPS],
-            long_name="lasting angle",
+            long_name="settled angle",
         ),
         lasting_stepped=quantity(
             "angle",
             "drive_phase",
             [lasting(_stepped(first, 0.0, phase, late)) for phase in phases],
-            long_name="lasting angle with the step",
+            long_name="settled angle with the step",
         ),
         lasting_pushed=quantity(
             "angle",
             ("initial_offset", "drive_phase"),
             [[lasting(_alone(push, phase, late)) for phase in phases] for push in PUSHES],
-            long_name="lasting angle without the step",
+            long_name="settled angle without the step",
         ),
     )
     return dataset.assign(residuals.variables()).assign_coords(
@@ -148,7 +148,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
 
 
 def _share(angles: Floats) -> float:
-    """Return the share of lasting angles that belong to the large swing."""
+    """Return the share of settled angles that belong to the large swing."""
     return float(np.mean(angles > LARGE))
 
 
@@ -191,7 +191,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     c.set_xlim(*(paper.STAGE_RATIOS[0] + 1.06 * _ROUNDING * np.array([-1.0, 1.0])))
     c.set_xticks(paper.STAGE_RATIOS[0] + _ROUNDING * np.array([-1.0, 0.0, 1.0]))
     c.set_xlabel(style.label(dataset.frequency_ratio))
-    c.set_ylabel("lasting angle [°]")
+    c.set_ylabel("settled angle [°]")
     c.legend(loc="center left")
     style.panel_title(c, "c", "ratios that round to 3.136")
     _draw_phases(dataset, d)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Quantity
@@ -37,6 +37,8 @@ class AnalysisOption:
         Whether several values are taken, and whether one alone stays a number.
     default
         Of the function; `inspect.Parameter.empty` where there is none.
+    choices : tuple of str
+        The words that it may be, from a `Literal`; empty if any.
     """
 
     name: str
@@ -46,6 +48,7 @@ class AnalysisOption:
     is_sequence: bool
     is_single: bool
     default: Any
+    choices: tuple[str, ...] = ()
 
     @property
     def flag(self) -> str:
@@ -83,6 +86,8 @@ class AnalysisOption:
         """Return what is said about the option."""
         law = law_options().get(self.name)
         parts = [self.description]
+        if self.choices:
+            parts[0] += f": {' or '.join(self.choices)}"
         if self.unit not in (None, "", "1"):
             parts[0] += f", in {self.unit}"
         if self.is_required:
@@ -120,7 +125,9 @@ def options_of(function: Callable[..., Any]) -> dict[str, AnalysisOption]:
     for name, parameter in inspect.signature(function).parameters.items():
         if name in LAWS:
             continue
-        kinds = _kinds(parameter.annotation, function)
+        hint = _hint(parameter.annotation, function)
+        choices = get_args(hint) if get_origin(hint) is Literal else ()
+        kinds = (str, None) if choices else _kinds(hint)
         if kinds is None:
             if parameter.default is parameter.empty:
                 raise TypeError(f"{function.__name__} needs '{name}', which cannot be typed")
@@ -135,17 +142,24 @@ def options_of(function: Callable[..., Any]) -> dict[str, AnalysisOption]:
             is_sequence=several is not None,
             is_single=single is not None,
             default=parameter.default,
+            choices=choices,
         )
     return result
 
 
-def _kinds(annotation: Any, function: Any) -> tuple[type | None, type | None] | None:
-    """Return the kinds of one value and of each of several, None for a kind that is not known."""
+def _hint(annotation: Any, function: Any) -> Any:
+    """Return the type that an annotation of a function names, None for one that is not known."""
     holder = SimpleNamespace(__annotations__={"it": annotation})
     scope = {"Sequence": Sequence, "Mapping": Mapping, "Callable": Callable, "Any": Any}
     try:
-        hint = get_type_hints(holder, function.__globals__, scope)["it"]
+        return get_type_hints(holder, function.__globals__, scope)["it"]
     except NameError:
+        return None
+
+
+def _kinds(hint: Any) -> tuple[type | None, type | None] | None:
+    """Return the kinds of one value and of each of several, None for a kind that is not known."""
+    if hint is None:
         return None
     parts = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     single: type | None = None

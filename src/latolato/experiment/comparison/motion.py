@@ -78,7 +78,7 @@ def compare_motion(
         On ``sample``: `time`, `angle`, `angle_computed`, `angle_computed_sigma` (spread of the
         draws), `angle_residual`, `phase_difference` (measured ahead of computed: positive; of the
         ball's own swing) and `likeness` (1 where both swings have the same shape). As numbers: the
-        residual and the phase in the last third, and both largest and lasting angles.
+        residual and the phase in the last third, and both largest and settled angles.
 
     Raises
     ------

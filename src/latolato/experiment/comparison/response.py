@@ -1,4 +1,4 @@
-"""Response curves: lasting angle against frequency for each set, with the place of its peak."""
+"""Response curves: settled angle against frequency for each set, with the place of its peak."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def compare_response(
     Parameters
     ----------
     trials : xarray.Dataset
-        A trial table with lasting angles.
+        A trial table with settled angles.
     system : Pendulum or LatoLato
         What is computed.
     duration, transient : float
@@ -82,7 +82,7 @@ def compare_response(
     Raises
     ------
     InputError
-        For bad input and trials without lasting angles.
+        For bad input and trials without settled angles.
 
     Notes
     -----
@@ -162,11 +162,11 @@ def compare_response(
         "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
         "source": plain("trial", trials["source"].values.astype(str), "file of the trial"),
         "angle_at_trial": variable(
-            "trial", late[-len(frequency) :], LATE, "computed lasting angle there"
+            "trial", late[-len(frequency) :], LATE, "computed settled angle there"
         ),
         "angle_computed": variable(
             ("set_name", "frequency_ratio"), curves[0], LATE,
-            "computed lasting angle",
+            "computed settled angle",
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
     }  # fmt: skip

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -76,7 +76,7 @@ def fit_decay(
     length: float | None = None,
     mass: float | None = None,
     radius: float | None = None,
-    method: str = "both",
+    method: Literal["both", "equation", "envelope"] = "both",
     law: str = "linear",
     gravity: float = GRAVITY,
     ball: int = 1,

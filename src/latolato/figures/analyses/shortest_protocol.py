@@ -24,7 +24,7 @@ _PUSH = "push $\\dot\\theta_p$ of each ball [rad/s]"
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the map of successful protocols, and the pushes that do the same.
 
-    Where no protocol was searched for, the lasting angles after pushes say why.
+    Where no protocol was searched for, the settled angles after pushes say why.
     """
     if not np.isfinite(dataset.success_share.values).any():
         figure, panels = style.new_figure(1, 1, height=3.0)
@@ -74,12 +74,12 @@ def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
 
 
 def _draw_angles(dataset: xr.Dataset, axis: Axes) -> None:
-    """Draw the lasting angle against the push, which at zero is that from rest."""
+    """Draw the settled angle against the push, which at zero is that from rest."""
     angles = np.rad2deg(dataset.angle_after_push.values)
     axis.plot(dataset.push, angles, "o-", ms=3.0, color=style.BLUE)
     axis.set_ylim(0.0, 1.1 * float(np.nanmax(angles)))
     axis.set_xlabel(_PUSH)
-    axis.set_ylabel("lasting angle, median over drive phases [°]")
+    axis.set_ylabel("settled angle, median over drive phases [°]")
 
 
 def _edges(values: NDArray[np.float64]) -> list[float]:

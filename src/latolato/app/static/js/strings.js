@@ -405,7 +405,7 @@ export const STRINGS = {
   trialFrequency: "frequency ω [rad/s]",
   trialRatio: "ω/ω₀",
   trialLargest: "largest angle [°]",
-  trialLasting: "lasting angle [°]",
+  trialLasting: "settled angle [°]",
   trialClass: "class",
   note: "note",
   class_none: "none",
