@@ -12,7 +12,7 @@ import latolato as ll
 from app_server import frames_of
 from latolato.app.blocks import unpack
 from latolato.app.downloads import FPS, MOST_FRAMES, asked_of, to_toml, without_none
-from latolato.app.given import Asked
+from latolato.app.given import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.io.files import load
 from latolato.scenario.scenario import Scenario, load_scenario, scenarios
@@ -31,7 +31,9 @@ def client():
 
 @pytest.fixture(scope="module")
 def run():
-    return Asked("fig04a_push", {"duration": "2 s", "length": "90 cm"}).to_scenario().simulate()
+    return (
+        RunRequest("fig04a_push", {"duration": "2 s", "length": "90 cm"}).to_scenario().simulate()
+    )
 
 
 def stored(client, kind, folder):
@@ -117,7 +119,7 @@ def test_nothing_stays_on_disk(client, tmp_path, monkeypatch):
 
 def test_parts_of_the_address_that_belong_to_views_are_no_options():
     asked = asked_of({"view": "map", "token": "x", "length": "1 m", "map.x": "damping"})
-    assert asked == Asked(None, {"length": "1 m"})
+    assert asked == RunRequest(None, {"length": "1 m"})
 
 
 def film(client, given):

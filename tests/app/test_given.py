@@ -7,7 +7,7 @@ import pytest
 
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
-from latolato.app.given import Asked, TooLargeError, check_size, options_of
+from latolato.app.given import RunRequest, TooLargeError, check_size, options_of
 from latolato.app.lines import command_line, python_line
 from latolato.app.runs import run_block, simulate_asked, strobes_of
 from latolato.numerics import records
@@ -21,7 +21,7 @@ RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 @pytest.mark.parametrize("name", RUNS)
 def test_the_options_of_a_scenario_make_the_scenario_again(name):
     scenario = scenarios()[name]
-    again = Asked(None, options_of(scenario)).to_scenario()
+    again = RunRequest(None, options_of(scenario)).to_scenario()
     assert again.system == scenario.system
     assert again.drive == scenario.drive
     assert again.run == scenario.run
@@ -29,7 +29,7 @@ def test_the_options_of_a_scenario_make_the_scenario_again(name):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_python_lines_on_show_make_the_same_run(name):
-    short = Asked(name, {"duration": "0.5 s"})
+    short = RunRequest(name, {"duration": "0.5 s"})
     scenario, run = simulate_asked(short)
     names: dict = {}
     exec(python_line(scenario), names)
@@ -40,10 +40,10 @@ def test_the_python_lines_on_show_make_the_same_run(name):
 def test_the_command_on_show_asks_for_the_same_run():
     import shlex
 
-    scenario = Asked("fig12", {}).to_scenario()
+    scenario = RunRequest("fig12", {}).to_scenario()
     words = shlex.split(command_line(scenario))[2:]
     given = {w[2:].replace("-", "_"): v for w, v in zip(words[::2], words[1::2], strict=True)}
-    again = Asked(None, given).to_scenario()
+    again = RunRequest(None, given).to_scenario()
     assert (again.system, again.drive, again.run) == (scenario.system, scenario.drive, scenario.run)
 
 
@@ -52,13 +52,13 @@ def test_a_text_never_names_a_file(tmp_path):
     path.write_text("0\n1\n2\n")
     options = {"drive": "frequency_schedule", "drive_times": str(path)}
     with pytest.raises(ValueError, match="drive_times"):
-        Asked("fig12", options).to_scenario()
+        RunRequest("fig12", options).to_scenario()
 
 
 @pytest.mark.parametrize("name", ["../pyproject.toml", "/etc/hostname", "fig2"])
 def test_only_shipped_scenarios_are_read(name):
     with pytest.raises(ValueError, match="there is no scenario"):
-        Asked(name, {}).to_scenario()
+        RunRequest(name, {}).to_scenario()
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_only_shipped_scenarios_are_read(name):
     ],
 )
 def test_a_run_that_is_too_large_is_refused_before_any_work(options):
-    scenario = Asked("fig04b_push", options).to_scenario()
+    scenario = RunRequest("fig04b_push", options).to_scenario()
     begun = time.perf_counter()
     with pytest.raises(TooLargeError, match=r"must not exceed|the limit is"):
         check_size(scenario)
@@ -78,8 +78,8 @@ def test_a_run_that_is_too_large_is_refused_before_any_work(options):
 
 
 def test_a_block_holds_what_the_run_holds():
-    _, run = simulate_asked(Asked("fig04a_push", {"duration": "3 s"}), 400)
-    about, arrays = unpack(run_block(Asked("fig04a_push", {"duration": "3 s"}), samples=400))
+    _, run = simulate_asked(RunRequest("fig04a_push", {"duration": "3 s"}), 400)
+    about, arrays = unpack(run_block(RunRequest("fig04a_push", {"duration": "3 s"}), samples=400))
     np.testing.assert_array_equal(arrays["time"], run["time"])
     np.testing.assert_array_equal(arrays["angle"][0], run["angle"].astype(np.float32))
     np.testing.assert_array_equal(arrays["contact_time"], run["contact_time"])
@@ -140,8 +140,8 @@ def test_a_drive_without_periods_has_no_strobes():
 
 
 def test_whole_numbers_may_come_as_texts_of_an_address():
-    scenario = Asked("zeno", {"samples": "11", "contact_limit": " 500 "}).to_scenario()
+    scenario = RunRequest("zeno", {"samples": "11", "contact_limit": " 500 "}).to_scenario()
     assert len(scenario.run["times"]) == 11
     assert scenario.run["contact_limit"] == 500
     with pytest.raises(ValueError, match="samples must be a whole number"):
-        Asked("zeno", {"samples": "1.5"}).to_scenario()
+        RunRequest("zeno", {"samples": "1.5"}).to_scenario()

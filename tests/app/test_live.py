@@ -16,7 +16,7 @@ from starlette.websockets import WebSocketDisconnect
 import latolato as ll
 from latolato.app import live
 from latolato.app.blocks import unpack
-from latolato.app.given import Asked
+from latolato.app.given import RunRequest
 from latolato.app.live import MOST_ERRORS, parsed
 from latolato.app.recording import SAME, keep
 from latolato.app.server import Settings, make_app
@@ -33,7 +33,7 @@ HOME = "http://127.0.0.1:8000"
 
 
 def toy_of(scenario="fig12", **options):
-    return Toy(Asked(scenario, options).to_scenario())
+    return Toy(RunRequest(scenario, options).to_scenario())
 
 
 def run_on(toy, seconds):
@@ -161,7 +161,7 @@ class TestToy:
     def test_a_toy_goes_on_from_its_state(self):
         one = toy_of()
         run_on(one, 7)
-        other = Toy(Asked("fig12", {}).to_scenario(), json.loads(json.dumps(one.state())))
+        other = Toy(RunRequest("fig12", {}).to_scenario(), json.loads(json.dumps(one.state())))
         assert other.time == one.time
         run_on(one, 1)
         run_on(other, 1)
@@ -234,7 +234,7 @@ class TestRecording:
         exec(kept.about["python"], names)
         last = float(names["run"]["angle"][-1])
         assert last == pytest.approx(toy.angles[0], abs=1e-6)
-        again = Asked(None, kept.about["options"]).to_scenario().simulate()
+        again = RunRequest(None, kept.about["options"]).to_scenario().simulate()
         assert float(again["angle"][-1]) == pytest.approx(last, abs=1e-12)
 
     @pytest.mark.parametrize(

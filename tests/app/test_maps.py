@@ -16,9 +16,9 @@ from starlette.websockets import WebSocketDisconnect
 
 import latolato as ll
 from latolato.app.blocks import unpack
-from latolato.app.map_asked import MapAsked, make_map
 from latolato.app.map_cells import Maps, known_of
 from latolato.app.map_job import in_order, levels
+from latolato.app.map_request import MapRequest, make_map
 from latolato.app.map_stored import named
 from latolato.app.maps import cells_of
 from latolato.app.server import Settings, make_app
@@ -100,7 +100,7 @@ def test_the_kicks_of_a_cell_are_those_of_the_same_cell_of_a_sweep(client):
     texts, blocks = asked(client, plan | {"width": 4, "height": 3, "duration": 2.0})
     assert blocks, texts
     values, _ = gathered(blocks)
-    scenario = make_map(MapAsked.from_json(plan)).scenario
+    scenario = make_map(MapRequest.from_json(plan)).scenario
     wanted = ll.sweep(
         scenario.system,
         noise=scenario.run["noise"],
@@ -186,7 +186,7 @@ def test_points_of_a_map_that_was_seen_are_not_computed_again(client):
 
 def test_maps_beyond_the_memory_are_forgotten_the_oldest_first():
     plans = [
-        make_map(MapAsked.from_json({**SMALL, "duration": seconds})).plan for seconds in (1, 2, 3)
+        make_map(MapRequest.from_json({**SMALL, "duration": seconds})).plan for seconds in (1, 2, 3)
     ]
     maps = Maps(most_bytes=9000)  # four variables of 126 points: 4 kB a map
     for plan in plans:
@@ -238,10 +238,10 @@ def test_a_bad_axis_is_told_by_the_name_of_its_quantity(client, which, span, wor
 
 
 def test_an_axis_has_the_usual_end_and_parameter_where_none_is_given():
-    from latolato.app.map_asked import MapAsked, make_map
+    from latolato.app.map_request import MapRequest, make_map
 
     def spans(**asked):
-        shown = make_map(MapAsked.from_json({"scenario": "fig05_push", "options": {}, **asked}))
+        shown = make_map(MapRequest.from_json({"scenario": "fig05_push", "options": {}, **asked}))
         return shown.x, shown.y
 
     usual_x, usual_y = spans()
@@ -522,7 +522,7 @@ def test_no_plan_makes_the_server_stumble(plan):
     # What a job does before kernels run; the socket itself is tested above.
     own = {k: v for k, v in plan.items() if k not in ("limits", "trials", "at", "stored")}
     with contextlib.suppress(TypeError, ValueError):
-        shown = make_map(MapAsked.from_json(own))
+        shown = make_map(MapRequest.from_json(own))
         shown.cost_of_point()
         cells, _ = in_order(shown)
         Maps().begin(shown.plan)
@@ -537,7 +537,7 @@ def test_no_plan_makes_the_server_stumble(plan):
 
 def filled(client, plan, field):
     """Return the sides and the key of a map whose energy is a field of x and y."""
-    shown = make_map(MapAsked.from_json(plan))
+    shown = make_map(MapRequest.from_json(plan))
     memory = cells_of(client.app).begin(shown.plan)
     x, y = shown.grid
     values = {name: np.zeros_like(array) for name, array in memory.arrays.items()}

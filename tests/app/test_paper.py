@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 
 from latolato.app import paper
 from latolato.app.blocks import unpack
-from latolato.app.given import Asked, check_size
+from latolato.app.given import RunRequest, check_size
 from latolato.app.runs import simulate_asked
 from latolato.app.server import Settings, make_app
 from latolato.figures import catalogue
@@ -69,12 +69,12 @@ def test_every_scenario_of_a_figure_has_its_link():
 
 @pytest.mark.parametrize("name", sorted({n for e in paper.contents() for n in e["scenarios"]}))
 def test_every_link_to_a_scenario_leads_to_what_can_be_computed(name):
-    scenario = Asked(name, {}).to_scenario()
+    scenario = RunRequest(name, {}).to_scenario()
     if scenario.varied:
         assert scenario.plan().size > 0
     else:
         check_size(scenario)
-        _, run = simulate_asked(Asked(name, {"duration": "0.5 s"}), 5)
+        _, run = simulate_asked(RunRequest(name, {"duration": "0.5 s"}), 5)
         assert run.attrs["status"] == "complete"
 
 
@@ -101,12 +101,12 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(made, name):
     texts = dataset["scenario"].values
     for case, text in zip(cases, texts, strict=True):
         wanted = json.loads(str(text))
-        found = Asked(None, case["options"]).to_scenario().to_dict()
+        found = RunRequest(None, case["options"]).to_scenario().to_dict()
         assert found["system"] == wanted["system"]
         assert found["drive"] == wanted["drive"]
         assert "gravity" not in case["options"]  # what is usual would only lengthen addresses
-        check_size(Asked(None, case["options"]).to_scenario())
-    _, run = simulate_asked(Asked(None, {**cases[-1]["options"], "duration": 0.5}), 5)
+        check_size(RunRequest(None, case["options"]).to_scenario())
+    _, run = simulate_asked(RunRequest(None, {**cases[-1]["options"], "duration": 0.5}), 5)
     assert run.attrs["status"] == "complete"
 
 

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.app.forms import registry
-from latolato.app.map_asked import MapAsked, make_map
 from latolato.app.map_lines import sweep_command
+from latolato.app.map_request import MapRequest, make_map
 from latolato.cli.main import app as command_line
 from latolato.core.quantities import Quantity, Range, quantity_field
 from latolato.core.scalar import formula
@@ -78,6 +78,6 @@ def test_the_app_offers_its_map():
     assert registry()["observables"]["time_above"]["description"] == "Time above an angle."
     request = {"scenario": "fig02", "options": {}, "observable": "time_above", "duration": 5.0,
                "width": 3, "height": 2}  # fmt: skip
-    shown = make_map(MapAsked.from_json(request))
+    shown = make_map(MapRequest.from_json(request))
     assert shown.shown == "time_above"
     assert "--observable time_above" in sweep_command(shown)

@@ -151,7 +151,7 @@ def bifurcation_diagram(
         "initial_offset": initial_offset,
     }
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
-    found = _follow(
+    result = _follow(
         system,
         law,
         parameter,
@@ -166,12 +166,12 @@ def bifurcation_diagram(
         },
         frequency,
     )
-    kept = {n: found[n] for n in (*_KEPT, "status")}
+    kept = {n: result[n] for n in (*_KEPT, "status")}
     dims = ("direction", parameter)
     ball = ("ball",) if system.angles == 2 else ()
     variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
     for name in ("section_angle", "section_angular_velocity"):
-        samples = found[name] if ball else found[name][:, :, 0]
+        samples = result[name] if ball else result[name][:, :, 0]
         variables[name] = ((*dims, *ball, "sample"), samples)
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
@@ -210,21 +210,21 @@ def _frequencies(
 ) -> NDArray[np.float64]:
     """Return the drive's frequency at each value of the parameter [rad/s]."""
     if parameter == "drive_frequency":
-        found = values
+        result = values
     elif parameter == "frequency_ratio":
-        found = values * system.natural_frequency
+        result = values * system.natural_frequency
     else:
-        found = np.full(len(values), law.drive_frequency)  # type: ignore[attr-defined]
-    for value in found:
+        result = np.full(len(values), law.drive_frequency)  # type: ignore[attr-defined]
+    for value in result:
         checked_number(parameter, value, POSITIVE, "rad/s")
-    return found
+    return result
 
 
 def _start(system: System, start: dict[str, Any]) -> tuple[Floats, Floats]:
     """Return the angles and angular velocities of the start, checked; shape (ball,)."""
     walls = walls_of(system, checked_contact("exact", system))
-    found = checked_start(system, walls, *start.values())
-    return np.array(found.angles), np.array(found.velocities)
+    result = checked_start(system, walls, *start.values())
+    return np.array(result.angles), np.array(result.velocities)
 
 
 def _follow(
@@ -245,7 +245,7 @@ def _follow(
     """
     count = len(values)
     states = [start for _ in ways]
-    found: dict[str, NDArray[Any]] = {}
+    result: dict[str, NDArray[Any]] = {}
     for step in range(count):
         places = [step if way == "up" else count - 1 - step for way in ways]
         cases = []
@@ -280,11 +280,11 @@ def _follow(
                 states[number] = (angles, velocities)
             for name, each in motion.items():
                 shape = (len(ways), count, *each.shape[1:])
-                found.setdefault(name, np.empty(shape, dtype=each.dtype))[number, place] = each[
+                result.setdefault(name, np.empty(shape, dtype=each.dtype))[number, place] = each[
                     case
                 ]
-    found["section_angle"] = wrapped(found["section_angle"])
-    return found
+    result["section_angle"] = wrapped(result["section_angle"])
+    return result
 
 
 def _changed(system: System, parameter: str, value: float) -> System:

@@ -93,7 +93,7 @@ def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     values = _checked(grid, observable)
     x_name, y_name = str(values.dims[1]), str(values.dims[0])
     x, y, z = values[x_name].values, values[y_name].values, values.values.astype(np.float64)
-    found = np.array([_edges(x, row, level) for row in z])
+    result = np.array([_edges(x, row, level) for row in z])
     lines = contour_lines(x, y, z, level)
     part = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     vertices = np.concatenate([*lines, np.empty((0, 2))])
@@ -108,13 +108,13 @@ def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
         "right_width": "width of the right edge (10 to 90 %)",
     }
     variables = {
-        name: (y_name, found[:, i], {"units": unit_x, "long_name": text, "symbol": ""})
+        name: (y_name, result[:, i], {"units": unit_x, "long_name": text, "symbol": ""})
         for i, (name, text) in enumerate(names.items())
     }
     for i, side in enumerate(("left", "right"), start=4):
         text = f"{observable} beside the {side} edge"
         about = {"units": unit_z, "long_name": text, "symbol": ""}
-        variables[f"{side}_plateau"] = (y_name, found[:, i], about)
+        variables[f"{side}_plateau"] = (y_name, result[:, i], about)
     return xr.Dataset(
         {
             "boundary_x": ("vertex", vertices[:, 0], about_x),
@@ -226,9 +226,9 @@ def _width(x: Floats, row: Floats, inwards: range, way: int, plateau: float) -> 
     place = next((i for i in inwards if row[i] >= SHOULDER * plateau > 0.0), -1)
     if place < 0:
         return math.nan
-    found = []
+    result = []
     for share in (SHOULDER, FOOT):
         while 0 <= place + way < len(row) and row[place + way] > share * plateau:
             place += way
-        found.append(_crossing(x, row, place, way, share * plateau))
-    return abs(found[1] - found[0])
+        result.append(_crossing(x, row, place, way, share * plateau))
+    return abs(result[1] - result[0])

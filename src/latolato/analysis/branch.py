@@ -220,7 +220,7 @@ class Branch:
 
     def specials(self, old: Place, new: Place, length: float) -> list[tuple[str, Place]]:
         """Return the special points between two neighbours, located along the branch."""
-        found = []
+        result = []
         before, after = old.tests, new.tests
         both_move = not (old.orbit.rests or new.orbit.rests)
         if both_move and old.marks == new.marks:
@@ -233,14 +233,14 @@ class Branch:
                         continue  # two real multipliers meet: nothing crosses the unit circle
                     there = self._locate(old, new, length, _sign_of(kind, before))
                     if kind == "fold" and (met := self._image_met(old, new, there)):
-                        found.append((met, self._vertex(old, new, length, there)))
+                        result.append((met, self._vertex(old, new, length, there)))
                     elif kind == "crossing":
-                        found.append((self._broken(old.orbit, there.orbit), there))
+                        result.append((self._broken(old.orbit, there.orbit), there))
                     else:
-                        found.append((kind, there))
+                        result.append((kind, there))
         elif before["fold"] * after["fold"] < 0.0:
-            found.append(("fold", self._locate(old, new, length, _sign_of("fold", before))))
-        return found + [
+            result.append(("fold", self._locate(old, new, length, _sign_of("fold", before))))
+        return result + [
             (kind, self._locate(old, new, length, _same(kind, old)))
             for kind in _MARKS
             if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
@@ -364,14 +364,14 @@ def mirrors_of(flow: Flow) -> list[Floats]:
     system = flow.system
     if not isinstance(system, BallPair):
         return [] if has_walls else [-unit]
-    found = [-unit]
+    result = [-unit]
     if not has_walls:
         one = np.diag([-1.0, -1.0, 1.0, 1.0])
-        found += [one, -one]
+        result += [one, -one]
     if system.right == system.left:
         exchanged = np.roll(unit, 2, axis=0)
-        found += [-exchanged, exchanged]
-    return found
+        result += [-exchanged, exchanged]
+    return result
 
 
 def _sign_of(kind: str, before: dict[str, float]) -> Callable[[Place], bool]:

@@ -134,7 +134,7 @@ class Flow:
         angles, velocities = numbers[0::2], numbers[1::2]
         fast = max(self.speed, *(abs(v) for v in velocities))
         bound = Start(tuple(angles), (fast,) * len(angles))
-        found = integrate(
+        result = integrate(
             self.system,
             self.drive,
             Start(tuple(angles), tuple(velocities)),
@@ -150,17 +150,17 @@ class Flow:
             watched=_WATCHED,
         )
         return Passage(
-            np.array([found.state.angle, found.state.velocity]).T.ravel()[: self.size],
-            found.slots[: STATE_SIZE * STATE_SIZE, 0].reshape(STATE_SIZE, STATE_SIZE)[
+            np.array([result.state.angle, result.state.velocity]).T.ravel()[: self.size],
+            result.slots[: STATE_SIZE * STATE_SIZE, 0].reshape(STATE_SIZE, STATE_SIZE)[
                 : self.size, : self.size
             ],
-            float(found.slots[STATE_SIZE * STATE_SIZE, 0]),
-            float(found.slots[-1, 0]),
-            found.contact_times,
-            found.contact_kinds,
-            found.contact_values,
-            int(found.state.grazes),
-            found.status == "complete",
+            float(result.slots[STATE_SIZE * STATE_SIZE, 0]),
+            float(result.slots[-1, 0]),
+            result.contact_times,
+            result.contact_kinds,
+            result.contact_values,
+            int(result.state.grazes),
+            result.status == "complete",
         )
 
 
@@ -180,15 +180,15 @@ def drive_period(drive: Drive) -> float:
 
 def periodic_drive(system: System, drive: Any) -> Drive:
     """Return a checked drive that has a period, and one that can be followed in a short time."""
-    found = checked_drive(drive)
-    ratio = math.tau / drive_period(found) / checked_system(system).natural_frequency
+    result = checked_drive(drive)
+    ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(
             f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, got {ratio:.3g}",
             parameter="drive_frequency",
             way_out="raise drive_frequency",
         )
-    return found
+    return result
 
 
 def varied(system: System, drive: Drive, name: str, value: float) -> tuple[System, Drive]:

@@ -225,7 +225,7 @@ def _stirred(
 ) -> Floats:
     """Return `_ENDS`, (name, amplitude, direction, ratio), of motions that never die away."""
     count = len(amplitudes)
-    found = np.full((len(_ENDS), count, 2, len(ratios)), math.nan)
+    result = np.full((len(_ENDS), count, 2, len(ratios)), math.nan)
     for way, order in enumerate((range(len(ratios)), reversed(range(len(ratios))))):
         angle = np.full(count, float(start["initial_angle"]))
         velocity = np.full(count, float(start["initial_angular_velocity"]))
@@ -248,12 +248,12 @@ def _stirred(
                 observables=_ENDS,
                 **options,
             )
-            found[:, :, way, place] = [grid[name].values for name in _ENDS]
+            result[:, :, way, place] = [grid[name].values for name in _ENDS]
             angle = np.remainder(grid.final_angle.values + math.pi, math.tau) - math.pi
             velocity = grid.final_angular_velocity.values
             angle, velocity = np.nan_to_num(angle), np.nan_to_num(velocity)
             phase = np.remainder(phase + frequency * options["duration"], math.tau)
-    return found
+    return result
 
 
 def _listed(name: str, values: Any, default: Any) -> list[float]:
@@ -323,16 +323,16 @@ def _lasts(
     told = np.isin(status, PERIODICITY).reshape(2, -1)
     both_chaotic = (one == "aperiodic") & (two == "aperiodic")
     apart = np.abs(np.diff(largest.reshape(2, -1), axis=0)[0]) >= least
-    found = np.zeros(differ.shape, dtype=bool)
-    found[tuple(places.T)] = told.all(axis=0) & apart & ~both_chaotic
-    return found
+    result = np.zeros(differ.shape, dtype=bool)
+    result[tuple(places.T)] = told.all(axis=0) & apart & ~both_chaotic
+    return result
 
 
 def _loop(
     ratios: Floats, up: Floats, down: Floats, least: float, lasting: NDArray[np.bool_]
 ) -> dict[str, Any]:
     """Return jumps, area and range of one loop, whose ways differ for good where `lasting`."""
-    found: dict[str, Any] = {"jump_ratio": [], "jump_height": []}
+    result: dict[str, Any] = {"jump_ratio": [], "jump_height": []}
     for angles, way in ((up, 1.0), (down, -1.0)):
         change = way * np.diff(angles)
         ratio = height = math.nan
@@ -340,15 +340,15 @@ def _loop(
             i = int(np.argmax(np.abs(change)))
             if abs(change[i]) >= least:
                 ratio, height = 0.5 * (ratios[i] + ratios[i + 1]), float(change[i])
-        found["jump_ratio"].append(ratio)
-        found["jump_height"].append(height)
+        result["jump_ratio"].append(ratio)
+        result["jump_height"].append(height)
     gap = np.abs(down - up)
-    found["loop_area"] = float(np.trapezoid(gap, ratios))
+    result["loop_area"] = float(np.trapezoid(gap, ratios))
     two = ratios[lasting]
-    found["bistable_low"] = float(two[0]) if len(two) else math.nan
-    found["bistable_high"] = float(two[-1]) if len(two) else math.nan
-    is_known = math.isfinite(found["loop_area"])
-    found["status"] = LOOP if len(two) else (DELAY if np.any(gap >= least) else NO_LOOP)
+    result["bistable_low"] = float(two[0]) if len(two) else math.nan
+    result["bistable_high"] = float(two[-1]) if len(two) else math.nan
+    is_known = math.isfinite(result["loop_area"])
+    result["status"] = LOOP if len(two) else (DELAY if np.any(gap >= least) else NO_LOOP)
     if not is_known:
-        found["status"] = UNKNOWN
-    return found
+        result["status"] = UNKNOWN
+    return result

@@ -349,12 +349,12 @@ def threshold(problem: Linear, ratio: float, largest: float, order: int | None) 
 
     def gaps(amplitude: float) -> dict[int, float]:
         """Return how far a lies outside of each tongue; negative inside."""
-        found: dict[int, float] = {}
+        result: dict[int, float] = {}
         for is_odd in {n % 2 == 1 for n in orders}:
             own = [n for n in orders if (n % 2 == 1) == is_odd]
             bands = problem.bands(amplitude, is_odd, max(own) + 1)
-            found |= {n: float(max(bands[n - 1] - a, a - bands[n])) for n in own}
-        return found
+            result |= {n: float(max(bands[n - 1] - a, a - bands[n])) for n in own}
+        return result
 
     grid = np.linspace(0.0, largest, 1 + math.ceil(100.0 * largest / problem.length))
     now = gaps(0.0)
@@ -380,7 +380,7 @@ def threshold(problem: Linear, ratio: float, largest: float, order: int | None) 
             low = left if before[n] <= 0.0 else find_root(gap, left, right)
             high = right if now[n] <= 0.0 else find_root(gap, left, right)
             candidates.append(low if zeta == 0.0 else first_rise(excess, low, high))
-        found = [value for value in candidates if not math.isnan(value)]
-        if found:
-            return min(found)
+        result = [value for value in candidates if not math.isnan(value)]
+        if result:
+            return min(result)
     return math.nan

@@ -292,9 +292,9 @@ def mathieu_threshold_amplitude(
             if excess(0.5 * (left + right)) > 0.0:
                 return left * system.length / 2.0
             continue
-        found = first_rise(excess, left, right)
-        if not math.isnan(found):
-            return found * system.length / 2.0
+        result = first_rise(excess, left, right)
+        if not math.isnan(result):
+            return result * system.length / 2.0
     return math.nan
 
 

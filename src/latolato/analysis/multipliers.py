@@ -140,24 +140,24 @@ def floquet(
     )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, count)
-    found = describe_orbit(orbit)
-    if found["status"] == "not found":
+    result = describe_orbit(orbit)
+    if result["status"] == "not found":
         warnings.warn(
             f"no motion of period {count} was found from this start (defect "
             f"{orbit.defect:.2g}); try a start on the attractor, or another period",
             RuntimeWarning,
             stacklevel=2,
         )
-    elif found["status"] in ("grazing", "contradicted"):
+    elif result["status"] in ("grazing", "contradicted"):
         warnings.warn(
-            f"the multipliers are doubtful ({found['status']}): an impact is nearly missed, or the "
-            "determinant or finite differences disagree",
+            f"the multipliers are doubtful ({result['status']}): an impact is nearly missed, or "
+            "the determinant or finite differences disagree",
             RuntimeWarning,
             stacklevel=2,
         )
     return labelled(
         "floquet",
-        dimensioned(found, system),
+        dimensioned(result, system),
         coordinates={"ball": ("ball", ["right", "left"])} if system.angles == 2 else None,
         quantities=QUANTITIES,
         system=system,
@@ -165,7 +165,7 @@ def floquet(
         settings={
             "period": count, "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
-            "message": told_of_period(found["response_period"], count),
+            "message": told_of_period(result["response_period"], count),
         },
     )  # fmt: skip
 
@@ -183,7 +183,7 @@ def told_of_period(smallest: Any, period: int) -> str | None:
 def describe_orbit(orbit: Orbit) -> dict[str, object]:
     """Return everything that `floquet` says of an orbit, checks included."""
     size = orbit.flow.size
-    found: dict[str, object] = {
+    result: dict[str, object] = {
         "multipliers": np.full(size, complex(math.nan, math.nan)),
         "monodromy": np.full((size, size), math.nan),
         "initial_angle": np.full(size // 2, math.nan),
@@ -201,7 +201,7 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
         "status": "not found",
     }
     if not orbit.defect <= CLOSED:
-        return found
+        return result
     matrix, multipliers = orbit.passage.matrix, orbit.multipliers
     largest = abs(multipliers[0])
     expected = math.exp(orbit.passage.spread)
@@ -223,7 +223,7 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
     refined = multipliers_of(finer.follow(orbit.start, orbit.duration).matrix)
     with np.errstate(divide="ignore"):
         rate = float(np.log(largest)) / orbit.duration
-    return found | {
+    return result | {
         "multipliers": multipliers,
         "monodromy": matrix,
         "initial_angle": orbit.start[0::2],

@@ -83,10 +83,10 @@ class Orbit:
 
 def multipliers_of(matrix: Floats) -> Floats:
     """Return the eigenvalues of a matrix, complex, largest modulus first."""
-    found = np.linalg.eigvals(matrix).astype(complex)
+    result = np.linalg.eigvals(matrix).astype(complex)
     # Of two that are equally large, the one with the larger real part, then imaginary part, first.
-    order = np.lexsort((-found.imag, -found.real, -np.round(np.abs(found), 12)))
-    return np.asarray(found[order])
+    order = np.lexsort((-result.imag, -result.real, -np.round(np.abs(result), 12)))
+    return np.asarray(result[order])
 
 
 def checked_period(period: Any) -> int:
@@ -185,21 +185,21 @@ def gap_of(flow: Flow, start: Floats, end: Floats, turns: int) -> Floats:
 
 def unwound(flow: Flow, state: Floats) -> Floats:
     """Return a state with the angles moved by whole turns towards zero."""
-    found = np.array(state)
+    result = np.array(state)
     if not (flow.size == 2 and math.isfinite(flow.walls[0])):
-        found[0::2] -= math.tau * round(float(np.mean(found[0::2])) / math.tau)
-    return found
+        result[0::2] -= math.tau * round(float(np.mean(result[0::2])) / math.tau)
+    return result
 
 
 def confined(flow: Flow, state: Floats) -> Floats:
     """Return a state moved between the walls."""
     low, high = flow.walls
-    found = np.array(state)
+    result = np.array(state)
     if flow.size == 2:
-        found[0] = min(max(found[0], low), high)
+        result[0] = min(max(result[0], low), high)
     else:
-        gap = found[0] - found[2]
+        gap = result[0] - result[2]
         shift = 0.5 * (min(max(gap, low), high) - gap)
-        found[0] += shift
-        found[2] -= shift
-    return found
+        result[0] += shift
+        result[2] -= shift
+    return result

@@ -208,8 +208,8 @@ def first_passage_time(
             f"the start must lie below threshold_angle {threshold:g} rad; give a larger threshold"
         )
     known = grid.status.values < EVENT_LIMIT
-    found = _statistics(times[known], end)
-    if found["status"] == NONE:
+    result = _statistics(times[known], end)
+    if result["status"] == NONE:
         warnings.warn(
             f"no trajectory of {count} reached {threshold:g} rad within {end:g} s: the mean is "
             "unknown; wait longer or raise noise_strength",
@@ -218,7 +218,7 @@ def first_passage_time(
         )
     return labelled(
         "first_passage_time",
-        {"first_passage": ("trajectory", times)} | found,
+        {"first_passage": ("trajectory", times)} | result,
         coordinates={"trajectory": ("trajectory", np.arange(count))},
         quantities=_QUANTITIES,
         system=system,

@@ -106,7 +106,7 @@ angle_tolerance, tolerance, rest_speed
         "initial_offset": initial_offset,
     }
     limits = {"longest": longest, "angle_tolerance": angle_tolerance}
-    found: dict[str, NDArray[Any]] = {}
+    result: dict[str, NDArray[Any]] = {}
     for part in octaves(ratios):
         _, motion = settled_motion(
             system,
@@ -123,12 +123,12 @@ angle_tolerance, tolerance, rest_speed
         )
         for name in (*_MAPPED, "status"):
             values = motion[name].reshape(shape[0], len(part))
-            found.setdefault(name, np.empty(shape, dtype=values.dtype))[:, part] = values
-    names, shares = shares_of(found["response_period"], found["status"], longest)
+            result.setdefault(name, np.empty(shape, dtype=values.dtype))[:, part] = values
+    names, shares = shares_of(result["response_period"], result["status"], longest)
     dims = ("drive_amplitude", "frequency_ratio")
     return labelled(
         "response_period_map",
-        {name: (dims, values) for name, values in found.items()}
+        {name: (dims, values) for name, values in result.items()}
         | {name: (("motion",), values) for name, values in shares.items()},
         coordinates={
             "drive_amplitude": (("drive_amplitude",), amplitudes),

@@ -131,7 +131,7 @@ def response_period(
         "initial_offset": initial_offset,
     }
     axes, start = start_axis(system, start)
-    grid, found = settled_motion(
+    grid, result = settled_motion(
         system,
         law,
         axes,
@@ -143,7 +143,7 @@ def response_period(
         rest_speed=rest_speed,
         **start,
     )
-    variables: dict[str, Any] = {name: values[0] for name, values in found.items()}
+    variables: dict[str, Any] = {name: values[0] for name, values in result.items()}
     settings = {
         **start,
         "transient_periods": transient_periods,

@@ -80,10 +80,10 @@ class Protocol:
     @property
     def times(self) -> tuple[float, ...]:
         """When the frequency begins to move to each stage [s], 0 for the first."""
-        found = [0.0]
+        result = [0.0]
         for number, dwell in enumerate(self.dwells):
-            found.append(found[-1] + dwell + (self.ramp if number else 0.0))
-        return tuple(found)
+            result.append(result[-1] + dwell + (self.ramp if number else 0.0))
+        return tuple(result)
 
     @property
     def lead_time(self) -> float:

@@ -218,23 +218,23 @@ def shortest_protocol(
     if math.isnan(threshold):
         shares = np.full(len(pushed), math.nan)
     success = np.full((len(first), len(dwells)), math.nan)
-    found: dict[str, Any] = dict.fromkeys(
+    result: dict[str, Any] = dict.fromkeys(
         ("best_first_ratio", "best_dwell_time", "lead_time", "checked_share"), math.nan
     )
     if shares[0] >= required:
-        found |= {"status": BY_ITSELF, "lead_time": 0.0, "checked_share": float(shares[0])}
+        result |= {"status": BY_ITSELF, "lead_time": 0.0, "checked_share": float(shares[0])}
     elif not math.isfinite(threshold):
-        found["status"] = NO_BRANCH
+        result["status"] = NO_BRANCH
     else:
         success = np.array([_stepped(search, ratio, dwells, threshold) for ratio in first])
-        found |= _shortest(search, first, dwells, success, threshold, required)
-    if found["status"] in (NO_BRANCH, NOT_REACHED):
+        result |= _shortest(search, first, dwells, success, threshold, required)
+    if result["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
             NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a larger motion than rest",
             NOT_REACHED: f"no protocol succeeds for {required:.0%} of the drive phases",
         }
         warnings.warn(
-            f"{reason[found['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
+            f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
         )
     enough = [shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required]
     smallest = enough[0] if enough else math.nan
@@ -244,7 +244,7 @@ def shortest_protocol(
     return labelled(
         "shortest_protocol",
         {
-            **found,
+            **result,
             "success_share": (("first_frequency_ratio", "dwell_time"), success),
             "push_share": ("push", shares),
             "angle_after_push": ("push", np.median(pushed, axis=1)),
@@ -310,12 +310,12 @@ def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]
     """Return the checked values of a parameter, which must increase."""
     given = np.atleast_1d(default if values is None else values).tolist()
     unit = QUANTITIES[name].unit
-    found = [checked_number(said or name, value, POSITIVE, unit) for value in given]
-    if not found or any(b <= a for a, b in pairwise(found)):
+    result = [checked_number(said or name, value, POSITIVE, unit) for value in given]
+    if not result or any(b <= a for a, b in pairwise(result)):
         raise InputError(
             f"the values of {said or name} must be one or more and increase; sort them"
         )
-    return found
+    return result
 
 
 def _velocity(search: _Search, push: float) -> dict[str, float]:

@@ -144,7 +144,7 @@ def first_push(
 
     def reach(cases: Floats) -> Floats:
         """Return how far beyond rest the motion goes at last [rad], NaN where a run failed."""
-        found = np.full(len(cases), math.nan)
+        result = np.full(len(cases), math.nan)
         for part in octaves(cases[:, 0]):
             some = cases[part]
             grid = run_samples(
@@ -160,8 +160,8 @@ def first_push(
             reached = np.asarray(grid["largest_angle_watched"].values).reshape(len(part), -1)
             beyond = (reached - np.abs(rest)).max(axis=1)
             failed = grid["status"].values >= EVENT_LIMIT
-            found[part] = np.where(failed, math.nan, beyond)
-        return found
+            result[part] = np.where(failed, math.nan, beyond)
+        return result
 
     pushes = np.linspace(0.0, largest, count + 1)
     scan = reach(np.array([(*cell, p) for cell in cells for p in pushes]))
@@ -178,8 +178,8 @@ def first_push(
         cases = np.array(
             [(*cells[c], p) for c, row in zip(open_cells, inner, strict=True) for p in row]
         )
-        found = reach(cases).reshape(inner.shape) > threshold
-        for c, row, seen in zip(open_cells, inner, found, strict=True):
+        result = reach(cases).reshape(inner.shape) > threshold
+        for c, row, seen in zip(open_cells, inner, result, strict=True):
             ends = np.concatenate([[low[c]], row, [high[c]]])
             place = int(np.argmax(np.append(seen, True))) + 1
             low[c], high[c] = ends[place - 1], ends[place]
@@ -267,17 +267,17 @@ def _accelerations(law: Any, frequency: Floats) -> Floats:
 def _case(system: System, cases: Floats, push: str, rest: Floats) -> dict[str, Floats]:
     """Return the parameters of cases (ratio, phase, push) along one axis of a sweep."""
     ratio, phase, size = cases.T
-    found = {"frequency_ratio": ratio, "drive_phase": phase}
+    result = {"frequency_ratio": ratio, "drive_phase": phase}
     is_offset = push == "initial_offset"
     if system.angles == 2:
         moves = (0.5 * size, -0.5 * size) if is_offset else (size, -size)
         for side, angle, move in zip(("right", "left"), rest, moves, strict=True):
-            found[f"initial_angle_{side}"] = angle + (move if is_offset else 0.0 * move)
+            result[f"initial_angle_{side}"] = angle + (move if is_offset else 0.0 * move)
             if not is_offset:
-                found[f"initial_angular_velocity_{side}"] = move
-        return found
+                result[f"initial_angular_velocity_{side}"] = move
+        return result
     angle = rest[0] + size if is_offset else np.full(len(size), rest[0])
-    found["initial_angle"] = angle
+    result["initial_angle"] = angle
     if not is_offset:
-        found["initial_angular_velocity"] = size
-    return found
+        result["initial_angular_velocity"] = size
+    return result

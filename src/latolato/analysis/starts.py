@@ -47,10 +47,10 @@ def start_options(
     initial_offset: float | None,
 ) -> dict[str, Any]:
     """Return the start for `latolato.sweep`, by default where the system hangs at rest."""
-    found: dict[str, Any] = {"initial_angular_velocity": initial_angular_velocity}
+    result: dict[str, Any] = {"initial_angular_velocity": initial_angular_velocity}
     if initial_angle is None and initial_offset is None:
         if isinstance(system, LatoLato):
-            return found | {"initial_offset": 0.0}
+            return result | {"initial_offset": 0.0}
         angles = hanging_angles(system)
-        return found | {"initial_angle": angles if len(angles) == 2 else angles[0]}
-    return found | {"initial_angle": initial_angle, "initial_offset": initial_offset}
+        return result | {"initial_angle": angles if len(angles) == 2 else angles[0]}
+    return result | {"initial_angle": initial_angle, "initial_offset": initial_offset}

@@ -158,14 +158,14 @@ def settled_motion(
             break
         periods = transient_periods + times * waited
         _, now = look(_chosen(axes, left), periods, each[left], most)
-        found = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
-        keep = np.isin(now["status"], PERIODICITY) & ~found
+        result = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
+        keep = np.isin(now["status"], PERIODICITY) & ~result
         seen.append(now)
         if len(seen) == 3:
             keep &= _seems_to_settle(*seen)
         elif len(seen) == 4:
-            found |= keep & _goes_on_to_settle(seen)
-        status[left[found]] = "not settled"
+            result |= keep & _goes_on_to_settle(seen)
+        status[left[result]] = "not settled"
         left = left[keep]
         seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
     return grid, motion
@@ -175,11 +175,11 @@ def _seems_to_settle(
     first: Mapping[str, Floats], second: Mapping[str, Floats], third: Mapping[str, Floats]
 ) -> NDArray[np.bool_]:
     """Return which aperiodic motions die down over three looks, as chaos in bursts may do too."""
-    found = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
+    result = np.zeros(len(third["largest_angle_watched"]), dtype=bool)
     for name in _DECAYING:
         a, b, c = first[name], second[name], third[name]
-        found |= ((b < _SLOWED * a) & (c < _SLOWED * b)) | (c < _FALLEN * b)
-    return found
+        result |= ((b < _SLOWED * a) & (c < _SLOWED * b)) | (c < _FALLEN * b)
+    return result
 
 
 def _goes_on_to_settle(seen: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:

@@ -154,15 +154,15 @@ def sign_states(demodulated: Floats) -> NDArray[np.int8]:
     level = 0.5 * math.sqrt(float(np.mean(demodulated**2)))
     states = np.where(demodulated >= level, 1, np.where(demodulated <= -level, -1, 0))
     states = states.astype(np.int8)
-    found = np.empty_like(states)
+    result = np.empty_like(states)
     # What comes before the first clear state counts as that one.
     clear = states != 0
     first = np.take_along_axis(states, np.argmax(clear, axis=1)[:, None], axis=1)[:, 0]
     last = np.where(first == 0, 1, first).astype(np.int8)
     for n in range(states.shape[1]):
         last = np.where(states[:, n] != 0, states[:, n], last)
-        found[:, n] = last
-    return found
+        result[:, n] = last
+    return result
 
 
 @analyses.register("time_crystal")
@@ -293,7 +293,7 @@ def time_crystal(
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     if noise is not None:
         axes["noise_stream"] = range(count)
-    found: list[list[dict[str, Any]]] = []
+    result: list[list[dict[str, Any]]] = []
     for ratio in ratios:
         frequency = ratio * system.natural_frequency
         grid = sweep(
@@ -314,7 +314,7 @@ def time_crystal(
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
-        found.append(
+        result.append(
             [
                 _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, before + 1)
                 for i in range(len(amplitudes))
@@ -328,9 +328,9 @@ def time_crystal(
     variables = {
         name: (
             points + dims.get(name, ()),
-            np.array([[row[i][name] for row in found] for i in range(len(amplitudes))]),
+            np.array([[row[i][name] for row in result] for i in range(len(amplitudes))]),
         )
-        for name in found[0][0]
+        for name in result[0][0]
     }
     rates = np.array(ratios) * system.natural_frequency
     return labelled(
@@ -400,41 +400,41 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
     seen = angles.shape[1]
     signs = np.where((first + np.arange(seen)) % 2 == 0, 1.0, -1.0)
     nothing = math.nan
-    found: dict[str, Any] = dict.fromkeys(
+    result: dict[str, Any] = dict.fromkeys(
         ("order_parameter", "order_parameter_size", "order_parameter_best", "peak_frequency",
          "peak_amplitude", "peak_width", "peak_share", "phase_slips", "lifetime", "lifetime_low",
          "lifetime_high"),
         nothing,
     )  # fmt: skip
-    found["sign_autocorrelation"] = np.full(_lags(seen), nothing)
-    found["order_parameter_decay"] = np.full(seen, nothing)
-    found["status"] = STATUSES[5]
+    result["sign_autocorrelation"] = np.full(_lags(seen), nothing)
+    result["order_parameter_decay"] = np.full(seen, nothing)
+    result["status"] = STATUSES[5]
     if not len(angles) or not np.all(np.isfinite(angles)):
-        return found
+        return result
     # Motion about the upright position is counted from there: elsewhere the cut would part it.
     side = 0.0 if np.cos(angles).mean() < 0.0 else math.pi
     angles = np.remainder(angles + side, math.tau) - math.pi
     each = (signs * angles).mean(axis=1)
-    found["order_parameter"] = float(each.mean())
-    found["order_parameter_size"] = float(np.abs(each).mean())
+    result["order_parameter"] = float(each.mean())
+    result["order_parameter_size"] = float(np.abs(each).mean())
     peak = subharmonic_peak(angles, velocities, frequency)
     motion = np.sqrt(np.mean((velocities / frequency) ** 2 + (angles - angles.mean()) ** 2))
-    found["peak_amplitude"] = peak.amplitude
+    result["peak_amplitude"] = peak.amplitude
     if peak.amplitude < LEAST_AMPLITUDE:
-        found["status"] = STATUSES[0] if motion < LEAST_AMPLITUDE else STATUSES[1]
-        return found
-    found |= {
+        result["status"] = STATUSES[0] if motion < LEAST_AMPLITUDE else STATUSES[1]
+        return result
+    result |= {
         "peak_frequency": peak.frequency,
         "peak_width": peak.width,
         "peak_share": peak.share,
         **_survival(_demodulated(signs, angles, velocities, frequency), math.tau / frequency),
     }
     if peak.share < SHARP or peak.width > BROAD * _HANN_WIDTH / seen:
-        found["status"] = STATUSES[4]
+        result["status"] = STATUSES[4]
     else:
         is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / seen
-        found["status"] = STATUSES[2] if is_half else STATUSES[3]
-    return found
+        result["status"] = STATUSES[2] if is_half else STATUSES[3]
+    return result
 
 
 def _demodulated(signs: Floats, angles: Floats, velocities: Floats, frequency: float) -> Floats:

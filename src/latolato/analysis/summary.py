@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 _FEW, _MANY = 8, 1000
 
 
-def summarise(found: xr.Dataset) -> dict[str, Any]:
+def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """Return what an analysis found as JSON knows it.
 
     Complex variables are parted as in files; NaN is None and infinities are texts. Of more than
@@ -20,7 +20,7 @@ def summarise(found: xr.Dataset) -> dict[str, Any]:
     """
     from latolato.io.files import without_complex
 
-    plain = without_complex(found)
+    plain = without_complex(dataset)
     variables: dict[str, Any] = {}
     for name, variable in {**plain.coords, **plain.data_vars}.items():
         about: dict[str, Any] = {
@@ -32,22 +32,22 @@ def summarise(found: xr.Dataset) -> dict[str, Any]:
         elif variable.dtype.kind in "iuf":
             about["range"] = _plain(list(_range(variable.values)))
         variables[str(name)] = about
-    attributes = {str(key): _plain(value) for key, value in found.attrs.items()}
-    return {"analysis": found.attrs["analysis"], "variables": variables, "attributes": attributes}
+    attributes = {str(key): _plain(value) for key, value in dataset.attrs.items()}
+    return {"analysis": dataset.attrs["analysis"], "variables": variables, "attributes": attributes}
 
 
-def as_lines(found: xr.Dataset) -> dict[str, str]:
+def as_lines(dataset: xr.Dataset) -> dict[str, str]:
     """Return what an analysis found as texts by name."""
-    drive = f", drive {found.attrs['drive']}" if "drive" in found.attrs else ""
-    lines = {"analysis": f"{found.attrs['analysis']} of {found.attrs.get('system', '')}{drive}"}
-    if "status" in found:
+    drive = f", drive {dataset.attrs['drive']}" if "drive" in dataset.attrs else ""
+    lines = {"analysis": f"{dataset.attrs['analysis']} of {dataset.attrs.get('system', '')}{drive}"}
+    if "status" in dataset:
         lines["status"] = ""
-    for name, variable in {**found.coords, **found.data_vars}.items():
+    for name, variable in {**dataset.coords, **dataset.data_vars}.items():
         # Numbers of rows and names of balls say nothing by themselves.
-        if name not in found.coords or variable.dtype.kind == "f":
+        if name not in dataset.coords or variable.dtype.kind == "f":
             lines[str(name)] = _text_of(variable)
-    if "message" in found.attrs:
-        lines["message"] = str(found.attrs["message"])
+    if "message" in dataset.attrs:
+        lines["message"] = str(dataset.attrs["message"])
     return lines
 
 

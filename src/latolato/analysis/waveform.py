@@ -48,13 +48,13 @@ def fourier_coefficients(waveform: Callable[[float], float]) -> Complexes:
     count = _FEWEST_SAMPLES
     while count <= _MOST_SAMPLES:
         samples = [waveform(math.tau * i / count) for i in range(count)]
-        found = np.fft.rfft(samples) / count
-        sizes = np.abs(found)
+        result = np.fft.rfft(samples) / count
+        sizes = np.abs(result)
         least = _NEGLIGIBLE * float(sizes.max())
         if float(sizes[count // 4 :].max()) <= least:
-            found = found[: 1 + int(np.flatnonzero(sizes >= least)[-1])]
-            is_even = float(np.abs(found.imag).max()) <= least
-            return np.asarray(found.real + 0j if is_even else found)
+            result = result[: 1 + int(np.flatnonzero(sizes >= least)[-1])]
+            is_even = float(np.abs(result.imag).max()) <= least
+            return np.asarray(result.real + 0j if is_even else result)
         count *= 2
     raise InputError(
         f"the drive's waveform has more than {_MOST_SAMPLES // 4} overtones: it is not smooth "

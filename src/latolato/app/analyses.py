@@ -19,7 +19,7 @@ from starlette.websockets import WebSocket
 from latolato.app.analysis_forms import about_asked, forms, label_of, own_options
 from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack
-from latolato.app.given import MOST_LISTED, Asked, TooLargeError
+from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
 from latolato.app.jobs import Job, serve_job, workers_of
 from latolato.app.lines import constructor, literal
 from latolato.core.errors import InputError
@@ -63,7 +63,7 @@ async def _forms(request: Request) -> Response:
 
 async def _asked(request: Request) -> Response:
     given = await json_of(request)
-    return await answered(request, lambda: JSONResponse(about_asked(Asked.from_json(given))))
+    return await answered(request, lambda: JSONResponse(about_asked(RunRequest.from_json(given))))
 
 
 async def _cost(request: Request) -> Response:
@@ -90,7 +90,7 @@ class AnalysisRequest:
     """An analysis, what it is of, and the options that were typed for it."""
 
     name: str
-    asked: Asked
+    asked: RunRequest
     given: Mapping[str, str]
 
     @classmethod
@@ -105,7 +105,7 @@ class AnalysisRequest:
         from latolato.analysis import analyses
         from latolato.core.registry import suggest
 
-        asked = Asked.from_json(value)
+        asked = RunRequest.from_json(value)
         name, given = value.get("analysis"), value.get("given") or {}
         if not isinstance(name, str):
             raise InputError(f"analysis must be a name, got {name!r:.80}")
@@ -211,10 +211,10 @@ def _typed(option: AnalysisOption, text: str) -> Any:
     """
     if option.is_sequence:
         if ":" in text:
-            found = _RANGE.fullmatch(text)
-            if found is None or Path(text).is_file():
+            match = _RANGE.fullmatch(text)
+            if match is None or Path(text).is_file():
                 raise InputError(f"{option.name} must be low : high : count, got {text!r:.80}")
-            if int(found["count"]) > MOST_LISTED:
+            if int(match["count"]) > MOST_LISTED:
                 raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
             return text
         parts = [part.strip() for part in text.split(",") if part.strip()]
@@ -327,48 +327,48 @@ def compute(
     from latolato.io.files import save
 
     question = AnalysisRequest.from_json(given)
-    found = question.function(**question.arguments())
-    save(found, folder / "found.nc")
-    (folder / "found.csv").write_text(to_csv(found), encoding="utf-8")
+    result = question.function(**question.arguments())
+    save(result, folder / "found.nc")
+    (folder / "found.csv").write_text(to_csv(result), encoding="utf-8")
     panels: list[dict[str, Any]] = []
     try:
-        figure = plot(found)
+        figure = plot(result)
     except InputError as error:  # without a picture
         warnings.warn(str(error), RuntimeWarning, stacklevel=1)
     else:
         save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "found.svg")
-        panels = panels_of(figure, found)
+        panels = panels_of(figure, result)
     asked = question_of(question.name)
     return {
         "analysis": question.name,
-        "verdict": asked.verdict(found),
-        "lines": numbers_of(found),
+        "verdict": asked.verdict(result),
+        "lines": numbers_of(result),
         "panels": panels,
     }
 
 
-def numbers_of(found: xr.Dataset) -> list[tuple[str, str]]:
+def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """Return what an analysis found as rows of a table: what it is, and its value with unit."""
     from latolato.analysis.summary import as_lines
 
     rows = []
-    for name, text in as_lines(found.squeeze()).items():
+    for name, text in as_lines(dataset.squeeze()).items():
         if name == "analysis":
             continue
-        variable = found.variables.get(name)
+        variable = dataset.variables.get(name)
         label = str(variable.attrs.get("long_name") or name) if variable is not None else name
         rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
     return rows
 
 
-def _counted(found: re.Match[str]) -> str:
+def _counted(match: re.Match[str]) -> str:
     """Return how many values a range is of, for a text that names their dimensions."""
-    sizes = re.findall(r"(?<=\w )\d+(?= x |$)", found["dims"])
-    return f"({_BY.join(sizes)} values{found['rest']})"
+    sizes = re.findall(r"(?<=\w )\d+(?= x |$)", match["dims"])
+    return f"({_BY.join(sizes)} values{match['rest']})"
 
 
-def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
+def panels_of(figure: Figure, dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return the panels on which a point stands for parameters or for a start.
 
     Returns
@@ -379,8 +379,8 @@ def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
     """
     panels = []
     for axes in figure.axes:
-        x = _axis_of(found, axes, "x")
-        y = _axis_of(found, axes, "y")
+        x = _axis_of(dataset, axes, "x")
+        y = _axis_of(dataset, axes, "y")
         if x is None and y is None:
             continue
         place = axes.get_position()
@@ -389,7 +389,7 @@ def panels_of(figure: Figure, found: xr.Dataset) -> list[dict[str, Any]]:
     return panels
 
 
-def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
+def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
     """Return the option along a straight axis of a picture, by the label of a coordinate."""
     from latolato.figures.style import label
     from latolato.scenario.options import law_options
@@ -398,8 +398,10 @@ def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
         return None
     shared = getattr(axes, f"get_shared_{side}_axes")().get_siblings(axes)
     texts = {getattr(each, f"get_{side}label")() for each in [axes, *shared]} - {""}
-    for name, variable in found.coords.items():
-        if name not in law_options() or (str(name).startswith("initial") and "ball" in found.dims):
+    for name, variable in dataset.coords.items():
+        if name not in law_options() or (
+            str(name).startswith("initial") and "ball" in dataset.dims
+        ):
             continue
         if texts & {label(variable), label(variable, short=True)}:
             low, high = getattr(axes, f"get_{side}lim")()
@@ -413,7 +415,7 @@ def _axis_of(found: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
     return None
 
 
-def to_csv(found: xr.Dataset) -> str:
+def to_csv(dataset: xr.Dataset) -> str:
     """Return an analysis as text: its labels, its single numbers, a table for each shape."""
     import csv
     import io
@@ -422,7 +424,7 @@ def to_csv(found: xr.Dataset) -> str:
 
     from latolato.io.files import without_complex
 
-    plain = without_complex(found)
+    plain = without_complex(dataset)
     text = io.StringIO()
     write = csv.writer(text, lineterminator="\n").writerow
     for key, value in plain.attrs.items():
@@ -442,7 +444,7 @@ def to_csv(found: xr.Dataset) -> str:
     return text.getvalue()
 
 
-def _headed(found: xr.Dataset, name: str) -> str:
+def _headed(dataset: xr.Dataset, name: str) -> str:
     """Return the head of a column, with its unit."""
-    unit = str(found[name].attrs.get("units", "1"))
+    unit = str(dataset[name].attrs.get("units", "1"))
     return name if unit in ("", "1") else f"{name} [{unit}]"

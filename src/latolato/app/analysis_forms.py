@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.given import Asked, options_of
+from latolato.app.given import RunRequest, options_of
 from latolato.app.option_words import OPTION_WORDS
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import Cost, all_questions
@@ -45,12 +45,12 @@ def forms() -> dict[str, Any]:
     from latolato.scenario.analysis_options import plain_text, summary_of
     from latolato.simulation.summary import plain
 
-    found = {}
+    results = {}
     for name, question in all_questions().items():
         function = analyses[name]
         notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
         own, run = own_options(function)
-        found[name] = {
+        results[name] = {
             "title": question.title,
             "group": question.group,
             "term": question.term,
@@ -61,7 +61,7 @@ def forms() -> dict[str, Any]:
             "options": {o.name: _option(o) for o in own.values()},
             "run": list(run),
         }
-    result: dict[str, Any] = plain(found)
+    result: dict[str, Any] = plain(results)
     return result
 
 
@@ -130,14 +130,14 @@ def shown(text: str) -> str:
     return text
 
 
-def about_asked(asked: Asked) -> dict[str, Any]:
+def about_asked(asked: RunRequest) -> dict[str, Any]:
     """Return the options of what a page asks for, and what can be asked of it."""
     from latolato.simulation.summary import plain
 
     scenario = asked.to_scenario()
     of = (scenario.system, scenario.drive)
     unfit = {name: why for name, each in all_questions().items() if (why := each.unfit(*of))}
-    found: dict[str, Any] = plain(
+    result: dict[str, Any] = plain(
         {
             "options": options_of(scenario),
             "title": scenario.title,
@@ -147,15 +147,15 @@ def about_asked(asked: Asked) -> dict[str, Any]:
             "first": _first(scenario, unfit),
         }
     )
-    return found
+    return result
 
 
 def _first(scenario: Scenario, unfit: Mapping[str, str]) -> str:
     """Return the question that tells most of a system and a drive, and is answered soon."""
     wanted = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
     order = (*wanted, "bifurcation_diagram", "lyapunov_spectrum")
-    found: str = next(name for name in order if name not in unfit)
-    return found
+    result: str = next(name for name in order if name not in unfit)
+    return result
 
 
 def _stands(scenario: Scenario) -> bool:
@@ -178,7 +178,7 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         )
     }
     known = parameters_of(scenario)
-    found = {}
+    result = {}
     for name, question in all_questions().items():
         own, _ = own_options(analyses[name])
         texts = {option: text.format(**ranges) for option, text in question.quick.items()}
@@ -186,10 +186,10 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         if limits:
             texts |= {end: limits[end] for end in ("low", "high") if end in own}
         texts |= _settled(question.cost, scenario, own, texts)
-        found[name] = {option: text for option, text in texts.items() if option in own}
+        result[name] = {option: text for option, text in texts.items() if option in own}
     if _stands(scenario):
-        found["growth_rate"]["position"] = "inverted"
-    return found
+        result["growth_rate"]["position"] = "inverted"
+    return result
 
 
 def _settled(
@@ -200,19 +200,19 @@ def _settled(
     rate = float(getattr(ball, "damping", 0.0)) / (2.0 * ball.mass * ball.length)
     if rate <= 0.0:
         return {}
-    found = {}
+    result = {}
     frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
     if cost.most_shakes and frequency > 0.0:
         times = _NEAR if "parameter" in own else _SETTLED
         shakes = times / rate * frequency / math.tau
         default = float(own["transient_periods"].default or 0.0)
         if shakes > default:
-            found["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, cost.most_shakes)}"
+            result["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, cost.most_shakes)}"
     if cost.decay_times and "duration" in texts:
         least = cost.decay_times / rate
         if least > float(texts["duration"]):
-            found["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
-    return found
+            result["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
+    return result
 
 
 def _ratios_of(scenario: Scenario, usual: tuple[float, float]) -> tuple[float, float]:
@@ -240,7 +240,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
 
     if not scenario.drive.moves:
         return {}
-    found = {}
+    result = {}
     for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():
         if parameter.owner not in ("system", "drive"):
             continue
@@ -254,10 +254,10 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
         low, high = (f"{end:.4g}" for end in ends)
         if name == "frequency_ratio":
             low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
-        found[name] = {
+        result[name] = {
             "label": label_of(name),
             "unit": "" if unit == "1" else pretty_unit(unit),
             "low": "0" if value == 0.0 else low,
             "high": "0.1" if value == 0.0 else high,
         }
-    return found
+    return result

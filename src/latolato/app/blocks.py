@@ -94,8 +94,8 @@ def unpack(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
                 continue
             if entry["type"] not in TYPES:
                 raise ValueError(entry["type"])
-            found = np.frombuffer(block, f"<{entry['type']}", count, begin + entry["offset"])
-            arrays[entry["name"]] = found.reshape(entry["shape"])
+            result = np.frombuffer(block, f"<{entry['type']}", count, begin + entry["offset"])
+            arrays[entry["name"]] = result.reshape(entry["shape"])
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ValueError(f"these {len(block)} bytes are no block of arrays: {error}") from None
     return about, arrays

@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
 from latolato.app.blocks import pack
-from latolato.app.given import Asked, TooLargeError, check_size
+from latolato.app.given import RunRequest, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.core.errors import InputError, import_extra
 
@@ -63,19 +63,19 @@ async def _animation(websocket: WebSocket) -> None:
     await serve_job(websocket, prepare_animation)
 
 
-def asked_of(query: Mapping[str, str]) -> Asked:
+def asked_of(query: Mapping[str, str]) -> RunRequest:
     """Return what an address of the page asks for; what belongs to its views is left out.
 
     Examples
     --------
     >>> asked_of({"view": "play", "scenario": "fig02", "length": "1 m", "map.x": "damping"})
-    Asked(scenario='fig02', options={'length': '1 m'})
+    RunRequest(scenario='fig02', options={'length': '1 m'})
     """
     options = {n: v for n, v in query.items() if n not in _OF_PAGE and "." not in n}
-    return Asked(query.get("scenario") or None, options)
+    return RunRequest(query.get("scenario") or None, options)
 
 
-def file_response(asked: Asked, kind: str) -> Response:
+def file_response(asked: RunRequest, kind: str) -> Response:
     """Return a file of the run that is asked for, to be stored by the browser.
 
     Raises
@@ -92,7 +92,7 @@ def file_response(asked: Asked, kind: str) -> Response:
     return Response(content, media_type=TYPES[kind], headers={"Content-Disposition": disposition})
 
 
-def scenario_of(asked: Asked) -> Scenario:
+def scenario_of(asked: RunRequest) -> Scenario:
     """Return the scenario of one run that is neither a map nor too large."""
     scenario = asked.to_scenario()
     if scenario.varied:
@@ -197,7 +197,7 @@ def prepare_animation(given: Any) -> Job:
     """
     from latolato.figures.animate import check_target
 
-    asked = Asked.from_json(given)
+    asked = RunRequest.from_json(given)
     speed = given.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"speed must be a number, got {speed!r}")
@@ -239,7 +239,7 @@ def film(
     """Write ``run.mp4`` into a folder: what the job `animate` does in its process."""
     from latolato.figures.animate import animate
 
-    scenario = scenario_of(Asked.from_json(given))
+    scenario = scenario_of(RunRequest.from_json(given))
     run = simulate_for_file(scenario)
     animate(run, folder / "run.mp4", speed=given["speed"], fps=FPS, progress=progress)
     return {}

@@ -42,11 +42,11 @@ def page_file(name: str, request: Request) -> Response:
     HTTPException
         If there is no such file.
     """
-    found = _read(name)
-    headers = {"ETag": found.tag, "Cache-Control": "no-cache"}
-    if found.tag in request.headers.get("if-none-match", ""):
+    result = _read(name)
+    headers = {"ETag": result.tag, "Cache-Control": "no-cache"}
+    if result.tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
-    return Response(found.content, media_type=found.media_type, headers=headers)
+    return Response(result.content, media_type=result.media_type, headers=headers)
 
 
 @lru_cache

@@ -46,7 +46,7 @@ def registry() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def _registry() -> dict[str, Any]:
-    found = {
+    results = {
         "version": version_of(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
@@ -56,7 +56,7 @@ def _registry() -> dict[str, Any]:
         "observables": {name: _observable(law) for name, law in observables.items()},
         "scenarios": {name: _scenario(s) for name, s in scenarios().items()},
     }
-    result: dict[str, Any] = plain(found)
+    result: dict[str, Any] = plain(results)
     return result
 
 

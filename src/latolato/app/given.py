@@ -35,14 +35,14 @@ class TooLargeError(InputError):
 
 
 @dataclass(frozen=True)
-class Asked:
+class RunRequest:
     """A scenario to begin with, if any, and the options that replace what it says."""
 
     scenario: str | None = None
     options: Mapping[str, Any] | None = None
 
     @classmethod
-    def from_json(cls, value: Any) -> Asked:
+    def from_json(cls, value: Any) -> RunRequest:
         """Return what a page asks for.
 
         Raises
@@ -106,14 +106,14 @@ def option_value(option: Parameter, value: Any) -> Any:
 def options_of(scenario: Scenario) -> dict[str, Any]:
     """Return every option that a scenario sets, in SI units."""
     tables = scenario.to_dict()
-    found = {}
+    result = {}
     for name, option in law_options().items():
         place: Any = tables
         for part in (option.owner, *option.path):
             place = place.get(part) if isinstance(place, Mapping) else None
         if place is not None:
-            found[name] = place
-    return found
+            result[name] = place
+    return result
 
 
 def check_size(scenario: Scenario) -> None:

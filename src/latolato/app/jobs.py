@@ -60,8 +60,8 @@ def workers_of(state: Any) -> Workers:
     """Return the processes of the server with this state."""
     if getattr(state, "jobs", None) is None:
         state.jobs = Workers(anyio.CapacityLimiter(MOST_JOBS))
-    found: Workers = state.jobs
-    return found
+    result: Workers = state.jobs
+    return result
 
 
 async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None:
@@ -151,13 +151,13 @@ async def _work(websocket: WebSocket, job: Job) -> bytes:
             scope.cancel()
 
     folder = Path(tempfile.mkdtemp(prefix="latolato-"))
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     error: Exception | None = None
     try:
         async with anyio.create_task_group() as group:
             group.start_soon(report, group.cancel_scope)
             try:
-                found = await workers.do(job.name, job.given, folder, hear, seconds=MOST_SECONDS)
+                result = await workers.do(job.name, job.given, folder, hear, seconds=MOST_SECONDS)
             except JobError as caught:  # as it is, not in the group of a task group
                 error = caught
             except TimeoutError:
@@ -168,6 +168,6 @@ async def _work(websocket: WebSocket, job: Job) -> bytes:
         error = gone or error
         if error is not None:
             raise error
-        return await anyio.to_thread.run_sync(job.finish, found, folder)
+        return await anyio.to_thread.run_sync(job.finish, result, folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

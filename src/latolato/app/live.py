@@ -209,16 +209,16 @@ async def _keep(socket: WebSocket, session: Session) -> None:
         del shelf[next(iter(shelf))]
     about = kept.about
     wanted = ("reproduces", "by_hand", "note", "duration", "options", "gap")
-    found = plain({**{key: about[key] for key in wanted}, "name": name})
-    await socket.send_text(json.dumps({"recorded": found}))
+    result = plain({**{key: about[key] for key in wanted}, "name": name})
+    await socket.send_text(json.dumps({"recorded": result}))
 
 
 def _shelf(state: Any) -> dict[str, Kept]:
     """Return the recordings that wait for a download, by name."""
     if not hasattr(state, "recordings"):
         state.recordings = {}
-    found: dict[str, Kept] = state.recordings
-    return found
+    result: dict[str, Kept] = state.recordings
+    return result
 
 
 async def fetch(request: Request) -> Response:

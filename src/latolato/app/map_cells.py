@@ -45,17 +45,17 @@ class Maps:
     def by_hash(self, plan_hash: Any) -> Memory | None:
         """Return what is known of the map whose plan has this hash, or None."""
         with self._lock:
-            found = self._found.get(plan_hash) if isinstance(plan_hash, str) else None
-            if found is None:
+            result = self._found.get(plan_hash) if isinstance(plan_hash, str) else None
+            if result is None:
                 return None
             self._found.move_to_end(plan_hash)
-            return found[0]
+            return result[0]
 
     def begin(self, plan: Plan) -> Memory:
         """Return what is known of a map, with the points that it shares with other maps."""
-        found = self.by_hash(plan.hash)
-        if found is not None:
-            return found
+        result = self.by_hash(plan.hash)
+        if result is not None:
+            return result
         memory, base = Memory(plan, ROUNDING["threads"]), _base(plan)
         with self._lock:
             others = [other for other, same in self._found.values() if same == base]

@@ -117,12 +117,12 @@ def _zipped(shown: Shown, folder: Path) -> bytes:
 
 def _zip(path: Path, name: str) -> bytes:
     """Return the files of a folder below a name; locks and unfinished files are left out."""
-    found = io.BytesIO()
-    with zipfile.ZipFile(found, "w", zipfile.ZIP_STORED) as archive:
+    result = io.BytesIO()
+    with zipfile.ZipFile(result, "w", zipfile.ZIP_STORED) as archive:
         for each in sorted(path.rglob("*")):
             if each.is_file() and each.name != "lock":
                 archive.write(each, f"{name}/{each.relative_to(path).as_posix()}")
-    return found.getvalue()
+    return result.getvalue()
 
 
 def _picture(

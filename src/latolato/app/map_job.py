@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from latolato.app.blocks import pack
 from latolato.app.forms import quantity_of, units_of
-from latolato.app.map_asked import Map
 from latolato.app.map_cells import Maps, known_of, values_of
 from latolato.app.map_choices import mappable
 from latolato.app.map_lines import sweep_command, sweep_lines
+from latolato.app.map_request import Map
 from latolato.figures.map import CLASSES
 from latolato.figures.sides import Side
 from latolato.numerics.records import STATUS_NAMES
@@ -141,19 +141,19 @@ def _cells(
 
 def variables_of(plan: Plan) -> list[tuple[str, int | None]]:
     """Return the variables to send, of two balls each one's."""
-    found: list[tuple[str, int | None]] = []
+    result: list[tuple[str, int | None]] = []
     for observable in plan.observables:
         apart = plan.system.angles == 2 and not observable.is_joint
         for name in mappable(observable, plan.system.angles):
-            found += [(name, 0), (name, 1)] if apart else [(name, None)]
-    return found
+            result += [(name, 0), (name, 1)] if apart else [(name, None)]
+    return result
 
 
 def of_point(values: Values, variable: tuple[str, int | None]) -> NDArray[np.float64]:
     """Return one number a point: of a ball, and the first where there are several."""
     name, ball = variable
-    found = values[name] if ball is None else values[name][:, ball]
-    return found.reshape(len(found), -1)[:, 0]
+    result = values[name] if ball is None else values[name][:, ball]
+    return result.reshape(len(result), -1)[:, 0]
 
 
 def _begin(shown: Map, points: int) -> bytes:

@@ -8,8 +8,8 @@ from typing import Any
 
 from latolato.app.given import options_of
 from latolato.app.lines import constructor, literal
-from latolato.app.map_asked import Map
 from latolato.app.map_choices import Span
+from latolato.app.map_request import Map
 from latolato.observables import Observable, observables
 from latolato.sweeps.axes import TARGETS
 
@@ -87,12 +87,12 @@ def _replaced(shown: Map) -> set[str]:
 
 def _numbers(shown: Map) -> dict[str, float]:
     """Return duration, transient and tolerance."""
-    found = {"duration": shown.duration, "tolerance": shown.asked.tolerance}
+    result = {"duration": shown.duration, "tolerance": shown.asked.tolerance}
     arguments = shown.varied()
     for name in ("transient", "transient_periods"):
         if arguments.get(name):
-            found[name] = float(arguments[name])
-    return found
+            result[name] = float(arguments[name])
+    return result
 
 
 def _changed(observable: Observable) -> dict[str, Any]:

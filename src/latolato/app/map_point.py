@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.map_asked import MapAsked, make_map
+from latolato.app.map_request import MapRequest, make_map
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number, describe
@@ -50,15 +50,15 @@ def scenario_at(given: Any, find: Find) -> Scenario:
             raise InputError("names must be those of the two axes")
         path = find(rest["stored"])
         select = rest.get("select") or {}
-        found = arguments_at(path, (str(names[0]), x), (str(names[1]), y), select)
+        result = arguments_at(path, (str(names[0]), x), (str(names[1]), y), select)
     else:
-        found = arguments_of(make_map(MapAsked.from_json(rest)).plan_at(x, y), 0)
-    system, drive = found.pop("system"), found.pop("drive")
-    law = found.get("contact")
+        result = arguments_of(make_map(MapRequest.from_json(rest)).plan_at(x, y), 0)
+    system, drive = result.pop("system"), result.pop("drive")
+    law = result.get("contact")
     if law is not None and not describe(law):
-        found["contact"] = contact_laws.name_of(law)
+        result["contact"] = contact_laws.name_of(law)
     usual = {name: p.default for name, p in signature(simulate).parameters.items()}
-    run = {k: v for k, v in found.items() if v != usual[k]}
+    run = {k: v for k, v in result.items() if v != usual[k]}
     return Scenario(system=system, drive=drive, run=run)
 
 
@@ -128,7 +128,7 @@ def _context(rest: dict[str, Any], find: Find) -> Context:
         if not isinstance(names, list) or len(names) != 2:
             raise InputError("names must be those of the two axes")
         return Context.of(opened(find(rest["stored"])), str(names[0]), str(names[1]))
-    shown = make_map(MapAsked.from_json(rest))
+    shown = make_map(MapRequest.from_json(rest))
     plan = shown.plan_at(shown.x.high, shown.y.high)
     grid = xr.Dataset(attrs=attributes_of(plan, ROUNDING["threads"]))
     return Context.of(grid, shown.x.name, shown.y.name)

@@ -51,8 +51,8 @@ class Shown:
     def unit(self) -> tuple[str, float]:
         """The unit in which pages show the variable, and how many SI units it is."""
         name = self.drawing.name
-        found = units_of(quantity_of(name, str(self.drawing.data.attrs.get("units", "1"))))
-        return (found[0]["name"], found[0]["size"]) if found else ("", 1.0)
+        result = units_of(quantity_of(name, str(self.drawing.data.attrs.get("units", "1"))))
+        return (result[0]["name"], result[0]["size"]) if result else ("", 1.0)
 
 
 def shown_of(given: Any, maps: Maps, find: Callable[[Any], Path]) -> Shown:

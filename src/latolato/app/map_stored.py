@@ -12,8 +12,8 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.forms import quantity_of, units_of
 from latolato.app.given import TooLargeError
-from latolato.app.map_asked import MOST_CELLS
 from latolato.app.map_job import about_variable, sides_of
+from latolato.app.map_request import MOST_CELLS
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.figures.sides import spaced
@@ -37,16 +37,16 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
     """
     from latolato.io.plans import plan_from_store
 
-    found: dict[str, Path] = {}
+    result: dict[str, Path] = {}
     for path in paths:
         if not path.exists():
             raise FileNotFoundError(f"there is no file or store '{path}'")
         plan_from_store(path)
         name, number = path.name, 2
-        while name in found:
+        while name in result:
             name, number = f"{path.name} ({number})", number + 1
-        found[name] = path.resolve()
-    return found
+        result[name] = path.resolve()
+    return result
 
 
 def opened(path: Path) -> xr.Dataset:

@@ -22,8 +22,8 @@ from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 
 if TYPE_CHECKING:
-    from latolato.app.map_asked import Map
     from latolato.app.map_cells import Maps
+    from latolato.app.map_request import Map
     from latolato.app.map_shown import Shown
 
 # Maps that are computed at the same time; further ones wait.
@@ -132,9 +132,9 @@ def _work(socket: WebSocket, given: Any, cancel: Any, report: Callable[[str], No
         send(json.dumps({"choices": choices}))
         with (
             compiling(lambda: report("compiling"), lambda: None),
-            closing(frames(shown, cancel, cells_of(socket.app))) as found,
+            closing(frames(shown, cancel, cells_of(socket.app))) as result,
         ):
-            for frame in found:
+            for frame in result:
                 send(frame)
     except Cancelled:
         return
@@ -150,16 +150,16 @@ def cells_of(app: Any) -> Maps:
     with _making:
         if app.state.map_cells is None:
             app.state.map_cells = Maps()
-    found: Maps = app.state.map_cells
-    return found
+    result: Maps = app.state.map_cells
+    return result
 
 
 def _map(given: Any) -> tuple[Map, dict[str, Any]]:
     """Return the map that a page asks for, and what it may choose from, ready for JSON."""
-    from latolato.app.map_asked import MapAsked, make_map
+    from latolato.app.map_request import MapRequest, make_map
     from latolato.simulation.summary import plain
 
-    shown = make_map(MapAsked.from_json(given))
+    shown = make_map(MapRequest.from_json(given))
     return shown, plain(shown.choices)
 
 

@@ -74,12 +74,12 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
     """
     from latolato.figures import catalogue, chain
 
-    found = []
+    result = []
     for name, evidence in catalogue.evidence().items():
         is_film = evidence.needs_video
         if report is not None and (report / f"{name}.nc").is_file():
             is_film = False
-        found.append(
+        result.append(
             {
                 "name": name,
                 "label": catalogue.title_of(name) if name.startswith("fig") else "Text",
@@ -94,7 +94,7 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
                 "scenarios": scenarios_of(name),
             }
         )
-    return found
+    return result
 
 
 @lru_cache(maxsize=1)
@@ -104,15 +104,15 @@ def _scenarios_by_figure() -> dict[str, list[str]]:
     from latolato.scenario.scenario import scenarios
 
     known = catalogue.figures()
-    found: dict[str, list[str]] = {}
+    result: dict[str, list[str]] = {}
     for name, scenario in scenarios().items():
         for part in filter(None, map(_NUMBER.fullmatch, scenario.figure.split(", "))):
             base = f"fig{int(part['number']):02d}"
             own = f"{base}{part['panel']}"
-            places = found.setdefault(own if own in known else base, [])
+            places = result.setdefault(own if own in known else base, [])
             if name not in places:
                 places.append(name)
-    return found
+    return result
 
 
 def scenarios_of(figure: str) -> list[str]:
@@ -233,7 +233,7 @@ def shown(text: str) -> str:
     """
     from latolato.report import plain
 
-    text = _INDEX.sub(lambda found: found[1] + found[2].translate(_LOWERED), plain(text))
+    text = _INDEX.sub(lambda match: match[1] + match[2].translate(_LOWERED), plain(text))
     return _MINUS.sub("\N{MINUS SIGN}", text)
 
 

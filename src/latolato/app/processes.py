@@ -115,8 +115,8 @@ class Worker:
                 raise JobError("the computation gave an answer that nobody understands") from None
             self.is_busy = not ("done" in message or "error" in message)
             if "done" in message:
-                found: dict[str, Any] = message["done"]
-                return found
+                result: dict[str, Any] = message["done"]
+                return result
             if "error" in message:
                 raise JobError(message["error"], parameter=message.get("parameter"))
             self.is_ready = True

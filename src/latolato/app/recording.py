@@ -118,10 +118,10 @@ class Recording:
         """Return the samples themselves as a dataset that looks like a run."""
         times = np.concatenate(self.times) - self.begun
         seen = np.concatenate(self.seen, axis=2)
-        found: dict[str, Any] = {}
-        found.update(zip(PIVOT_ROWS, np.concatenate(self.pivot, axis=1), strict=True))
-        found.update({name: seen[:, row] for row, name in enumerate(BALL_ROWS)})
-        found["total_energy"] = found["kinetic_energy"] + found["potential_energy"]
+        result: dict[str, Any] = {}
+        result.update(zip(PIVOT_ROWS, np.concatenate(self.pivot, axis=1), strict=True))
+        result.update({name: seen[:, row] for row, name in enumerate(BALL_ROWS)})
+        result["total_energy"] = result["kinetic_energy"] + result["potential_energy"]
         none = (np.empty(0), np.empty(0, dtype=np.int64), np.empty((4, 0)))
         rows = [none, *self.contacts]
         trajectory = Trajectory(
@@ -147,7 +147,7 @@ class Recording:
         # It would make another motion: hands are no part of a scenario.
         del attrs["scenario"]
         attrs.update(status="complete", contacts=len(trajectory.contact_times))
-        dataset = record_of(self.system, trajectory, found, times, "pivot", attrs).to_dataset()
+        dataset = record_of(self.system, trajectory, result, times, "pivot", attrs).to_dataset()
         if "noise_work" in dataset:
             dataset["noise_work"].attrs["long_name"] = "work of the hand"
         return dataset

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from latolato.app.blocks import pack
 from latolato.app.given import (
     MOST_SAMPLES,
-    Asked,
+    RunRequest,
     TooLargeError,
     check_size,
     option_value,
@@ -76,7 +76,7 @@ _ATTRIBUTES = (
 )
 
 
-def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, Record]:
+def simulate_asked(asked: RunRequest, samples: int | None = None) -> tuple[Scenario, Record]:
     """Return the scenario that a page asks for and its run, sampled evenly for the screen.
 
     Parameters
@@ -94,7 +94,7 @@ def simulate_asked(asked: Asked, samples: int | None = None) -> tuple[Scenario, 
         samples = option_value(law_options()["samples"], wanted.pop("samples"))
     if samples is not None and checked_count("samples", samples) > MOST_SAMPLES:
         raise TooLargeError(f"must not exceed {MOST_SAMPLES}, got {samples}", parameter="samples")
-    scenario = Asked(asked.scenario, wanted).to_scenario()
+    scenario = RunRequest(asked.scenario, wanted).to_scenario()
     return scenario, simulate_shown(scenario, samples)
 
 
@@ -115,7 +115,7 @@ def simulate_shown(scenario: Scenario, samples: int | None = None) -> Record:
 
 
 def run_block(
-    asked: Asked, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
+    asked: RunRequest, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
 ) -> bytes:
     """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
     return _block(lambda: simulate_asked(asked, samples), columns)
@@ -179,7 +179,7 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
 
     Empty for a drive that has no phase, or that turns too often to be shown.
     """
-    found, stretches = [], drive.stretches(end)
+    result, stretches = [], drive.stretches(end)
     ends = [*(stretch.start for stretch in stretches[1:]), end]
     for stretch, last in zip(stretches, ends, strict=True):
         if getattr(stretch, "form", STILL) in (STILL, POLYNOMIAL):
@@ -194,23 +194,23 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
         # The root of w s + rate s^2/2 = turned, without loss of digits at small rates.
         if w > 0.0 or rate > 0.0:
             speed = np.sqrt(np.maximum(w * w + 2.0 * rate * turned, 0.0))
-            found.append(start + 2.0 * turned / (w + speed))
-    return np.unique(np.concatenate(found)) if found else np.empty(0)
+            result.append(start + 2.0 * turned / (w + speed))
+    return np.unique(np.concatenate(result)) if result else np.empty(0)
 
 
 def arrays_of(
     scenario: Scenario, run: Record | xr.Dataset, columns: Sequence[str]
 ) -> dict[str, Any]:
     """Return instants, motion, columns as rows of balls, the drive's periods and the contacts."""
-    found: dict[str, Any] = {"time": np.asarray(run["time"], dtype=np.float64)}
-    found["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
+    result: dict[str, Any] = {"time": np.asarray(run["time"], dtype=np.float64)}
+    result["strobe"] = strobes_of(scenario.drive, float(run["time"][-1]))
     with np.errstate(over="ignore"):  # what is beyond all pictures becomes infinite
         for name in dict.fromkeys((*_MOTION, *columns)):
             if name in run:
-                found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
+                result[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
     kinds = np.asarray(run["contact_kind"])
-    found["contact_time"] = np.asarray(run["contact_time"], dtype=np.float64)
-    found["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)
+    result["contact_time"] = np.asarray(run["contact_time"], dtype=np.float64)
+    result["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)
     for name in ("angular_velocity_before", "angular_velocity_after"):
-        found[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
-    return found
+        result[name] = np.atleast_2d(np.asarray(run[name], dtype=np.float32))
+    return result

@@ -214,8 +214,8 @@ def _listener(host: str, port: int | None) -> socket.socket:
 def _warm() -> None:
     """Load the kernel of a usual run, so that the first one on screen need not wait."""
     from latolato.app.forms import registry
-    from latolato.app.given import Asked
+    from latolato.app.given import RunRequest
     from latolato.app.runs import run_block
 
     registry()
-    run_block(Asked("toy", {"duration": "1 s"}))
+    run_block(RunRequest("toy", {"duration": "1 s"}))

@@ -20,7 +20,7 @@ from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
 from latolato.app.files import page_file, static
 from latolato.app.film_store import Allowance, Store
-from latolato.app.given import Asked
+from latolato.app.given import RunRequest
 from latolato.app.guard import Guard
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
@@ -174,7 +174,7 @@ async def _run(request: Request) -> Response:
 def _run_response(given: Any) -> Response:
     from latolato.app.runs import USUAL_COLUMNS, run_block
 
-    asked = Asked.from_json(given)
+    asked = RunRequest.from_json(given)
     columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
         raise InputError("columns must be a list of names")

@@ -6,7 +6,7 @@ import struct
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.given import Asked
+from latolato.app.given import RunRequest
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Session:
 
     def __init__(self) -> None:
         self.toy: Toy | None = None
-        self.asked: Asked | None = None
+        self.asked: RunRequest | None = None
         self.seq = 0.0
         self.acked = 0
         self.number = 0
@@ -63,7 +63,7 @@ class Session:
         """
         from latolato.app.toy import Toy
 
-        asked = Asked.from_json(hello)
+        asked = RunRequest.from_json(hello)
         scenario = asked.to_scenario()
         if scenario.varied:
             raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run")
@@ -131,9 +131,9 @@ class Session:
     def stop_recording(self) -> None:
         """End a recording, if there is one, and put it aside."""
         assert self.toy is not None
-        found = self.toy.finish()
-        if found is not None:
-            self.finished.append(found)
+        result = self.toy.finish()
+        if result is not None:
+            self.finished.append(result)
 
     def advance(self, ticks: int) -> str | None:
         """Move the toy on; return why it had to begin again, if it had."""

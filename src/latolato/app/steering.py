@@ -21,8 +21,8 @@ def cosine_of(drive: Drive, system: System) -> tuple[float, float, float]:
     """Return amplitude [m], angular frequency [rad/s] and phase [rad] that a drive begins with."""
 
     def first(name: str, several: str, otherwise: float) -> float:
-        found: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
-        return float(found[0])
+        result: Sequence[float] = getattr(drive, several, (getattr(drive, name, otherwise),))
+        return float(result[0])
 
     usual = drive.fastest_frequency if drive.moves else 2.0 * system.natural_frequency
     heights = getattr(drive, "pivot_heights", (0.0,))

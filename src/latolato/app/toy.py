@@ -169,10 +169,10 @@ class Toy:
         InputError
             If one is unknown or beyond its limits; then none is taken.
         """
-        found = self._check(values)
-        self.controls.update(found)
-        ball = {"damping": found["damping"]} if "damping" in found else {}
-        whole = {"restitution": found["restitution"]} if "restitution" in found else {}
+        result = self._check(values)
+        self.controls.update(result)
+        ball = {"damping": result["damping"]} if "damping" in result else {}
+        whole = {"restitution": result["restitution"]} if "restitution" in result else {}
         if ball or whole:
             if isinstance(self.system, BallPair):
                 right, left = (replace(b, **ball) for b in self.system.balls)
@@ -181,7 +181,7 @@ class Toy:
                 self.system = replace(self.system, **ball, **whole)
             if self.recording is not None:
                 self.recording.by_hand = True
-        if "drive_amplitude" in found or "drive_frequency" in found:
+        if "drive_amplitude" in result or "drive_frequency" in result:
             self._steer()
         self._prepare()
 
@@ -224,8 +224,8 @@ class Toy:
 
     def finish(self) -> Recording | None:
         """Return the recording that ends here, None if none had begun."""
-        found, self.recording, self._wants_record = self.recording, None, False
-        return found if found is not None and found.times else None
+        result, self.recording, self._wants_record = self.recording, None, False
+        return result if result is not None and result.times else None
 
     @property
     def is_recording(self) -> bool:
@@ -293,15 +293,15 @@ class Toy:
 
     def _check(self, values: Mapping[str, Any]) -> dict[str, float]:
         """Return values of controls as numbers within their limits."""
-        found = {}
+        result = {}
         for name, value in values.items():
             if name not in self.controls:
                 raise InputError(f"unknown control '{name}': {suggest(name, list(self.controls))}")
             low, high = self.limits[name]
             if not isinstance(value, (int, float)) or isinstance(value, bool):
                 raise InputError("must be a number", parameter=name, value=value)
-            found[name] = checked_number(name, value, Range(low, high), QUANTITIES[name].unit)
-        return found
+            result[name] = checked_number(name, value, Range(low, high), QUANTITIES[name].unit)
+        return result
 
     def _steer(self) -> None:
         """Lead the drive from what it does now to what was asked for."""
@@ -325,10 +325,10 @@ class Toy:
             bounds=(largest_acceleration(stages, math.inf), fastest_frequency(stages, math.inf)),
             is_exact=1,
         )  # fmt: skip
-        found, _ = prepared_runs(case, self._stepper)
-        self._step = float(found["settings"]["step"][0])
+        result, _ = prepared_runs(case, self._stepper)
+        self._step = float(result["settings"]["step"][0])
         for part in ("settings", "bodies"):
-            self._runs[part] = found[part]
+            self._runs[part] = result[part]
         self._stretches = np.array(list(map(tuple, stages)), dtype=_STRETCH)
         self._state.stretch = 0
         self._balls = ball_records(system.balls)

@@ -130,11 +130,11 @@ def _widget_class() -> Any:
 
         def _repr_mimebundle_(self, **options: Any) -> Any:
             """Return the widget, and a picture for places that show none."""
-            found = super()._repr_mimebundle_(**options)
-            if found is not None:
-                found[0]["image/png"] = picture_of(self._run)
-                found[0]["text/plain"] = "A run of latolato in its player"
-            return found
+            result = super()._repr_mimebundle_(**options)
+            if result is not None:
+                result[0]["image/png"] = picture_of(self._run)
+                result[0]["text/plain"] = "A run of latolato in its player"
+            return result
 
     return PlayerWidget
 
@@ -165,12 +165,12 @@ def bundle() -> str:
     )
 
 
-def _lookup(found: re.Match[str]) -> str:
+def _lookup(match: re.Match[str]) -> str:
     """Return the line that stands for an import: names of a module that came before."""
-    module = f'modules["{found["path"].rpartition("/")[2]}"]'
-    if found["default"]:
-        return f"const {found['default']} = {module}.default;"
-    return f"const {{ {found['names'].replace(' as ', ': ').strip()} }} = {module};"
+    module = f'modules["{match["path"].rpartition("/")[2]}"]'
+    if match["default"]:
+        return f"const {match['default']} = {module}.default;"
+    return f"const {{ {match['names'].replace(' as ', ': ').strip()} }} = {module};"
 
 
 @lru_cache(maxsize=1)

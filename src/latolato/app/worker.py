@@ -60,7 +60,7 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             compiling(lambda: tell({"compiling": True}), lambda: tell({"compiling": False})),
         ):
             warnings.simplefilter("always", RuntimeWarning)
-            found = function(job["given"], Path(job["folder"]), progress)
+            result = function(job["given"], Path(job["folder"]), progress)
     except Exception as error:
         if isinstance(error, InputError):
             tell({"error": error.sentence, "parameter": error.parameter})
@@ -68,7 +68,7 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             tell({"error": said_of(error)})
     else:
         told = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
-        tell({"done": {**found, "warnings": list(dict.fromkeys(told))}})
+        tell({"done": {**result, "warnings": list(dict.fromkeys(told))}})
 
 
 def limit(limits: Mapping[str, float]) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.app.given import MOST_STEPS, Asked, TooLargeError, options_of
+from latolato.app.given import MOST_STEPS, RunRequest, TooLargeError, options_of
 from latolato.app.map_choices import (
     Span,
     about_axis,
@@ -42,10 +42,10 @@ _OF_RUN = ("times", "frame", "tolerance")
 
 
 @dataclass(frozen=True, kw_only=True)
-class MapAsked:
+class MapRequest:
     """What a page asks for; None leaves the choice to what the scenario says."""
 
-    asked: Asked
+    asked: RunRequest
     x: Span | None = None
     y: Span | None = None
     observable: str | None = None
@@ -56,7 +56,7 @@ class MapAsked:
     tolerance: float = USUAL_TOLERANCE
 
     @classmethod
-    def from_json(cls, value: Any) -> MapAsked:
+    def from_json(cls, value: Any) -> MapRequest:
         """Return what a page asks for.
 
         Raises
@@ -66,33 +66,33 @@ class MapAsked:
         TooLargeError
             For more cells than are drawn.
         """
-        asked = Asked.from_json(value)
+        asked = RunRequest.from_json(value)
         names = [f.name for f in fields(cls) if f.name != "asked"]
         given = {k: v for k, v in value.items() if v is not None}
         for name in given:
             if name not in (*names, "scenario", "options"):
                 raise InputError(f"unknown entry '{name}' of a map: {suggest(name, names)}")
-        found: dict[str, Any] = {"asked": asked}
+        results: dict[str, Any] = {"asked": asked}
         for which in ("x", "y"):
             if which in given:
-                found[which] = Span.from_json(which, given[which])
+                results[which] = Span.from_json(which, given[which])
         if "observable" in given:
             if not isinstance(given["observable"], str):
                 raise InputError(
                     "must be a text", parameter="observable", value=given["observable"]
                 )
-            found["observable"] = given["observable"]
+            results["observable"] = given["observable"]
         for name in ("width", "height"):
             if name in given:
-                found[name] = checked_count(name, given[name])
-                if found[name] > MOST_ALONG:
+                results[name] = checked_count(name, given[name])
+                if results[name] > MOST_ALONG:
                     raise TooLargeError(
-                        f"must not exceed {MOST_ALONG}, got {found[name]}", parameter=name
+                        f"must not exceed {MOST_ALONG}, got {results[name]}", parameter=name
                     )
         for name, unit in (("duration", "s"), ("transient", "s"), ("tolerance", "rad")):
             if name in given:
-                found[name] = checked_number(name, given[name], ANY, unit)
-        result = cls(**found)
+                results[name] = checked_number(name, given[name], ANY, unit)
+        result = cls(**results)
         if result.width * result.height > MOST_CELLS:
             raise TooLargeError(
                 f"width x height must not exceed {MOST_CELLS} cells, got "
@@ -105,7 +105,7 @@ class MapAsked:
 class Map:
     """A map to be computed: the scenario, both axes, and what is gathered at every point."""
 
-    asked: MapAsked
+    asked: MapRequest
     scenario: Scenario
     x: Span
     y: Span
@@ -211,7 +211,7 @@ def _check_times(duration: float, transient: float) -> None:
         )
 
 
-def make_map(asked: MapAsked) -> Map:
+def make_map(asked: MapRequest) -> Map:
     """Return the map that a page asks for.
 
     Raises
