@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 
 import latolato as ll
+from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import run_chunk
-from latolato.sweeps.kernels import run_fastest
 from latolato.sweeps.plan import make_plan
 
 MAPPED = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)

@@ -39,8 +39,8 @@ from scipy.integrate import solve_ivp
 import latolato as ll
 import latolato.numerics.compiled  # makes formulas known to numba
 from latolato.core.scalar import sine
+from latolato.sweeps.batches import run_fastest, run_scalar
 from latolato.sweeps.chunk import run_chunk
-from latolato.sweeps.kernels import run_fastest, run_scalar
 from latolato.sweeps.plan import Plan, make_plan
 from latolato.sweeps.points import stepper_of
 

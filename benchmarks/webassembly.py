@@ -20,8 +20,8 @@ import numpy as np
 
 import latolato as ll
 from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import run_chunk
-from latolato.sweeps.kernels import run_fastest
 from latolato.sweeps.plan import make_plan
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))

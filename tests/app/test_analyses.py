@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 from app_server import frames_of
 from latolato.analysis import analyses
-from latolato.app import analyses as app
-from latolato.app.analysis_forms import about_asked, forms, option_words
+from latolato.app.analyse import routes as app
+from latolato.app.analyse.forms import about_asked, forms, option_words
 from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, TooLargeError
 from latolato.app.runs import simulate_asked

@@ -9,7 +9,7 @@ import latolato as ll
 from browser_checks import serious_faults
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
-from latolato.experiment.table import read_table
+from latolato.experiment.track_table import read_table
 
 # How long work on a video may take [ms].
 PATIENCE = 240_000

@@ -21,15 +21,15 @@ from starlette.testclient import TestClient
 import latolato as ll
 from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
-from latolato.app.film_options import Description
-from latolato.app.film_store import Allowance, shown_name
-from latolato.app.film_work import WORK
-from latolato.app.films import GREETING
+from latolato.app.experiment.description import Description
+from latolato.app.experiment.routes import GREETING
+from latolato.app.experiment.store import Allowance, shown_name
+from latolato.app.experiment.work import WORK
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
-from latolato.experiment.table import read_table
+from latolato.experiment.track_table import read_table
 from little_videos import encoded, sound_alone
 
 HOME = "http://127.0.0.1:8000"

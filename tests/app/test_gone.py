@@ -7,8 +7,8 @@ import time
 import pytest
 from starlette.testclient import TestClient
 
-from latolato.app import paper
-from latolato.app.film_store import Allowance
+from latolato.app import report as paper
+from latolato.app.experiment.store import Allowance
 from latolato.app.server import Settings, make_app
 
 HOME = "http://127.0.0.1:8000"

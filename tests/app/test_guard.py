@@ -11,8 +11,8 @@ from starlette.websockets import WebSocketDisconnect
 
 from app_server import start_server, stop_server
 from latolato.app.answers import MOST_BODY
-from latolato.app.files import STATIC
 from latolato.app.guard import Guard
+from latolato.app.pages import STATIC
 from latolato.app.serve import serve
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError

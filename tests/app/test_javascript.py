@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from latolato.app.blocks import pack
-from latolato.app.files import STATIC
+from latolato.app.pages import STATIC
 
 HERE = Path(__file__).parent / "js"
 NODE = Path(sys.executable).parent / "node"

@@ -10,7 +10,7 @@ import pytest
 
 import latolato as ll
 from in_node import MODULES, described_array, read_layout, record_run
-from latolato.app.files import STATIC
+from latolato.app.pages import STATIC
 
 RUN = """
 async ({ arrays, how }) => {

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from latolato.app import paper
+from latolato.app import report as paper
 from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, check_size
 from latolato.app.runs import simulate_asked

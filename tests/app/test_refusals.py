@@ -59,7 +59,7 @@ def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path)
     def compute(*_):
         raise error
 
-    monkeypatch.setattr("latolato.app.analyses.compute", compute)
+    monkeypatch.setattr("latolato.app.analyse.routes.compute", compute)
     answers = []
     worker.run({"job": "analyse", "given": {}, "folder": str(tmp_path)}, answers.append)
     (answer,) = answers

@@ -12,7 +12,7 @@ from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
 from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
-from latolato.experiment.table import write_table
+from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import trial_table, write_trials
 from latolato.figures.comparisons import draw_comparison
 from latolato.figures.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES

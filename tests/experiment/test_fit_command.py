@@ -9,7 +9,7 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.result import load_fit, quantity_of
-from latolato.experiment.table import read_table, write_table
+from latolato.experiment.track_table import read_table, write_table
 from latolato.figures.plot import picture_of
 from latolato.scenario.analysis_options import options_of
 from track_tables import decay_table, drive_table, motion_table

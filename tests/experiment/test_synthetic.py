@@ -14,7 +14,7 @@ from latolato.experiment.conditions import conditions
 from latolato.experiment.encode import write_video
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import prepare, synthesise_video
-from latolato.experiment.table import read_table
+from latolato.experiment.track_table import read_table
 
 # A ball alone, drawn flat, so that its centroid is its centre.
 ALONE = Scene(

@@ -5,7 +5,13 @@ import pytest
 import xarray as xr
 
 from latolato.core.errors import InputError
-from latolato.experiment.table import FLAGS, column_names, read_table, track_table, write_table
+from latolato.experiment.track_table import (
+    FLAGS,
+    column_names,
+    read_table,
+    track_table,
+    write_table,
+)
 
 
 def example(balls=1):

@@ -11,7 +11,7 @@ from latolato.cli.main import main
 from latolato.experiment.overlay import places_of
 from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
-from latolato.experiment.table import read_table
+from latolato.experiment.track_table import read_table
 from latolato.experiment.tracking.learn import learn_scene
 from latolato.experiment.tracking.sample import read_sample
 from latolato.experiment.video import open_video

@@ -19,7 +19,8 @@ from latolato.experiment.gravity import (
 )
 from latolato.experiment.hinge import find_hinge
 from latolato.experiment.lens import lens_errors
-from latolato.experiment.tracking import fitting, kernels, smears
+from latolato.experiment.tracking import fitting, smears
+from latolato.experiment.tracking import inner_loops as kernels
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge

@@ -9,7 +9,7 @@ import pytest
 
 import latolato as ll
 from latolato.cli.main import main
-from latolato.experiment.table import track_table, write_table
+from latolato.experiment.track_table import track_table, write_table
 from latolato.experiment.trial_table import (
     COLUMNS,
     class_of,

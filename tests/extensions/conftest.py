@@ -2,7 +2,8 @@
 
 import pytest
 
-from latolato.app import analysis_forms, forms
+from latolato.app import forms
+from latolato.app.analyse import forms as analysis_forms
 from latolato.scenario.options import law_options
 
 # Files of an analysis, which its test puts in their places.

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.app import analyses as app
-from latolato.app.analysis_forms import about_asked, forms
+from latolato.app.analyse import routes as app
+from latolato.app.analyse.forms import about_asked, forms
 from latolato.app.given import RunRequest
 from latolato.cli.main import app as command_line
 from latolato.figures import analyses as pictures

@@ -19,8 +19,8 @@ from latolato.analysis import (
     poincare_section,
     response_period,
 )
-from latolato.app import analyses as app_analyses
-from latolato.app.analysis_forms import about_asked
+from latolato.app.analyse import routes as app_analyses
+from latolato.app.analyse.forms import about_asked
 from latolato.app.forms import registry
 from latolato.app.given import RunRequest
 from latolato.app.runs import simulate_asked

@@ -10,14 +10,14 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.app.blocks import unpack
-from latolato.app.film_fits import fit_of, fits_of
-from latolato.app.film_options import Description, fit_kinds
+from latolato.app.experiment.description import Description, fit_kinds
+from latolato.app.experiment.fits import fit_of, fits_of
 from latolato.cli.main import app
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.registry import FitKind
 from latolato.experiment.fits.result import Estimate, make_fit
 from latolato.experiment.fits.samples import samples_of
-from latolato.experiment.table import write_table
+from latolato.experiment.track_table import write_table
 from latolato.figures import style
 from latolato.figures.fits import draw_curve
 from track_tables import decay_table

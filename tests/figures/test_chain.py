@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.figures import chain, chain_trials, paper
+from latolato.figures import chain, chain_trials
+from latolato.figures import paper_systems as paper
 
 PAIR = chain.Clip(
     system=paper.COUPLED,

@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 import latolato as ll
-from latolato.figures import fig03cd, fig09, fig11, grids, paper
+from latolato.figures import fig03cd, fig09, fig11, grids
+from latolato.figures import paper_systems as paper
 from latolato.io.files import load, save
 from latolato.report import page
 

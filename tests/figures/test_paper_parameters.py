@@ -5,7 +5,8 @@ import math
 import pytest
 
 import latolato as ll
-from latolato.figures import catalogue, fig05, fig11, paper, text_resonance
+from latolato.figures import catalogue, fig05, fig11, text_resonance
+from latolato.figures import paper_systems as paper
 
 CASES = {
     "fig02": (paper.PENDULUM, paper.DRIVE),

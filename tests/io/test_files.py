@@ -15,8 +15,8 @@ from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError
 from latolato.io.files import SUFFIXES, load, save
 from latolato.simulation.run import record
+from latolato.sweeps.labels import Memory
 from latolato.sweeps.plan import make_plan
-from latolato.sweeps.results import Memory
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)

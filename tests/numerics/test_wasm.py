@@ -25,8 +25,8 @@ from latolato.numerics.records import INVALID
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.simulation.record import LEDGER
 from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.sweeps.batches import run_fastest, run_scalar
 from latolato.sweeps.chunk import run_chunk
-from latolato.sweeps.kernels import run_fastest, run_scalar
 from latolato.sweeps.plan import make_plan
 from references import CASES, WITH_CONTACTS, bound_of, check, read
 from watched import IN_LANES, WITHOUT_PERIODS

@@ -3,7 +3,7 @@
 import numpy as np
 
 import latolato as ll
-from latolato.experiment.table import track_table
+from latolato.experiment.track_table import track_table
 
 NOISE = 1e-3  # rad
 # What a table of a small video says, and the deviation of its pivot's place [pixels].

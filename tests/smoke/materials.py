@@ -11,7 +11,7 @@ import numpy as np
 import latolato as ll
 from latolato.experiment.scene import Camera, Scene
 from latolato.experiment.synthetic import synthesise_video
-from latolato.experiment.table import write_table
+from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import write_trials
 from latolato.report import reproduce
 from track_tables import decay_table, motion_table

@@ -4,7 +4,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.app.film_options import EXAMPLES
+from latolato.app.experiment.description import EXAMPLES
 from latolato.physics.drives import drives
 from panels import assert_panels_have_room
 

@@ -14,8 +14,8 @@ import latolato as ll
 from latolato.core.errors import InputError
 from latolato.sweeps import run_plan
 from latolato.sweeps.executors.dask import execute
+from latolato.sweeps.labels import Memory
 from latolato.sweeps.plan import make_plan
-from latolato.sweeps.results import Memory
 
 LOCAL = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
 EXECUTOR = importlib.import_module("latolato.sweeps.executors.dask")

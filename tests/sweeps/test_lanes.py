@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.sweeps import kernels
+from latolato.sweeps import batches as kernels
 from watched import IN_LANES, WITHOUT_PERIODS
 
 TOLERANCE = 1e-8

@@ -24,8 +24,8 @@ from latolato.sweeps.axes import Axis
 from latolato.sweeps.chunk import STATUS
 from latolato.sweeps.differences import differences
 from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.labels import Memory, lengths_of, template
 from latolato.sweeps.plan import Plan, make_plan
-from latolato.sweeps.results import Memory, lengths_of, template
 from latolato.sweeps.store import Store, store_status, verify_store
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)

@@ -34,7 +34,6 @@ from latolato.analysis.impacts import impact_map
 from latolato.analysis.lift_off import self_start
 from latolato.analysis.lyapunov import lyapunov_spectrum
 from latolato.analysis.multipliers import floquet
-from latolato.analysis.passage import first_passage_time
 from latolato.analysis.period_map import response_period_map
 from latolato.analysis.periods import response_period
 from latolato.analysis.protocol import Protocol
@@ -48,6 +47,7 @@ from latolato.analysis.symmetry import pair_symmetry
 from latolato.analysis.threshold import threshold_amplitude
 from latolato.analysis.tongues import tongue_edges
 from latolato.analysis.upright import inverted_limits
+from latolato.analysis.waiting_time import first_passage_time
 
 __all__ = [
     "BasinEntropy",

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from latolato.sweeps.chunk import STATUS, Values
 from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.labels import Memory
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import Memory
 
 # Maps that were looked at last stay in memory up to so many bytes.
 MOST_BYTES = 300_000_000

@@ -20,8 +20,8 @@ from latolato.figures.sides import Side
 from latolato.numerics.records import STATUS_NAMES
 from latolato.sweeps.chunk import STATUS, Values
 from latolato.sweeps.executors.threads import available_processors, run_cancellable
+from latolato.sweeps.labels import attributes_of_variables
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import attributes_of_variables
 
 Cells = NDArray[np.int64]
 

@@ -18,8 +18,8 @@ from latolato.physics.contacts import contact_laws
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.run import simulate
 from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.labels import attributes_of
 from latolato.sweeps.points import arguments_of
-from latolato.sweeps.results import attributes_of
 
 if TYPE_CHECKING:
     from latolato.figures.overlays import Context

@@ -24,7 +24,7 @@ from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables import Observable
 from latolato.scenario.scenario import Scenario
 from latolato.sweeps.axes import parameters_of
-from latolato.sweeps.kernels import has_lanes
+from latolato.sweeps.batches import has_lanes
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import make_batch, stepper_of
 

@@ -16,7 +16,7 @@ from urllib.parse import urlencode
 import uvicorn
 
 from latolato.app.connections import make_protocol
-from latolato.app.film_store import Allowance
+from latolato.app.experiment.store import Allowance
 from latolato.app.guard import TOKEN
 from latolato.app.scratch import scratch_folder
 from latolato.app.server import ANY_ADDRESS, Settings, has_port, make_app

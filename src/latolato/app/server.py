@@ -18,10 +18,10 @@ from starlette.routing import BaseRoute, Route
 
 from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
-from latolato.app.files import page_file, static
-from latolato.app.film_store import Allowance, Store
+from latolato.app.experiment.store import Allowance, Store
 from latolato.app.given import RunRequest
 from latolato.app.guard import Guard
+from latolato.app.pages import page_file, static
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 
@@ -140,7 +140,10 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import analyses, downloads, films, live, maps, paper
+    from latolato.app import downloads, live, maps
+    from latolato.app import report as paper
+    from latolato.app.analyse import routes as analyses
+    from latolato.app.experiment import routes as films
 
     views = (maps, live, downloads, paper, analyses, films)
     return [route for view in views for route in view.routes()]

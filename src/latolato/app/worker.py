@@ -32,10 +32,10 @@ from latolato.simulation.summary import plain
 # Where the functions ``(given, folder, progress) -> dict`` are. They call
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
-    "analyse": ("latolato.app.analyses", "compute"),
+    "analyse": ("latolato.app.analyse.routes", "compute"),
     "animate": ("latolato.app.downloads", "film"),
-    "film": ("latolato.app.film_jobs", "compute"),
-    "figure": ("latolato.app.paper", "compute"),
+    "film": ("latolato.app.experiment.jobs", "compute"),
+    "figure": ("latolato.app.report", "compute"),
 }
 # Imported before a job is there, so that it begins at once.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")

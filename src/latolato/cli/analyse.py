@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from latolato.cli.options import JsonOption, OutputOption, PlotOption, ScenarioArgument
+from latolato.cli.output import Targets, elapsed_since, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
-from latolato.cli.results import Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import working
 from latolato.scenario.analysis_call import AnalysisCall, axes_of, unfit_options

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.laws import laws_of
+from latolato.cli.law_options import laws_of
 from latolato.cli.options import (
     JsonOption,
     OutputOption,
@@ -16,7 +16,7 @@ from latolato.cli.options import (
     named_values,
     with_law_options,
 )
-from latolato.cli.results import Targets, print_summary
+from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 
@@ -92,7 +92,7 @@ def compare(
     scenario or a fit the response curves and their peaks.
     """
     from latolato.experiment.compare import compare as find
-    from latolato.experiment.table import read_table
+    from latolato.experiment.track_table import read_table
     from latolato.experiment.trial_table import read_trials
 
     targets = Targets(output, plot)

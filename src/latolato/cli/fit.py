@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.laws import laws_of
+from latolato.cli.law_options import laws_of
 from latolato.cli.options import ColumnOption, JsonOption, OutputOption, PlotOption, columns_of
+from latolato.cli.output import Targets, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
-from latolato.cli.results import Targets, print_summary
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,7 +69,7 @@ class FitGroup(RegistryGroup):
 def read(path: Path, columns: Mapping[str, str] | None) -> xr.Dataset:
     """Return a track table, or with the names of its columns that of another program."""
     from latolato.experiment.importing import import_table
-    from latolato.experiment.table import read_table
+    from latolato.experiment.track_table import read_table
 
     return import_table(path, columns) if columns else read_table(path)
 

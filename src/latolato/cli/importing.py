@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from latolato.cli.options import ColumnOption, columns_of
-from latolato.cli.results import in_columns
+from latolato.cli.output import in_columns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +41,7 @@ def import_(
 ) -> None:
     """Make a track table of another program's table: Tracker's exports, phones' sensors."""
     from latolato.experiment.importing import import_table
-    from latolato.experiment.table import write_table
+    from latolato.experiment.track_table import write_table
     from latolato.scenario.units import to_si, to_si_list
 
     target = output or file.with_suffix(".track.csv")
@@ -63,7 +63,7 @@ def lines_of(table: xr.Dataset, path: Path) -> dict[str, str]:
     """Return what an imported table holds, as texts that show a wrong unit or column."""
     from math import degrees
 
-    from latolato.experiment.table import balls_of
+    from latolato.experiment.track_table import balls_of
 
     time = table["time"].values
     lines = {"table": f"{len(time)} rows, {time[-1] - time[0]:.6g} s"}

@@ -33,7 +33,7 @@ from latolato.cli.options import (
     UsageError,
     with_law_options,
 )
-from latolato.cli.results import Targets, elapsed_since, print_summary
+from latolato.cli.output import Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError, refusal_of, report_of
 from latolato.io.progress import bar
 from latolato.scenario.options import changes

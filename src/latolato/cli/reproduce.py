@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from latolato.cli.options import JsonOption
-from latolato.cli.results import print_summary
+from latolato.cli.output import print_summary
 from latolato.io.progress import bar
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.cli.results import Targets, elapsed_since, in_columns, print_summary
+from latolato.cli.output import Targets, elapsed_since, in_columns, print_summary
 from latolato.core.errors import InputError
 from latolato.scenario.scenario import Scenario, changed_tables, find, read_tables
 from latolato.scenario.variation import merged_axes, parse_axes, parse_observable, tables_of_plan

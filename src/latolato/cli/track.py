@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.cli.options import place_of
-from latolato.cli.results import print_summary
+from latolato.cli.output import print_summary
 from latolato.core.errors import InputError, said_of
 from latolato.core.registry import suggest
 from latolato.io.progress import bar
@@ -161,7 +161,7 @@ def _target(target: Path | None, video: Path, ending: str, several: bool) -> Pat
 def _check_targets(jobs: Sequence[Job]) -> None:
     """Raise before any work if a file cannot be written, or is wanted twice."""
     from latolato.core.atomic import check_folder
-    from latolato.experiment.table import SUFFIXES
+    from latolato.experiment.track_table import SUFFIXES
     from latolato.io.files import check_suffix, check_target
 
     seen: dict[Path, Path] = {}
@@ -312,7 +312,7 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     """Track one video, write what is asked for and return the summary."""
     from latolato.experiment import track
     from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
-    from latolato.experiment.table import write_table
+    from latolato.experiment.track_table import write_table
 
     tell = progress or (lambda share: None)
     more = job.overlay is not None or job.report is not None
@@ -373,7 +373,7 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
 def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
     from latolato.experiment.quality import drive_of, flag_shares, typical_sigma
-    from latolato.experiment.table import balls_of
+    from latolato.experiment.track_table import balls_of
 
     attrs = table.attrs
     numbers: dict[str, Any] = {

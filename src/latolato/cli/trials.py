@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from latolato.cli.options import JsonOption, place_of
-from latolato.cli.results import Targets, print_summary
+from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from latolato.cli.options import JsonOption, ScenarioArgument
-from latolato.cli.results import print_summary
+from latolato.cli.output import print_summary
 
 
 def synthesise(

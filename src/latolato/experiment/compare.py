@@ -46,7 +46,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
     Examples
     --------
     >>> import latolato as ll
-    >>> from latolato.experiment.table import track_table
+    >>> from latolato.experiment.track_table import track_table
     >>> ball = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
     >>> swing = ll.simulate(ball, initial_angle=0.5, duration=12.0)
     >>> table = track_table({"time": swing.time, "pivot_y": 0.0 * swing.time,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number, suggest
-from latolato.experiment.table import column_names, track_table
+from latolato.experiment.track_table import column_names, track_table
 from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ def import_table(
     Returns
     -------
     xarray.Dataset
-        A track table, see `latolato.experiment.table`. Angles are computed from positions where
-        the file has none; cells without a number are NaN and flagged lost.
+        A track table, see `latolato.experiment.track_table`. Angles are computed from positions
+        where the file has none; cells without a number are NaN and flagged lost.
 
     Raises
     ------

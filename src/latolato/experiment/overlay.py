@@ -14,7 +14,7 @@ from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.propose import distorted
 from latolato.experiment.sidecar import Setup
-from latolato.experiment.table import balls_of
+from latolato.experiment.track_table import balls_of
 from latolato.experiment.video import Frame, Video
 
 if TYPE_CHECKING:

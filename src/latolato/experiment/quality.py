@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.experiment.table import FLAGS, balls_of
+from latolato.experiment.track_table import FLAGS, balls_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,7 +19,7 @@ from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.picture import Studio, View, moments_needed
 from latolato.experiment.render import Floats
 from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.table import about, track_table
+from latolato.experiment.track_table import about, track_table
 from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def synthesise_video(
     Returns
     -------
     xarray.Dataset
-        A track table (`latolato.experiment.table`) without noise, and on ``frame`` also
+        A track table (`latolato.experiment.track_table`) without noise, and on ``frame`` also
         ``covered_1`` (part of the ball that is hidden) and ``is_contact`` (balls touch during the
         exposure). The attributes hold the scale, the clicks of pivot and balls in the first frame
         as shown (``pivot_pixel_u`` and so on), and all parameters.
@@ -140,7 +140,7 @@ def synthesise_video(
     table = take.truth()
     table.attrs.update(source=path.name, source_sha256=_digest(path), seed=seed)
     if truth is not None:
-        from latolato.experiment.table import write_table
+        from latolato.experiment.track_table import write_table
 
         write_table(table, truth)
     return table
@@ -245,7 +245,7 @@ def _frames(take: Take, progress: Callable[[float], None] | None) -> Iterator[tu
 
 def check_target(path: str | Path, truth: str | Path | None = None) -> None:
     """Raise before any work if a file cannot be written."""
-    from latolato.experiment import table
+    from latolato.experiment import track_table as table
     from latolato.io.files import check_target as check_result
 
     check_suffix(path, SUFFIXES, "the name of a synthetic video")

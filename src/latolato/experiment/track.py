@@ -19,7 +19,7 @@ from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmea
 from latolato.experiment.gate import Track, examine
 from latolato.experiment.propose import proposal_text, propose
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
-from latolato.experiment.table import track_table
+from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import Followed, follow
 from latolato.experiment.tracking.learn import Scene, learn_scene
 from latolato.experiment.tracking.sample import Sample, read_sample
@@ -144,7 +144,7 @@ def track(
 
     See Also
     --------
-    latolato.experiment.table.write_table : Writes the table.
+    latolato.experiment.track_table.write_table : Writes the table.
     """
     path = checked_path("path", path)
     given = {

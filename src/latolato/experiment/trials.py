@@ -17,7 +17,7 @@ from latolato.core.errors import InputError, said_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
-from latolato.experiment.table import balls_of, checked_table
+from latolato.experiment.track_table import balls_of, checked_table
 from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
 from latolato.physics.pendulum import GRAVITY
 
@@ -267,7 +267,7 @@ def _stem(path: Path) -> tuple[Path, str]:
 
 def _is_track(path: Path) -> bool:
     """Return whether a file says that it is a track table."""
-    from latolato.experiment.table import read_table
+    from latolato.experiment.track_table import read_table
 
     if path.suffix.lower() == ".csv":
         with path.open(encoding="utf-8-sig", errors="replace") as file:
@@ -316,7 +316,7 @@ def _row(
     file: Any, of_trial: Mapping[str, Any], of_video: Mapping[str, Any]
 ) -> dict[str, Any] | str:
     """Return the row of one file, or the reason why there is none."""
-    from latolato.experiment.table import read_table
+    from latolato.experiment.track_table import read_table
 
     try:
         table = file

@@ -118,7 +118,7 @@ def film(clip: Clip) -> xr.Dataset:
 
 def sample(clip: Clip) -> xr.Dataset:
     """Return the track table that a clip would give, without a video: samples with noise."""
-    from latolato.experiment.table import track_table
+    from latolato.experiment.track_table import track_table
 
     random = np.random.default_rng(clip.seed)
     time = np.arange(0.0, clip.duration, 1.0 / clip.fps)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import chain_trials, comparisons, grids, paper, style
+from latolato.figures import chain_trials, comparisons, grids, style
+from latolato.figures import paper_systems as paper
 from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from types import ModuleType
 
 import numpy as np
 
-from latolato.figures import chain_decay, chain_map, chain_motion, chain_response, paper
+from latolato.figures import chain_decay, chain_map, chain_motion, chain_response
+from latolato.figures import paper_systems as paper
 from latolato.figures.catalogue import Evidence
 from latolato.figures.chain import Clip
 from latolato.figures.chain_trials import Trials

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import measure, paper, style
+from latolato.figures import measure, style
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import instants, stack
 from latolato.figures.claim import Numbers
 from latolato.physics.contacts import ClampContact

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import grids, paper, style
+from latolato.figures import grids, style
+from latolato.figures import paper_systems as paper
 from latolato.figures.claim import Numbers
 from latolato.physics.contacts import ClampContact
 

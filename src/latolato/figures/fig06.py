@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import paper, style
+from latolato.figures import paper_systems as paper
+from latolato.figures import style
 from latolato.figures.cases import SAMPLES_PER_PERIOD, instants, stack
 from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis.closed_forms import mathieu_growth_rate, mathieu_threshold_amplitude
-from latolato.figures import measure, paper, style
+from latolato.figures import measure, style
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import SAMPLES_PER_PERIOD, Residuals, instants, quantity, stack
 from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import paper, style
+from latolato.figures import paper_systems as paper
+from latolato.figures import style
 from latolato.figures.cases import Floats, Residuals, instants, quantity, stack, variable
 from latolato.figures.claim import Numbers
 from latolato.physics.drives import FrequencySchedule, Harmonic

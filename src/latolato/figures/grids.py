@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.figures import overlays, paper
+from latolato.figures import overlays
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, variable
 from latolato.figures.sides import Side
 from latolato.numerics.records import EVENT_LIMIT

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.figures import paper, style
+from latolato.figures import paper_systems as paper
+from latolato.figures import style
 from latolato.figures.cases import instants, stack
 
 if TYPE_CHECKING:

@@ -52,7 +52,7 @@ _MOST_CURVES = 12
 
 def check_drawable(plan: Plan, variable: str | None) -> None:
     """Raise InputError unless the sweep of a plan can be drawn without selecting anything."""
-    from latolato.sweeps.results import dims_of, lengths_of, template
+    from latolato.sweeps.labels import dims_of, lengths_of, template
 
     name = _variable(list(template(plan)), variable)
     lengths = lengths_of(plan)

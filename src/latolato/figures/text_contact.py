@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.figures import paper
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import instants, quantity, stack, variable
 from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic

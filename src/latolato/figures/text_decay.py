@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis.closed_forms import decay_rate
-from latolato.figures import measure, paper
+from latolato.figures import measure
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, quantity, stack
 from latolato.figures.claim import Numbers
 

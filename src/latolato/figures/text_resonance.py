@@ -13,7 +13,8 @@ from latolato.analysis.closed_forms import (
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,
 )
-from latolato.figures import measure, paper
+from latolato.figures import measure
+from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, instants, quantity, stack, variable
 from latolato.figures.claim import Numbers
 from latolato.physics.drives import Harmonic

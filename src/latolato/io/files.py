@@ -90,7 +90,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
         dataset = dataset.to_dataset()
     write = _write_csv if suffix == ".csv" else _write_parquet
     if is_sweep(dataset):
-        from latolato.sweeps.table import as_table
+        from latolato.sweeps.long_table import as_table
 
         with atomic_path(path) as first:
             write(as_table(dataset), "point", first)
@@ -111,7 +111,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
 
 def is_sweep(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is that of a sweep, whole: not a part, nor an analysis of one."""
-    from latolato.sweeps.table import is_whole
+    from latolato.sweeps.long_table import is_whole
 
     return "plan" in dataset.attrs and "time" not in dataset.dims and is_whole(dataset)
 
@@ -163,7 +163,7 @@ def _read_tables(path: Path, suffix: str) -> xr.Dataset:
     read = _read_csv if suffix == ".csv" else _read_parquet
     columns, attributes = read(path)
     if "plan" in attributes:
-        from latolato.sweeps.table import from_table
+        from latolato.sweeps.long_table import from_table
 
         return from_table({name: values for name, (values, _) in columns.items()}, attributes)
     contacts: Columns = {}

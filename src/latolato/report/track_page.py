@@ -24,7 +24,7 @@ from latolato.experiment.quality import (
     pivot_heights,
     typical_sigma,
 )
-from latolato.experiment.table import FLAGS, balls_of
+from latolato.experiment.track_table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
 from latolato.figures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, THIN, new_figure, use_style
 

@@ -169,7 +169,7 @@ def run_plan(
 ) -> xr.Dataset:
     """Return the dataset of a plan; `options` go to the executor. See `sweep`."""
     from latolato.sweeps.chunk import STATUS
-    from latolato.sweeps.results import Memory
+    from latolato.sweeps.labels import Memory
 
     execute = executor_named(executor)
     known = [p.name for p in signature(execute).parameters.values() if p.kind is p.KEYWORD_ONLY]

@@ -11,14 +11,14 @@ from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.sweeps.chunk import STATUS
-from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import (
+from latolato.sweeps.labels import (
     attributes_of,
     attributes_of_variables,
     coordinates_of,
     lengths_of,
     template,
 )
+from latolato.sweeps.plan import Plan
 
 ROOT = "zarr.json"
 OWN = ".latolato"

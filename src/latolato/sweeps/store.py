@@ -28,6 +28,7 @@ from latolato.sweeps import lock
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.differences import differences
 from latolato.sweeps.executors import ROUNDING
+from latolato.sweeps.labels import in_order, template
 from latolato.sweeps.layout import (
     COPY,
     GROUP,
@@ -49,7 +50,6 @@ from latolato.sweeps.layout import (
     with_reason,
 )
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import in_order, template
 
 if TYPE_CHECKING:
     import xarray as xr

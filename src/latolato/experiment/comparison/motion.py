@@ -12,7 +12,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_count, checked_number
-from latolato.experiment.comparison.parameters import (
+from latolato.experiment.comparison.uncertainties import (
     Floats,
     checked_sigmas,
     drawn,
@@ -23,7 +23,7 @@ from latolato.experiment.fits.least_squares import Data, Solution, lmfit_module,
 from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.samples import angles_of, noise_of
 from latolato.experiment.fits.windows import WindowedModel
-from latolato.experiment.table import checked_table
+from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System, systems
 

@@ -12,7 +12,7 @@ import numpy as np
 from latolato.analysis.stroboscopic import wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
-from latolato.experiment.comparison.parameters import (
+from latolato.experiment.comparison.uncertainties import (
     Floats,
     checked_sigmas,
     classes_in,

@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
-from latolato.experiment.comparison.parameters import (
+from latolato.experiment.comparison.uncertainties import (
     LATE,
     Floats,
     checked_sigmas,

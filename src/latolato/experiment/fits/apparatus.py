@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.experiment.table import balls_of
+from latolato.experiment.track_table import balls_of
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 
 if TYPE_CHECKING:

@@ -36,7 +36,7 @@ from latolato.experiment.fits.samples import (
 )
 from latolato.experiment.fits.sight import ABOVE, ASIDE, Sight, sight_guesses
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
-from latolato.experiment.table import checked_table
+from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import GRAVITY, Pendulum
 

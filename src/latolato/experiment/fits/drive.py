@@ -25,7 +25,7 @@ from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import noise_of, within
 from latolato.experiment.fits.swings import crossings
-from latolato.experiment.table import checked_table
+from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
 from latolato.physics.drives.base import Drive
 

@@ -25,7 +25,7 @@ from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
-from latolato.experiment.table import checked_table
+from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import System, systems
 

@@ -28,7 +28,7 @@ from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
-from latolato.experiment.table import balls_of, checked_table
+from latolato.experiment.track_table import balls_of, checked_table
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import GRAVITY
 

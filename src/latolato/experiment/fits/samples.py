@@ -12,7 +12,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats
-from latolato.experiment.table import balls_of, checked_table
+from latolato.experiment.track_table import balls_of, checked_table
 from latolato.physics.pendulum import LatoLato, System
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from latolato.experiment.tracking import kernels
+from latolato.experiment.tracking import inner_loops as kernels
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
 

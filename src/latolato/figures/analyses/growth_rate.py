@@ -10,9 +10,9 @@ import numpy as np
 
 from latolato.analysis import growth_rate
 from latolato.figures import style
-from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import POSITION_WORDS, number
+from latolato.figures.analyses.stored_laws import drive_of, system_of
 from latolato.figures.analyses.tongues import parameters_in_words
 
 if TYPE_CHECKING:

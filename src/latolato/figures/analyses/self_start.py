@@ -10,9 +10,9 @@ import numpy as np
 
 from latolato.analysis import self_start
 from latolato.figures import style
-from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
 from latolato.figures.analyses.sentences import millimetres, number
+from latolato.figures.analyses.stored_laws import drive_of, system_of
 from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
 
 if TYPE_CHECKING:

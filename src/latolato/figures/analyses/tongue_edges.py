@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from latolato.figures import style
-from latolato.figures.analyses.laws import drive_of, system_of
 from latolato.figures.analyses.question import REST, Question, can_hang, is_shaken
 from latolato.figures.analyses.sentences import POSITION_WORDS, millimetres, number
+from latolato.figures.analyses.stored_laws import drive_of, system_of
 from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from latolato.numerics.many import Progress
 from latolato.numerics.steppers import Stepper
+from latolato.sweeps.batches import run_reference
 from latolato.sweeps.chunk import Values, run_chunk
-from latolato.sweeps.kernels import run_reference
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch
 

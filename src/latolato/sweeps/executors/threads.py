@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from latolato.core.registry import checked_count
 from latolato.numerics.many import Progress
 from latolato.numerics.steppers import Stepper
+from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import Cancelled, Values, run_chunk
-from latolato.sweeps.kernels import run_fastest
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch
 from latolato.sweeps.pool import run_in_threads

@@ -1,4 +1,4 @@
-/** Points of a map in lanes or one by one, as `latolato.sweeps.kernels`. */
+/** Points of a map in lanes or one by one, as `latolato.sweeps.batches`. */
 
 /**
  * @typedef {import("./memory.js").Held} Held
@@ -22,7 +22,7 @@
  * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
  *   are walls, what shows the observables all lanes' steps, and matrices, and what they need of each
  *   step; null runs one point after the other,
- *   as all must that `latolato.sweeps.kernels.has_lanes` excludes
+ *   as all must that `latolato.sweeps.batches.has_lanes` excludes
  */
 export function runPoints(kernels, given, hooks, lanes) {
   const { layout } = kernels;

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.sweeps.plan import Plan
-from latolato.sweeps.results import (
+from latolato.sweeps.labels import (
     attributes_of_variables,
     coordinates_of,
     lengths_of,
     template,
 )
+from latolato.sweeps.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr

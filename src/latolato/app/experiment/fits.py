@@ -14,7 +14,7 @@ from latolato.app.given import options_of
 from latolato.core.errors import InputError
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.result import Fit, quantity_of
-from latolato.experiment.table import balls_of
+from latolato.experiment.track_table import balls_of
 from latolato.experiment.trials import trial_of
 from latolato.physics.pendulum import LatoLato, System
 from latolato.scenario.scenario import Scenario
@@ -22,7 +22,7 @@ from latolato.scenario.scenario import Scenario
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.app.film_options import Description
+    from latolato.app.experiment.description import Description
 
 # Instants and angles of each ball that a page draws.
 Motion = list[tuple[Any, Any]]

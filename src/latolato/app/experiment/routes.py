@@ -23,8 +23,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import answered, message_of, refusal, status_of
-from latolato.app.film_jobs import film_workers_of, work
-from latolato.app.film_store import FILES, SHOWN, Desk, Film, Store
+from latolato.app.experiment.jobs import film_workers_of, work
+from latolato.app.experiment.store import FILES, SHOWN, Desk, Film, Store
 from latolato.app.given import TooLargeError
 from latolato.core.errors import InputError
 
@@ -184,7 +184,7 @@ class _Clerk:
 
     async def serve(self) -> None:
         """Answer frames until the page goes."""
-        from latolato.app.film_options import EXAMPLES, fields, fit_kinds
+        from latolato.app.experiment.description import EXAMPLES, fields, fit_kinds
 
         most = self._store.allowance
         await self.tell(
@@ -336,7 +336,7 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
     InputError
         For anything that is not known, before a process begins.
     """
-    from latolato.app.film_options import EXAMPLES, EXPORTS, Description
+    from latolato.app.experiment.description import EXAMPLES, EXPORTS, Description
 
     do = given.get("do")
     if do == "example":

@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from latolato.app.analysis_forms import about_asked, forms, label_of, own_options
+from latolato.app.analyse.forms import about_asked, forms, label_of, own_options
 from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError

@@ -1,4 +1,4 @@
-"""What is done with an uploaded video, in a process of its own (see `film_jobs`)."""
+"""What is done with an uploaded video, in a process of its own (see `jobs`)."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.film_fits import fit_of, fits_of, trial_row
-from latolato.app.film_options import EXPORTS, Description
+from latolato.app.experiment.description import EXPORTS, Description
+from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.core.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
-from latolato.experiment.table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.track import prepare, run
+from latolato.experiment.track_table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.video import Frame, Limits, Video, open_video
 from latolato.simulation.summary import plain
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
-    from latolato.app.film_store import Allowance, Film
+    from latolato.app.experiment.store import Allowance, Film
     from latolato.app.processes import Workers
 
 Tell = Callable[[str, float], Coroutine[Any, Any, None]]
@@ -112,7 +112,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
     job = {**given, "folder": str(folder)}
     try:
         # Here: with little memory it fails, which is reported as any other failure.
-        from latolato.app.film_work import WORK
+        from latolato.app.experiment.work import WORK
 
         return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:

@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from latolato.app.analyse.words import OPTION_WORDS
 from latolato.app.given import RunRequest, options_of
-from latolato.app.option_words import OPTION_WORDS
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import Cost, all_questions
 

@@ -1,0 +1,1 @@
+"""The view Analyse: questions, their forms and their answers."""

@@ -1,0 +1,1 @@
+"""The view Experiment: videos that pages upload, their tracking and their fits."""
