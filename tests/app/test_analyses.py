@@ -296,7 +296,7 @@ def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
         lambda q, *a, **k: run(analyse_command.AnalysisCall(q.name, catch, q.own), *a, **k),
     )
     monkeypatch.setattr(
-        analyse_command.inspect,
+        inspect,
         "signature",
         lambda f, **k: inspect.Signature.from_callable(analyses[name] if f is catch else f, **k),
     )

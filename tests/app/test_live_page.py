@@ -136,7 +136,7 @@ def test_a_recording_opens_in_play_as_a_run(page):
     assert caught.value.suggested_filename == "live.nc"
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert "drive=stages" in page.url
+    assert "drive=staged_harmonic" in page.url
     end = page.evaluate("() => window.latolato.views.play.player.clock.end")
     assert 0.8 <= end < 30.0
 

@@ -227,7 +227,7 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
         page.wait_for_function(f"() => ({lengths})()[0] === {rows}")
     page.get_by_label("Drive", exact=True).select_option("staged_harmonic")
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive === 'stages'"
+        "() => window.latolato.views.play.player.motion.about.options.drive === 'staged_harmonic'"
     )
     # The address follows a moment later.
     page.wait_for_function(f"() => ({lengths})().join() === '4,4,4'")

@@ -30,7 +30,7 @@ def multipliers(values, status, **changes):
         "slowest_impact": 1.0, "multiplier_error": 1e-12, "defect": 1e-14,
     }  # fmt: skip
     variables = {"multipliers": ("multiplier", np.array(values, dtype=complex)), "status": status}
-    return made("floquet", "floquet", variables | numbers | changes)
+    return made("floquet", "multipliers", variables | numbers | changes)
 
 
 def branch(x, angle, stable, specials=(), status="end of range"):
@@ -136,7 +136,7 @@ def texts(figure):
 
 @pytest.mark.parametrize("name", analyses)
 def test_every_analysis_has_a_picture(name):
-    assert callable(picture_of(name))
+    assert callable(picture_of("analysis", name))
 
 
 def test_an_analysis_without_a_picture_is_refused():

@@ -54,7 +54,7 @@ def test_contacts(case, run):
         check(after, row["velocity_after"], WITH_CONTACTS, ("after", i))
 
 
-def test_slack(case, run):
+def test_compression(case, run):
     if "compression_time" not in case:
         if "balls" not in case["model"] and case["model"] != "linear pendulum (eq14)":
             assert math.isnan(run.attrs["compression_time"]) or "agree_digits" not in case

@@ -10,10 +10,12 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.cli import simulate as run_command
 from latolato.cli.options import named_values
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.io.progress import bar
+from latolato.scenario.tables import ForeignParameterError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +64,16 @@ def run(
         "wall_time": round(time.perf_counter() - begun, 3),
         "files": files,
     }
+
+
+def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+    """Return the scenario to film as the command line names it."""
+    try:
+        return run_command.scenario_of(source, rerun, given)
+    except ForeignParameterError as error:
+        if error.parameter == "radius":
+            error.way_out = f'draw the ball with --scene "ball_radius = {given["radius"]}"'
+        raise
 
 
 def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:

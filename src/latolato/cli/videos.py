@@ -63,11 +63,10 @@ def synthesise(
 
     Options replace what the scenario says. Existing files are replaced.
     """
-    from latolato.cli import simulate as run_command
     from latolato.cli import synthesise as synthesise_command
 
     summary = synthesise_command.run(
-        run_command.scenario_of(scenario, rerun, given),
+        synthesise_command.scenario_of(scenario, rerun, given),
         output,
         truth,
         condition=condition,

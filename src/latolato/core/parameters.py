@@ -78,8 +78,8 @@ def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
     Examples
     --------
     >>> from latolato.physics.pendulum import BallPair
-    >>> [p.name for p in law_parameters(BallPair, "system")][:2]
-    ['right_length', 'right_mass']
+    >>> [p.name for p in law_parameters(BallPair, "system")][:3]
+    ['gravity', 'right_length', 'right_mass']
     """
     kinds = types_of(law if isinstance(law, type) else type(law))
     for field in fields(law):

@@ -107,7 +107,7 @@ def spaced(side: Side, log: Any) -> Side:
     if log is None or log == side.is_log:
         return side
     if not isinstance(log, bool):
-        raise InputError(f"log of {side.name} must be true or false, got {log!r}")
+        raise InputError("log of {parameter} must be true or false", parameter=side.name, value=log)
     if log and not side.values[0] > 0.0:
         label = str(side.attributes.get("long_name", side.name))
         raise InputError(

@@ -80,6 +80,10 @@ _OF_RUN = ("duration", "tolerance")
 Tables = dict[str, Any]
 
 
+class ForeignParameterError(InputError):
+    """A parameter of another law than the one that it is given for."""
+
+
 def run_options() -> dict[str, Parameter]:
     """Return the entries of ``[run]`` by name, the parameters of contact laws among them."""
     return RUN_OPTIONS | {
@@ -140,7 +144,7 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     if not owners or name in own | of_parts:
         return
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
-    raise InputError(
+    raise ForeignParameterError(
         f"belongs to {part} {' or '.join(owners)}, not to {kind}",
         parameter=f"{name}_{inner}" if inner else name,
         way_out=f"{f'use {inner}' if inner in own else 'leave it out'} or change the {part}",
