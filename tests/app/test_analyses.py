@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 from app_server import frames_of
 from latolato.analysis import analyses
 from latolato.app.analyse import routes as app
-from latolato.app.analyse.forms import about_asked, forms, option_words
+from latolato.app.analyse.forms import about_request, forms, option_words
 from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, TooLargeError
-from latolato.app.runs import simulate_asked
+from latolato.app.runs import simulate_request
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
@@ -130,7 +130,7 @@ def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
     }  # fmt: skip
     scenario = None if laws in options else laws
     asked = {"scenario": scenario, "options": options.get(laws, {"duration": "6 s"})}
-    about = about_asked(RunRequest.from_json(asked))
+    about = about_request(RunRequest.from_json(asked))
     unfit = about["unfit"]
     assert unfit or laws == "fig04a"
     for name, why in unfit.items():
@@ -144,13 +144,13 @@ def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
     [("toy", "bifurcation_diagram"), ("kapitza", "inverted_limits"), ("zeno", "lyapunov_spectrum")],
 )
 def test_the_page_opens_on_a_question_that_can_be_asked(scenario, first):
-    about = about_asked(RunRequest(scenario, {}))
+    about = about_request(RunRequest(scenario, {}))
     assert about["first"] == first
     assert first not in about["unfit"]
 
 
 def test_ranges_hold_the_drive_of_the_scenario():
-    about = about_asked(RunRequest("kapitza", {}))
+    about = about_request(RunRequest("kapitza", {}))
     ratio = 21.43
     limits = about["parameters"]["frequency_ratio"]
     assert float(limits["low"]) < ratio < float(limits["high"])
@@ -159,7 +159,7 @@ def test_ranges_hold_the_drive_of_the_scenario():
 
 
 def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
-    quick = {name: about_asked(RunRequest(name, {}))["quick"] for name in ("toy", "kapitza")}
+    quick = {name: about_request(RunRequest(name, {}))["quick"] for name in ("toy", "kapitza")}
     assert "transient_periods" not in quick["toy"]["response_period"]  # 500 shakes are enough
     # 8 decay times of 20 s at 42 ms a shake
     assert quick["kapitza"]["response_period"]["transient_periods"] == "3900"
@@ -199,7 +199,7 @@ def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
 
 @pytest.mark.parametrize("name", analyses)
 def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
-    about = about_asked(RunRequest("fig04a_push", {}))
+    about = about_request(RunRequest("fig04a_push", {}))
     form = forms()[name]["options"]
     quick = about["quick"][name]
     assert set(quick) <= set(form)
@@ -225,7 +225,7 @@ def test_every_analysis_answers(name, tmp_path):
 
 
 def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead(tmp_path):
-    quick = about_asked(RunRequest("toy", {}))["quick"]["shortest_protocol"]
+    quick = about_request(RunRequest("toy", {}))["quick"]["shortest_protocol"]
     given = {"analysis": "shortest_protocol", "scenario": "toy", "given": {**quick, "push": "1, 7"}}
     with pytest.warns(RuntimeWarning, match="leads to a larger motion than rest"):
         told = app.compute(given, tmp_path, print)
@@ -497,7 +497,9 @@ def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
     page.wait_for_selector("[data-runs] .player", timeout=240_000)
     page.wait_for_function("() => window.latolato.views.play?.player.motion")
     found = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
-    _, run = simulate_asked(RunRequest("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}), 5)
+    _, run = simulate_request(
+        RunRequest("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}), 5
+    )
     assert found["drive_frequency"] == run.attrs["drive_frequency"]
 
 

@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 import latolato as ll
 from app_server import frames_of
 from latolato.app.blocks import unpack
-from latolato.app.downloads import FPS, MOST_FRAMES, asked_of, to_toml, without_none
+from latolato.app.downloads import FPS, MOST_FRAMES, request_of, to_toml, without_none
 from latolato.app.given import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.io.files import load
@@ -118,7 +118,7 @@ def test_nothing_stays_on_disk(client, tmp_path, monkeypatch):
 
 
 def test_parts_of_the_address_that_belong_to_views_are_no_options():
-    asked = asked_of({"view": "map", "token": "x", "length": "1 m", "map.x": "damping"})
+    asked = request_of({"view": "map", "token": "x", "length": "1 m", "map.x": "damping"})
     assert asked == RunRequest(None, {"length": "1 m"})
 
 

@@ -9,7 +9,7 @@ from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.given import RunRequest, TooLargeError, check_size, options_of
 from latolato.app.lines import command_line, python_line
-from latolato.app.runs import run_block, simulate_asked, strobes_of
+from latolato.app.runs import run_block, simulate_request, strobes_of
 from latolato.numerics import records
 from latolato.numerics.engine.record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
@@ -30,7 +30,7 @@ def test_the_options_of_a_scenario_make_the_scenario_again(name):
 @pytest.mark.parametrize("name", RUNS)
 def test_the_python_lines_on_show_make_the_same_run(name):
     short = RunRequest(name, {"duration": "0.5 s"})
-    scenario, run = simulate_asked(short)
+    scenario, run = simulate_request(short)
     names: dict = {}
     exec(python_line(scenario), names)
     last = names["run"]["angle"].values[..., -1]
@@ -78,7 +78,7 @@ def test_a_run_that_is_too_large_is_refused_before_any_work(options):
 
 
 def test_a_block_holds_what_the_run_holds():
-    _, run = simulate_asked(RunRequest("fig04a_push", {"duration": "3 s"}), 400)
+    _, run = simulate_request(RunRequest("fig04a_push", {"duration": "3 s"}), 400)
     about, arrays = unpack(run_block(RunRequest("fig04a_push", {"duration": "3 s"}), samples=400))
     np.testing.assert_array_equal(arrays["time"], run["time"])
     np.testing.assert_array_equal(arrays["angle"][0], run["angle"].astype(np.float32))

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.analysis import analyses
 from latolato.app.analyse import routes as app
-from latolato.app.analyse.forms import about_asked, forms
+from latolato.app.analyse.forms import about_request, forms
 from latolato.app.given import RunRequest
 from latolato.cli.main import app as command_line
 from latolato.figures import analyses as pictures
@@ -64,7 +64,7 @@ def test_the_app_has_its_form_its_cost_and_its_answer(tmp_path):
     form = forms()["swing_time"]
     assert form["title"] == "Do wide swings take longer?"
     assert form["options"]["swings"]["label"] == "Number of swings"
-    about = about_asked(RunRequest.from_json(ASKED))
+    about = about_request(RunRequest.from_json(ASKED))
     assert "swing_time" not in about["unfit"]
     request = {**ASKED, "analysis": "swing_time", "given": about["quick"]["swing_time"]}
     assert app.prepare(request)

@@ -20,10 +20,10 @@ from latolato.analysis import (
     response_period,
 )
 from latolato.app.analyse import routes as app_analyses
-from latolato.app.analyse.forms import about_asked
+from latolato.app.analyse.forms import about_request
 from latolato.app.forms import registry
 from latolato.app.given import RunRequest
-from latolato.app.runs import simulate_asked
+from latolato.app.runs import simulate_request
 from latolato.core.quantities import NON_NEGATIVE, UNIT_INTERVAL, quantity_field
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, PeriodicDrive, drives
@@ -254,7 +254,7 @@ def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
     about = {}
     for drive in ("sharp", "harmonic"):
         asked = {"scenario": None, "options": {**laws, **run, "drive": drive}}
-        about[drive] = about_asked(RunRequest.from_json(asked))
+        about[drive] = about_request(RunRequest.from_json(asked))
     unfit = {drive: set(each["unfit"]) for drive, each in about.items()}
     # The search for protocols steps the frequency of a cosine.
     assert unfit["sharp"] - unfit["harmonic"] == {"shortest_protocol"}
@@ -275,7 +275,7 @@ def test_it_has_a_form_and_runs_in_the_app():
     asked = {"options": {"system": "pendulum", "length": "1", "mass": "1", "drive": "sharp",
              "drive_amplitude": "5 cm", "drive_frequency": "6", "sharpness": "0.2",
              "initial_angle": "0.1", "duration": "1"}}  # fmt: skip
-    assert simulate_asked(RunRequest.from_json(asked))
+    assert simulate_request(RunRequest.from_json(asked))
 
 
 def test_the_command_line_knows_it(tmp_path):

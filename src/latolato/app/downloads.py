@@ -55,27 +55,27 @@ def routes() -> list[BaseRoute]:
 
 
 async def _download(request: Request) -> Response:
-    asked = asked_of(dict(request.query_params))
-    return await answered(request, file_response, asked, request.path_params["kind"])
+    wanted = request_of(dict(request.query_params))
+    return await answered(request, file_response, wanted, request.path_params["kind"])
 
 
 async def _animation(websocket: WebSocket) -> None:
     await serve_job(websocket, prepare_animation)
 
 
-def asked_of(query: Mapping[str, str]) -> RunRequest:
+def request_of(query: Mapping[str, str]) -> RunRequest:
     """Return what an address of the page asks for; what belongs to its views is left out.
 
     Examples
     --------
-    >>> asked_of({"view": "play", "scenario": "fig02", "length": "1 m", "map.x": "damping"})
+    >>> request_of({"view": "play", "scenario": "fig02", "length": "1 m", "map.x": "damping"})
     RunRequest(scenario='fig02', options={'length': '1 m'})
     """
     options = {n: v for n, v in query.items() if n not in _OF_PAGE and "." not in n}
     return RunRequest(query.get("scenario") or None, options)
 
 
-def file_response(asked: RunRequest, kind: str) -> Response:
+def file_response(request: RunRequest, kind: str) -> Response:
     """Return a file of the run that is asked for, to be stored by the browser.
 
     Raises
@@ -85,16 +85,16 @@ def file_response(asked: RunRequest, kind: str) -> Response:
     """
     if kind not in TYPES:
         raise InputError(f"a run is stored as {', '.join(TYPES)}, not as {kind!r}")
-    scenario = scenario_of(asked)
+    scenario = scenario_of(request)
     with tempfile.TemporaryDirectory(prefix="latolato-") as folder:
         content = _written(scenario, kind, Path(folder))
     disposition = f'attachment; filename="{file_name(scenario)}.{kind}"'
     return Response(content, media_type=TYPES[kind], headers={"Content-Disposition": disposition})
 
 
-def scenario_of(asked: RunRequest) -> Scenario:
+def scenario_of(request: RunRequest) -> Scenario:
     """Return the scenario of one run that is neither a map nor too large."""
-    scenario = asked.to_scenario()
+    scenario = request.to_scenario()
     if scenario.varied:
         raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
@@ -197,12 +197,12 @@ def prepare_animation(given: Any) -> Job:
     """
     from latolato.figures.animate import check_target
 
-    asked = RunRequest.from_json(given)
+    request = RunRequest.from_json(given)
     speed = given.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"speed must be a number, got {speed!r}")
     check_target("run.mp4", float(speed), FPS)
-    scenario = scenario_of(asked)
+    scenario = scenario_of(request)
     check_frames(scenario, float(speed))
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
@@ -211,7 +211,7 @@ def prepare_animation(given: Any) -> Job:
             {"file": _bytes(folder / "run.mp4")},
         )
 
-    given = {"scenario": asked.scenario, "options": dict(asked.options or {}), "speed": speed}
+    given = {"scenario": request.scenario, "options": dict(request.options or {}), "speed": speed}
     return Job("animate", given, finish)
 
 

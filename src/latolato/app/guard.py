@@ -161,10 +161,10 @@ def _addresses(request: HTTPConnection) -> tuple[str, ...]:
         return ()
     if isinstance(address, ipaddress.IPv6Address):
         mapped = address.ipv4_mapped  # IPv4 on a socket for both
-        shown = f"[{address}]" if mapped is None else str(mapped)
+        text = f"[{address}]" if mapped is None else str(mapped)
     else:
-        shown = str(address)
-    return (f"{shown}:{port}", shown) if port == 80 else (f"{shown}:{port}",)
+        text = str(address)
+    return (f"{text}:{port}", text) if port == 80 else (f"{text}:{port}",)
 
 
 async def _refuse(fault: str, scope: Scope, receive: Receive, send: Send) -> None:

@@ -168,10 +168,10 @@ def _look(shown: Shown, given: Mapping[str, Any], shown_of: Callable[[Any], Show
         # Values as pages have them, in single precision, may lie beside those of the map.
         own = [float(np.float32(value)) for value in shown.drawing.limits]
         limits = None if [low, high] == own else (low, high)
-    asked = given.get("contours")
-    if asked is None:
+    request = given.get("contours")
+    if request is None:
         return Look(colours=scale, limits=limits)
-    over = shown_of(asked)
-    _, lines, _ = contours(over, asked)
+    over = shown_of(request)
+    _, lines, _ = contours(over, request)
     label = str(over.drawing.data.attrs.get("long_name", over.drawing.name))
     return Look(colours=scale, limits=limits, lines=lines, unit=over.unit, label=label)

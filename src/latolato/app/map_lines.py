@@ -76,7 +76,7 @@ def sweep_command(shown: Map) -> str:
 
 def _spans(shown: Map) -> list[tuple[Span, int]]:
     """Return both axes with their numbers of points, the one upwards first."""
-    return [(shown.y, shown.asked.height), (shown.x, shown.asked.width)]
+    return [(shown.y, shown.request.height), (shown.x, shown.request.width)]
 
 
 def _replaced(shown: Map) -> set[str]:
@@ -87,7 +87,7 @@ def _replaced(shown: Map) -> set[str]:
 
 def _numbers(shown: Map) -> dict[str, float]:
     """Return duration, transient and tolerance."""
-    result = {"duration": shown.duration, "tolerance": shown.asked.tolerance}
+    result = {"duration": shown.duration, "tolerance": shown.request.tolerance}
     arguments = shown.varied()
     for name in ("transient", "transient_periods"):
         if arguments.get(name):

@@ -45,7 +45,7 @@ _OF_RUN = ("times", "frame", "tolerance")
 class MapRequest:
     """What a page asks for; None leaves the choice to what the scenario says."""
 
-    asked: RunRequest
+    request: RunRequest
     x: Span | None = None
     y: Span | None = None
     observable: str | None = None
@@ -66,13 +66,13 @@ class MapRequest:
         TooLargeError
             For more cells than are drawn.
         """
-        asked = RunRequest.from_json(value)
-        names = [f.name for f in fields(cls) if f.name != "asked"]
+        request = RunRequest.from_json(value)
+        names = [f.name for f in fields(cls) if f.name != "request"]
         given = {k: v for k, v in value.items() if v is not None}
         for name in given:
             if name not in (*names, "scenario", "options"):
                 raise InputError(f"unknown entry '{name}' of a map: {suggest(name, names)}")
-        results: dict[str, Any] = {"asked": asked}
+        results: dict[str, Any] = {"request": request}
         for which in ("x", "y"):
             if which in given:
                 results[which] = Span.from_json(which, given[which])
@@ -105,7 +105,7 @@ class MapRequest:
 class Map:
     """A map to be computed: the scenario, both axes, and what is gathered at every point."""
 
-    asked: MapRequest
+    request: MapRequest
     scenario: Scenario
     x: Span
     y: Span
@@ -118,12 +118,12 @@ class Map:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
-        return self.asked.height, self.asked.width
+        return self.request.height, self.request.width
 
     @cached_property
     def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Values along x and y."""
-        return self.x.values(self.asked.width), self.y.values(self.asked.height)
+        return self.x.values(self.request.width), self.y.values(self.request.height)
 
     def plan_of(self, cells: NDArray[np.int64], chunk_size: int | None = None) -> Plan:
         """Return the plan of a sweep over these cells, numbered row by row from the bottom left.
@@ -131,7 +131,7 @@ class Map:
         Noise is that of the same cell in a sweep over both axes.
         """
         x, y = self.grid
-        row, column = np.divmod(cells, self.asked.width)
+        row, column = np.divmod(cells, self.request.width)
         along = {self.x.name: x[column].tolist(), self.y.name: y[row].tolist()}
         noise = self.scenario.run.get("noise")
         if noise is not None and not {"noise_seed", "noise_stream"} & along.keys():
@@ -152,7 +152,7 @@ class Map:
         run = {k: v for k, v in self.scenario.run.items() if k not in _OF_RUN}
         if {"initial_angle", "initial_offset"} & {self.x.name, self.y.name}:
             run = {k: v for k, v in run.items() if k not in ("initial_angle", "initial_offset")}
-        run |= {"duration": self.duration, "tolerance": self.asked.tolerance}
+        run |= {"duration": self.duration, "tolerance": self.request.tolerance}
         changed = {"axes": axes, **self.varied(chunk_size)}
         return replace(self.scenario, run=run, varied=changed).plan()
 
@@ -160,7 +160,7 @@ class Map:
         """Return what is gathered, and how."""
         varied: dict[str, Any] = {"observables": self.watched, "transient": self.transient}
         periods = self.scenario.varied.get("transient_periods")
-        if periods and self.asked.transient is None:
+        if periods and self.request.transient is None:
             varied["transient_periods"] = periods
         if chunk_size is not None:
             varied["chunk_size"] = chunk_size
@@ -211,7 +211,7 @@ def _check_times(duration: float, transient: float) -> None:
         )
 
 
-def make_map(asked: MapRequest) -> Map:
+def make_map(request: MapRequest) -> Map:
     """Return the map that a page asks for.
 
     Raises
@@ -219,18 +219,18 @@ def make_map(asked: MapRequest) -> Map:
     InputError
         For bad input.
     """
-    scenario = asked.asked.to_scenario()
+    scenario = request.request.to_scenario()
     scenario = replace(scenario, drive=moving_drive(scenario))
     run, system, varied = scenario.run, scenario.system, scenario.varied
     known = parameters_of(system, scenario.drive, run.get("noise"))
     times = run.get("times")
     duration = run.get("duration") or (times[-1] if times else 60.0)
-    if asked.duration is not None:
-        duration = asked.duration
-    transient = varied.get("transient", 0.0) if asked.transient is None else asked.transient
+    if request.duration is not None:
+        duration = request.duration
+    transient = varied.get("transient", 0.0) if request.transient is None else request.transient
     _check_times(float(duration), float(transient))
-    watched, shown, variables = watched_of(varied, asked.observable, system.angles)
-    spans = spans_of(known, scenario, (asked.x, asked.y))
+    watched, shown, variables = watched_of(varied, request.observable, system.angles)
+    spans = spans_of(known, scenario, (request.x, request.y))
     choices = {
         "axes": [
             about_axis(name, known[name], suggested_range(name, known, scenario)) for name in known
@@ -241,14 +241,14 @@ def make_map(asked: MapRequest) -> Map:
         "observable": shown,
         "duration": float(duration),
         "transient": float(transient),
-        "tolerance": asked.tolerance,
+        "tolerance": request.tolerance,
         "options": options_of(scenario),
         "scenario": scenario.name,
         "title": scenario.title,
         "description": scenario.description,
     }
     return Map(
-        asked=asked,
+        request=request,
         scenario=scenario,
         x=spans[0],
         y=spans[1],

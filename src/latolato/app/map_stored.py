@@ -58,12 +58,12 @@ def opened(path: Path) -> xr.Dataset:
         return load(path)
 
 
-def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
+def frames_of(path: Path, request: Mapping[str, Any]) -> list[bytes]:
     """Return the frames of a stored map: what it is of, all its cells, and that it is done.
 
     Parameters
     ----------
-    asked : mapping
+    request : mapping
         `observable`, and `select`, the number of the value to take of further dimensions.
 
     Raises
@@ -72,18 +72,18 @@ def frames_of(path: Path, asked: Mapping[str, Any]) -> list[bytes]:
         If there is nothing that a map can show.
     """
     grid = opened(path)
-    variable = asked.get("observable")
+    variable = request.get("observable")
     names = [str(n) for n in grid.data_vars if len(_dims(grid, str(n))) >= 2]
     if not names:
         raise InputError(f"{path.name} varies less than two parameters: there is no map to show")
     if variable not in names:
-        if variable is not None and asked.get("strict"):
+        if variable is not None and request.get("strict"):
             raise InputError(f"unknown observable '{variable}': {suggest(str(variable), names)}")
         variable = names[0]
-    _, rest = _selected(grid, variable, asked.get("select") or {})
-    drawing = drawing_of(grid, variable, asked.get("select") or {})
+    _, rest = _selected(grid, variable, request.get("select") or {})
+    drawing = drawing_of(grid, variable, request.get("select") or {})
     y, x = drawing.sides
-    x, y = spaced(x, asked.get("xlog")), spaced(y, asked.get("ylog"))
+    x, y = spaced(x, request.get("xlog")), spaced(y, request.get("ylog"))
     about = {}
     for name, side in (("x", x), ("y", y)):
         given = side.attributes
@@ -228,6 +228,6 @@ def drawing_of(grid: xr.Dataset, variable: str, select: Any) -> Drawing:
     grid, _ = _selected(grid, variable, select)
     sizes = grid[variable].sizes
     if int(np.prod(list(sizes.values()))) > MOST_CELLS:
-        shown = " x ".join(str(n) for n in sizes.values())
-        raise TooLargeError(f"this map has {shown} points, the limit on a page is {MOST_CELLS}")
+        text = " x ".join(str(n) for n in sizes.values())
+        raise TooLargeError(f"this map has {text} points, the limit on a page is {MOST_CELLS}")
     return Drawing(grid, variable, log=False, select={})

@@ -76,7 +76,7 @@ _ATTRIBUTES = (
 )
 
 
-def simulate_asked(asked: RunRequest, samples: int | None = None) -> tuple[Scenario, Record]:
+def simulate_request(request: RunRequest, samples: int | None = None) -> tuple[Scenario, Record]:
     """Return the scenario that a page asks for and its run, sampled evenly for the screen.
 
     Parameters
@@ -89,17 +89,17 @@ def simulate_asked(asked: RunRequest, samples: int | None = None) -> tuple[Scena
     InputError
         For bad input, and for a run that is too large, before any work.
     """
-    wanted = dict(asked.options or {})
+    wanted = dict(request.options or {})
     if "samples" in wanted:
         samples = option_value(law_options()["samples"], wanted.pop("samples"))
     if samples is not None and checked_count("samples", samples) > MOST_SAMPLES:
         raise TooLargeError(f"must not exceed {MOST_SAMPLES}, got {samples}", parameter="samples")
-    scenario = RunRequest(asked.scenario, wanted).to_scenario()
+    scenario = RunRequest(request.scenario, wanted).to_scenario()
     return scenario, simulate_shown(scenario, samples)
 
 
 def simulate_shown(scenario: Scenario, samples: int | None = None) -> Record:
-    """Return the run of a scenario as `simulate_asked` does."""
+    """Return the run of a scenario as `simulate_request` does."""
     if scenario.varied:
         raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
     check_size(scenario)
@@ -115,10 +115,10 @@ def simulate_shown(scenario: Scenario, samples: int | None = None) -> Record:
 
 
 def run_block(
-    asked: RunRequest, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
+    request: RunRequest, columns: Sequence[str] = USUAL_COLUMNS, samples: int | None = None
 ) -> bytes:
     """Return a run as a block: motion, the `columns` asked for, contacts and all about it."""
-    return _block(lambda: simulate_asked(asked, samples), columns)
+    return _block(lambda: simulate_request(request, samples), columns)
 
 
 def block_of(scenario: Scenario, columns: Sequence[str] = USUAL_COLUMNS) -> bytes:

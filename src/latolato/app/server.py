@@ -177,8 +177,8 @@ async def _run(request: Request) -> Response:
 def _run_response(given: Any) -> Response:
     from latolato.app.runs import USUAL_COLUMNS, run_block
 
-    asked = RunRequest.from_json(given)
+    request = RunRequest.from_json(given)
     columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
         raise InputError("columns must be a list of names")
-    return Response(run_block(asked, columns, samples), media_type="application/octet-stream")
+    return Response(run_block(request, columns, samples), media_type="application/octet-stream")

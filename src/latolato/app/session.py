@@ -46,7 +46,7 @@ class Session:
 
     def __init__(self) -> None:
         self.toy: Toy | None = None
-        self.asked: RunRequest | None = None
+        self.request: RunRequest | None = None
         self.seq = 0.0
         self.acked = 0
         self.number = 0
@@ -63,8 +63,8 @@ class Session:
         """
         from latolato.app.toy import Toy
 
-        asked = RunRequest.from_json(hello)
-        scenario = asked.to_scenario()
+        request = RunRequest.from_json(hello)
+        scenario = request.to_scenario()
         if scenario.varied:
             raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run")
         toy = Toy(scenario, hello.get("state"))
@@ -74,7 +74,7 @@ class Session:
             if hello.get("state") is None:
                 toy.settle()
         toy.advance()  # whatever must be compiled or loaded is, before the clock runs
-        self.toy, self.asked = toy, asked
+        self.toy, self.request = toy, request
         return ready(toy, scenario)
 
     def apply(self, message: Any) -> None:
@@ -121,9 +121,9 @@ class Session:
         from latolato.app.toy import Toy
 
         assert self.toy is not None
-        assert self.asked is not None
+        assert self.request is not None
         self.stop_recording()
-        fresh = Toy(self.asked.to_scenario())
+        fresh = Toy(self.request.to_scenario())
         fresh.set(self.toy.controls)
         fresh.settle()
         self.toy = fresh

@@ -45,13 +45,13 @@ def suggest(name: object, known: list[str]) -> str:
     _, _, within = str(name).partition("_")  # options name the law too, its parameters do not
     if within in known:
         return f"did you mean '{within}'?"
-    asked = _plain(str(name))
-    likeness = {each: _likeness(asked, _plain(each)) for each in known}
+    typed = _plain(str(name))
+    likeness = {each: _likeness(typed, _plain(each)) for each in known}
     nearest = max(known, key=likeness.__getitem__, default="")
     if known and likeness[nearest] >= _LIKENESS:
         return f"did you mean '{nearest}'?"
-    holders = [each for each in known if asked in _plain(each)]
-    if len(holders) == 1 and len(asked) >= _SHORTEST_PART:
+    holders = [each for each in known if typed in _plain(each)]
+    if len(holders) == 1 and len(typed) >= _SHORTEST_PART:
         return f"did you mean '{holders[0]}'?"
     return f"known are {', '.join(known)}"
 

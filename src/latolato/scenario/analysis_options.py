@@ -94,9 +94,9 @@ class AnalysisOption:
             has_law = law is not None and not self.is_sequence
             parts.append("by default the scenario's" if has_law else "needed")
         elif self.default is not None and self.kind is not bool:
-            shown = ", ".join(map(_shown, _listed(self.default)))
+            text = ", ".join(map(_shown, _listed(self.default)))
             where = "the scenario's, else " if self.is_of_run else ""
-            parts.append(f"by default {where}{shown}")
+            parts.append(f"by default {where}{text}")
         return "; ".join(part for part in parts if part)
 
 

@@ -248,9 +248,9 @@ def make_plan(
         raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
-    asked = _names_in(axes)
-    noise = _noise_for(noise, asked)
-    drive = _drive_for(system, drive, asked, noise)
+    varied_names = _names_in(axes)
+    noise = _noise_for(noise, varied_names)
+    drive = _drive_for(system, drive, varied_names, noise)
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
     varied = {name for axis in dimensions for name in axis.parameters}
@@ -347,13 +347,13 @@ def _names_in(axes: Any) -> set[str]:
 def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
     """Return the noise, some of it if there is none but the axes vary its strength."""
     kicks = VelocityKicks(noise_strength=0.0)
-    asked = sorted(varied & {f.name for f in number_fields(kicks)})
-    if noise is not None or not asked:
+    of_noise = sorted(varied & {f.name for f in number_fields(kicks)})
+    if noise is not None or not of_noise:
         return noise
-    if "noise_strength" in asked:
+    if "noise_strength" in of_noise:
         return kicks
     raise InputError(
-        f"axis {asked[0]} needs noise: give VelocityKicks(noise_strength=...) or an axis "
+        f"axis {of_noise[0]} needs noise: give VelocityKicks(noise_strength=...) or an axis "
         "noise_strength"
     )
 

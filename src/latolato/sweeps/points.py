@@ -330,8 +330,8 @@ def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> 
 
 def _follows_tension(plan: Plan) -> bool:
     """Return whether an observable asks for the time of compression."""
-    asked = any("compression" in o.needs for o in plan.observables)
-    return asked and not plan.system.is_linear
+    is_needed = any("compression" in o.needs for o in plan.observables)
+    return is_needed and not plan.system.is_linear
 
 
 def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:

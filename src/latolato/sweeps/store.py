@@ -173,11 +173,11 @@ class Store:
             return None
         result = survey(self.path, read_all=self._descriptor != -1)
         if result.plan.hash != self.plan.hash:
-            asked = json.loads(json.dumps(self.plan.describe()))
+            wanted = json.loads(json.dumps(self.plan.describe()))
             stored = json.loads(result.root["attributes"]["plan"])
             raise InputError(
                 f"the store '{self.path}' holds another sweep: "
-                f"{_shortened(differences(stored, asked))}",
+                f"{_shortened(differences(stored, wanted))}",
                 way_out="name another path, or delete the store to start again",
             )
         stored_names = {key.partition("/")[0] for key in documents(result.root)}

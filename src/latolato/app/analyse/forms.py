@@ -130,11 +130,11 @@ def shown(text: str) -> str:
     return text
 
 
-def about_asked(asked: RunRequest) -> dict[str, Any]:
+def about_request(request: RunRequest) -> dict[str, Any]:
     """Return the options of what a page asks for, and what can be asked of it."""
     from latolato.simulation.summary import plain
 
-    scenario = asked.to_scenario()
+    scenario = request.to_scenario()
     of = (scenario.system, scenario.drive)
     unfit = {name: why for name, each in all_questions().items() if (why := each.unfit(*of))}
     result: dict[str, Any] = plain(

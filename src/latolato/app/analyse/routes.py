@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from latolato.app.analyse.forms import about_asked, forms, label_of, own_options
+from latolato.app.analyse.forms import about_request, forms, label_of, own_options
 from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
@@ -63,7 +63,7 @@ async def _forms(request: Request) -> Response:
 
 async def _asked(request: Request) -> Response:
     given = await json_of(request)
-    return await answered(request, lambda: JSONResponse(about_asked(RunRequest.from_json(given))))
+    return await answered(request, lambda: JSONResponse(about_request(RunRequest.from_json(given))))
 
 
 async def _cost(request: Request) -> Response:
@@ -90,7 +90,7 @@ class AnalysisRequest:
     """An analysis, what it is of, and the options that were typed for it."""
 
     name: str
-    asked: RunRequest
+    request: RunRequest
     given: Mapping[str, str]
 
     @classmethod
@@ -105,7 +105,7 @@ class AnalysisRequest:
         from latolato.analysis import analyses
         from latolato.core.registry import suggest
 
-        asked = RunRequest.from_json(value)
+        request = RunRequest.from_json(value)
         name, given = value.get("analysis"), value.get("given") or {}
         if not isinstance(name, str):
             raise InputError(f"analysis must be a name, got {name!r:.80}")
@@ -118,7 +118,7 @@ class AnalysisRequest:
                 raise InputError(
                     f"has no option '{option}': {suggest(option, list(own))}", parameter=name
                 )
-        return cls(name, asked, {n: v.strip() for n, v in given.items() if v.strip()})
+        return cls(name, request, {n: v.strip() for n, v in given.items() if v.strip()})
 
     @property
     def function(self) -> Callable[..., Any]:
@@ -140,7 +140,7 @@ class AnalysisRequest:
 
         own = options_of(self.function)
         typed = {name: _typed(own[name], text) for name, text in self.given.items()}
-        scenario = self.asked.to_scenario()
+        scenario = self.request.to_scenario()
         call = AnalysisCall(self.name, self.function, own)
         try:
             return call.arguments(None, typed, scenario.to_dict())
@@ -181,12 +181,12 @@ class AnalysisRequest:
         own = options_of(self.function)
         unfit = set(unfit_options(self.function, own))
         words = ["latolato", "analyse", self.name.replace("_", "-")]
-        if self.asked.scenario:
-            words.append(self.asked.scenario)
+        if self.request.scenario:
+            words.append(self.request.scenario)
         laws = law_options()
-        asked = {n: v for n, v in (self.asked.options or {}).items() if v is not None}
-        run = {n: v for n, v in asked.items() if n in own and own[n].is_of_run}
-        law = {n: v for n, v in asked.items() if n not in unfit and n not in run}
+        request = {n: v for n, v in (self.request.options or {}).items() if v is not None}
+        run = {n: v for n, v in request.items() if n in own and own[n].is_of_run}
+        law = {n: v for n, v in request.items() if n not in unfit and n not in run}
         for name, value in {**law, **run, **self.given}.items():
             is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
             flag = "--" + name.replace("_", "-")
@@ -311,8 +311,8 @@ def prepare(given: Any) -> Job:
         lines = {"python": question.python(arguments), "command": question.command()}
         return pack({**about, **lines}, files)
 
-    asked = question.asked
-    sent = {"scenario": asked.scenario, "options": dict(asked.options or {})}
+    request = question.request
+    sent = {"scenario": request.scenario, "options": dict(request.options or {})}
     return Job("analyse", {**sent, "analysis": question.name, "given": question.given}, finish)
 
 
@@ -339,10 +339,10 @@ def compute(
         save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "found.svg")
         panels = panels_of(figure, result)
-    asked = question_of(question.name)
+    request = question_of(question.name)
     return {
         "analysis": question.name,
-        "verdict": asked.verdict(result),
+        "verdict": request.verdict(result),
         "lines": numbers_of(result),
         "panels": panels,
     }
