@@ -3,7 +3,7 @@
 import hashlib
 import re
 
-from latolato.app.files import STATIC
+from latolato.app import STATIC
 
 LISTED = re.compile(r"\| `(?P<file>[\w.]+)` .*`(?P<sum>[0-9a-f]{64})` \|")
 

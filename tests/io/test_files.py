@@ -292,6 +292,7 @@ def test_a_full_disk_gives_one_line_and_no_file(tmp_path, suffix):
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))\n"
         "from latolato.cli.main import main; sys.exit(main())"
     )
+    ll.load_scenario("zeno").simulate()  # keeps its machine code, which the limit would cut too
     # HDF5 would end with a segmentation fault here if it wrote the file itself
     command = ["simulate", "zeno", "--samples", "2000", "--output", f"run{suffix}"]
     done = subprocess.run(
