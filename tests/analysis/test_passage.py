@@ -61,7 +61,7 @@ def toy_times(system=TOY, **changed):
 def test_more_noise_starts_the_toy_sooner_and_a_trajectory_is_a_run():
     # rare passages: the waiting is long beside the dead time of a few seconds
     rare = toy_times(noise_strength=0.2, duration=60.0, trajectories=200)
-    assert rare.status.item() == "activated"
+    assert rare.status.item() == "passed"
     assert 0.0 < rare.passage_fraction < 0.1
     weak, strong = (toy_times(noise_strength=s) for s in (1.2, 3.0))
     assert strong.mean_first_passage_time < weak.mean_first_passage_time
@@ -96,7 +96,7 @@ def test_unequal_balls_hang_where_their_torques_balance():
 def test_weak_noise_starts_nothing_and_says_so():
     with pytest.warns(RuntimeWarning, match="no trajectory of 5 reached 0.5 rad within 2 s"):
         found = toy_times(noise_strength=1e-6, duration=2.0, trajectories=5)
-    assert found.status.item() == "none activated"
+    assert found.status.item() == "none passed"
     assert math.isnan(found.mean_first_passage_time.item())
     # exp(-waited/mean) = 5 % at the bound
     assert found.mean_first_passage_time_low.item() == pytest.approx(

@@ -14,6 +14,7 @@ from latolato.experiment.trial_table import (
     COLUMNS,
     class_of,
     is_borderline,
+    parse_trials,
     read_trials,
     sets_of,
     trial_table,
@@ -227,3 +228,13 @@ def test_the_command_writes_the_table_and_tells_of_bad_files(folder, tmp_path, c
     assert main(["trials", str(folder), "--output", str(tmp_path / "t.txt")]) == 2
     assert main(["trials", str(folder), "--pivot", "here"]) == 2
     assert main(["trials", str(folder), "--balls", "2", "--ball", "1,2"]) == 2
+
+
+def test_the_deviation_of_the_settled_angle_makes_a_trial_borderline():
+    header = "drive_amplitude,frequency_ratio,largest_angle,largest_angle_sigma,"
+    header += "largest_angle_after_transient,largest_angle_after_transient_sigma\n"
+    # 0.78 rad lies 0.005 below the limit of weak motion.
+    sure, unsure = (f"0.02,2.0,1.0,0.01,0.78,{sigma}\n" for sigma in (0.001, 0.05))
+    assert parse_trials(header + sure + unsure).borderline.values.tolist() == [0, 1]
+    with pytest.raises(ll.InputError, match="is called largest_angle_after_transient now"):
+        parse_trials((header + sure).replace("largest_angle_after_transient", "stabilised_angle"))

@@ -140,7 +140,9 @@ def hysteresis(
     checked_drive(drive)
     if not isinstance(drive, PeriodicDrive):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(f"{name} drive has no frequency to sweep: give a Harmonic one")
+        raise InputError(
+            f"{name} drive has no frequency to sweep: give one with a period, such as Harmonic"
+        )
     ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
         raise InputError(

@@ -265,7 +265,9 @@ def time_crystal(
     checked_drive(drive)
     if not isinstance(drive, PeriodicDrive):
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(f"{name} drive has no single period to count in: give a Harmonic one")
+        raise InputError(
+            f"{name} drive has no single period to count in: give one that has, such as Harmonic"
+        )
     ratios = _listed("frequency_ratio", frequency_ratio)
     if ratios is None:
         ratios = [drive.drive_frequency / system.natural_frequency]

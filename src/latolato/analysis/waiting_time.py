@@ -25,7 +25,7 @@ from latolato.sweeps import sweep
 if TYPE_CHECKING:
     import xarray as xr
 
-ACTIVATED, NONE = "activated", "none activated"
+PASSED, NONE = "passed", "none passed"
 DELAYED, AT_ONCE = "not exponential", "all at once"
 # Exponential waiting times leave so long a beginning without a passage this rarely.
 _UNLIKELY = 1e-3
@@ -33,15 +33,15 @@ _CONFIDENCE = 0.95
 
 _QUANTITIES = {
     "trajectory": Quantity("1", "k", "number of the trajectory, which is its random stream"),
-    "mean_first_passage_time": Quantity("s", r"\tau", "mean activation time"),
+    "mean_first_passage_time": Quantity("s", r"\tau", "mean first-passage time"),
     "mean_first_passage_time_error": Quantity(
-        "s", r"\Delta\tau", "standard error of the mean activation time"
+        "s", r"\Delta\tau", "standard error of the mean first-passage time"
     ),
     "mean_first_passage_time_low": Quantity("s", r"\tau_-", "lower end of its 95 % interval"),
     "mean_first_passage_time_high": Quantity("s", r"\tau_+", "upper end of its 95 % interval"),
-    "passage_fraction": Quantity("1", "p", "fraction activated within the duration"),
+    "passage_fraction": Quantity("1", "p", "fraction that passes within the duration"),
     "passage_fraction_error": Quantity("1", r"\Delta p", "its standard error"),
-    "status": Quantity("1", "", "whether a mean can be told"),
+    "status": Quantity("1", "", "whether the mean is known"),
 }
 
 
@@ -145,9 +145,9 @@ def first_passage_time(
     xarray.Dataset
         ``first_passage`` over ``trajectory`` (NaN where the threshold was not reached; trajectory k
         is the run with ``VelocityKicks(..., noise_stream=k)``), ``mean_first_passage_time``
-        with error and 95 % interval, ``passage_fraction`` with error, and ``status``: "activated";
+        with error and 95 % interval, ``passage_fraction`` with error, and ``status``: "passed";
         "not exponential" (no passage for so long at the beginning as exponential waiting times show
-        once in a thousand ensembles); "none activated" (the mean is NaN, only the lower end is
+        once in a thousand ensembles); "none passed" (the mean is NaN, only the lower end is
         known); "all at once" (every passage within 1 % of the same time: drift, not noise, and no
         mean waiting time).
 
@@ -243,9 +243,9 @@ def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
     k, n = len(passed), len(times)
     mean = censored_mean(float(passed.sum()) + (n - k) * end, k)
     share = k / n if n else math.nan
-    # Wilson (1927) at one standard deviation: right also where all or none are activated.
+    # Wilson (1927) at one standard deviation: right also where all or none pass.
     spread = math.sqrt(share * (1.0 - share) / n + 0.25 / n**2) / (1.0 + 1.0 / n) if n else math.nan
-    status = ACTIVATED if k else NONE
+    status = PASSED if k else NONE
     if k and math.exp(-n * float(passed.min()) / mean.mean) < _UNLIKELY:
         status = DELAYED
     if k > 1 and k == n and np.ptp(passed) <= 0.01 * passed.mean():

@@ -63,7 +63,7 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             result = function(job["given"], Path(job["folder"]), progress)
     except Exception as error:
         if isinstance(error, InputError):
-            tell({"error": error.sentence, "parameter": error.parameter})
+            tell({"error": error.worded("{parameter}"), "parameter": error.parameter})
         else:
             tell({"error": said_of(error)})
     else:

@@ -17,6 +17,8 @@ from latolato.scenario.analysis_call import AnalysisCall, axes_of, unfit_options
 class AnalysisGroup(RegistryGroup):
     """The commands of the registered analyses."""
 
+    kind = "analysis"
+
     def entries(self) -> Mapping[str, Any]:
         """Return the analyses."""
         from latolato.analysis import analyses

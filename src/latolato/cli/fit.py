@@ -28,6 +28,8 @@ TableArgument = Annotated[
 class FitGroup(RegistryGroup):
     """The commands of the registered fits."""
 
+    kind = "fit"
+
     def entries(self) -> Mapping[str, FitKind]:
         """Return the fits."""
         from latolato.experiment.fits import fits

@@ -5,12 +5,14 @@ from __future__ import annotations
 import inspect
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
 
 from latolato.cli.options import EachOptionOnce, with_law_options
+from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 
 if TYPE_CHECKING:
     from latolato.scenario.analysis_options import AnalysisOption
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 
 class RegistryGroup(TyperGroup):
     """The commands of the entries of a registry; nothing is imported before one is asked for."""
+
+    # What an entry is called.
+    kind: ClassVar[str]
 
     @abstractmethod
     def entries(self) -> Mapping[str, Any]:
@@ -42,7 +47,9 @@ class RegistryGroup(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return what is to be run, or raise InputError with the closest known name."""
-        self.entries()[args[0].replace("-", "_")]
+        known = self.list_commands(ctx)
+        if args[0].replace("_", "-") not in known:
+            raise InputError(f"unknown {self.kind} '{args[0]}': {suggest(args[0], known)}")
         return super().resolve_command(ctx, args)
 
 

@@ -34,7 +34,7 @@ def trials(
     transient: Annotated[
         str | None,
         typer.Option(
-            help="Time after which the angle counts as stabilised, in s; by default the last "
+            help="Time after which the angle counts as settled, in s; by default the last "
             "third of the record counts.",
             show_default=False,
         ),

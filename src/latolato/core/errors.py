@@ -60,19 +60,17 @@ class InputError(ValueError):
         self.has_value = value is not _NOT_GIVEN
         self.way_out = way_out
 
-    @property
-    def sentence(self) -> str:
-        """The whole text, with ``{parameter}`` in place of the parameter's name."""
-        is_whole = self.parameter is None or _NAME in self.rule
-        text = self.rule if is_whole else f"{_NAME} {self.rule}"
+    def worded(self, name: str | None) -> str:
+        """Return the whole text on one line, with this name for the parameter."""
+        text = self.rule
+        if self.parameter is not None:
+            is_whole = _NAME in self.rule
+            text = self.rule.replace(_NAME, str(name)) if is_whole else f"{name} {self.rule}"
         if self.has_value:
             value = f"{self.value:.9g}" if isinstance(self.value, float) else repr(self.value)
             text += f", got {value}"
-        return text if self.way_out is None else f"{text}; {self.way_out}"
-
-    def worded(self, name: str | None) -> str:
-        """Return the whole text on one line, with another name for the parameter."""
-        text = self.sentence if name is None else self.sentence.replace(_NAME, name)
+        if self.way_out is not None:
+            text += f"; {self.way_out}"
         return " ".join(text.split())
 
     def __str__(self) -> str:

@@ -29,7 +29,7 @@ BORDERLINE = 3.0
 TEXTS = {
     "set": "set of trials with the same driving amplitude",
     "source": "file that the trial is from",
-    "class": "class of motion: none, weak (45 deg lasting) or strong (90 deg at any time)",
+    "class": "class of motion: none, weak (settled at 45 deg) or strong (90 deg at any time)",
     "set_by": "how the set was decided: folder, amplitude or given",
     "note": "what to know of the trial",
 }
@@ -54,7 +54,7 @@ def limits() -> tuple[float, float]:
     return law.weak_angle, law.strong_angle
 
 
-def class_of(largest: Any, stabilised: Any) -> Any:
+def class_of(largest: Any, settled: Any) -> Any:
     """Return the class as sweeps number it: 2 strong, 1 weak, 0 none; element by element.
 
     Examples
@@ -63,9 +63,7 @@ def class_of(largest: Any, stabilised: Any) -> Any:
     [0, 1, 2]
     """
     weak, strong = limits()
-    return np.where(
-        np.asarray(largest) >= strong, 2, np.where(np.asarray(stabilised) >= weak, 1, 0)
-    )
+    return np.where(np.asarray(largest) >= strong, 2, np.where(np.asarray(settled) >= weak, 1, 0))
 
 
 def is_borderline(largest: Any, largest_sigma: Any, lasting: Any, lasting_sigma: Any) -> Any:
@@ -157,7 +155,10 @@ def trial_table(
     given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
     largest = given.setdefault("largest_angle", unknown.copy())
     lasting = given.setdefault("largest_angle_after_transient", unknown.copy())
-    sigmas = [given.get(f"{name}_angle_sigma", unknown) for name in ("largest", "stabilised")]
+    sigmas = [
+        given.get(f"{name}_sigma", unknown)
+        for name in ("largest_angle", "largest_angle_after_transient")
+    ]
     if "class" not in given:
         if not (np.isfinite(largest) & np.isfinite(lasting)).all():
             raise InputError(
@@ -350,6 +351,11 @@ def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
     if not rows:
         raise InputError("it holds no columns")
     names = [name.strip() for name in rows[0]]
+    if "stabilised_angle" in names:  # as tables were written before
+        raise InputError(
+            "the column stabilised_angle is called largest_angle_after_transient now",
+            way_out="rename it, and its _sigma",
+        )
     columns: dict[str, Any] = {}
     for number, row in enumerate(rows[1:], start=1):
         if len(row) != len(names):

@@ -20,7 +20,7 @@ _AFTER = 1.3
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
-    """Return two panels: the fraction activated, and those still at rest on a logarithmic scale."""
+    """Return two panels: the fraction that has passed, and on a logarithmic scale that at rest."""
     figure, panels = style.new_figure(1, 2, height=2.6)
     end = float(dataset.attrs["duration"])
     passages = dataset.first_passage.values
@@ -34,9 +34,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     mean, low, high = (
         float(dataset[f"mean_first_passage_time{tail}"]) for tail in ("", "_low", "_high")
     )
-    for axis, letter, title in zip(
-        panels[0], "ab", ("activated", "not yet activated"), strict=True
-    ):
+    for axis, letter, title in zip(panels[0], "ab", ("passed", "not yet passed"), strict=True):
         is_left = letter == "b"
         values = 1.0 - share if is_left else share
         if np.isfinite(low):
@@ -66,7 +64,7 @@ def verdict(dataset: xr.Dataset) -> str:
     status, share = str(dataset["status"].item()), float(dataset["passage_fraction"])
     angle = degrees(dataset.attrs["threshold_angle"])
     mean = float(dataset["mean_first_passage_time"])
-    if status == "none activated":
+    if status == "none passed":
         return (
             f"None reached {angle}: on average it takes more than "
             f"{number(float(dataset['mean_first_passage_time_low']))} s."

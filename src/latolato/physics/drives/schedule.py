@@ -89,8 +89,9 @@ class FrequencySchedule(Drive):
         rates = checked_array("drive_frequencies", self.drive_frequencies, NON_NEGATIVE, 1)
         if len(times) != len(rates):
             raise InputError(
-                f"times and drive_frequencies must be of one length, got {len(times)} and "
-                f"{len(rates)}"
+                "{parameter} and drive_frequencies must be of one length, got "
+                f"{len(times)} and {len(rates)}",
+                parameter="times",
             )
         if not isinstance(self.step_impulse, bool):
             raise InputError(

@@ -74,7 +74,10 @@ class StagedHarmonic(Drive):
         }
         if len({len(column) for column in columns.values()}) > 1:
             result = ", ".join(str(len(column)) for column in columns.values())
-            raise InputError(f"{', '.join(columns)} must be of one length, got {result}")
+            others = ", ".join(name for name in columns if name != "times")
+            raise InputError(
+                f"{{parameter}}, {others} must be of one length, got {result}", parameter="times"
+            )
         if columns["times"][0] != 0.0:
             raise InputError(
                 f"must begin with 0, got {columns['times'][0]:g}",

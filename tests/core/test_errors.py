@@ -1,0 +1,18 @@
+"""An error of input is made of its parts."""
+
+import pickle
+
+from latolato.core.errors import InputError
+
+
+def test_a_name_in_a_value_stays_what_was_given():
+    error = InputError("must be a number", parameter="length", value="{parameter}")
+    assert str(error) == "length must be a number, got '{parameter}'"
+    whole = InputError("Ball needs '{parameter}' [m]", parameter="length", way_out="give it")
+    assert str(whole) == "Ball needs 'length' [m]; give it"
+    assert whole.worded("the length") == "Ball needs 'the length' [m]; give it"
+
+
+def test_its_parts_survive_a_process():
+    error = pickle.loads(pickle.dumps(InputError("must be less", parameter="mass", value=2.0)))
+    assert (error.parameter, error.value, str(error)) == ("mass", 2.0, "mass must be less, got 2")
