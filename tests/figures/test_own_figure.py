@@ -1,4 +1,4 @@
-"""What CONTRIBUTING.md says of a new figure, followed word for word."""
+"""The steps of CONTRIBUTING.md for a new figure, followed word for word."""
 
 import importlib
 import re

@@ -106,7 +106,7 @@ def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
 
 
 def summarise(table: xr.Dataset) -> dict[str, Any]:
-    """Return what a summary says of a video: its size in time and the clicks in it."""
+    """Return the summary of a video: its size in time and the clicks in it."""
     attrs = table.attrs
     balls = 2 if "angle_2" in table else 1
     clicks = [[attrs[f"ball_{i}_pixel_{axis}"] for axis in "uv"] for i in range(1, balls + 1)]

@@ -1,4 +1,4 @@
-"""What a page says of a video: places in pixels and quantities with units, checked."""
+"""The description of a video on a page: places in pixels and quantities with units, checked."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name
 
 @dataclass(frozen=True, kw_only=True)
 class Description:
-    """What a page says of a video, in SI units and pixels; None is unknown."""
+    """The description of a video on a page, in SI units and pixels; None is unknown."""
 
     pivot: tuple[float, float] | None = None
     balls: tuple[tuple[float, float], ...] = ()

@@ -70,7 +70,7 @@ def verdict(dataset: xr.Dataset) -> str:
     where = [name for name in ("bottom", "top") if (side == name).any()]
     rate = float(dataset["impacts_per_period"])
     phases = dataset["impact_phase"].values
-    # On the circle, a little coarser than the drive's phase is told.
+    # On the circle, a little coarser than the drive's phase is stored.
     places = np.unique(np.round(np.exp(1j * phases), 2)).size
     steady = places <= 12
     text = f"The balls clack {times(rate, 'time')} per shake, at the {listed(where)}"
