@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -22,9 +23,10 @@ from latolato.analysis.summary import as_lines, summarise
 from latolato.cli.analyse import AnalysisCall, Targets
 from latolato.cli.analyse import run as run_question
 from latolato.cli.main import app, main
+from latolato.core.parameters import UnitOf, parameter_texts
 from latolato.core.quantities import Quantity
 from latolato.io.progress import working
-from latolato.scenario.analysis_options import LAWS, options_of, parameter_texts, summary_of
+from latolato.scenario.analysis_options import LAWS, options_of, read_value, summary_of
 
 PENDULUM = ["--system", "pendulum", "--length", "1 m", "--mass", "800 g", "--damping", "0.05"]
 SHAKE = ["--drive-amplitude", "5 cm", "--drive-frequency", "6"]
@@ -68,7 +70,7 @@ def example(
     system,
     drive=None,
     *,
-    low: float,
+    low: Annotated[float, UnitOf("parameter")],
     parameter: str = "drive_amplitude",
     dwell_times: Sequence[float] | None = None,
     counts: Sequence[int] = (1, 2),
@@ -101,7 +103,7 @@ def example(
     check : bool
         Also check.
     most : int, optional
-        As in `floquet`, whose text on it is used.
+        A number.
 
     Returns
     -------
@@ -187,19 +189,19 @@ def test_options_are_made_from_the_signature_and_from_the_docstring():
         "low", "parameter", "dwell_times", "counts", "names", "noise_strength", "either", "check",
         "most", "duration",
     }  # fmt: skip
-    assert own["low"].unit is None
+    assert own["low"].unit_of == "parameter"
     assert own["low"].is_required
     assert own["dwell_times"].unit == "s"
     assert own["noise_strength"].unit == "rad/s^(3/2)"
     assert own["dwell_times"].description == "how long, in [0, 1]"
-    assert own["dwell_times"].value("0 : 1 : 3 s", "s") == [0.0, 0.5, 1.0]
-    assert own["dwell_times"].value("250 ms", "s") == [0.25]
-    assert own["counts"].value("3, 4", "1") == [3, 4]
-    assert own["names"].value("a, b", "1") == ["a", "b"]
-    assert own["either"].value("2", "1") == 2.0
-    assert own["either"].value("2, 3", "1") == [2.0, 3.0]
+    assert read_value(own["dwell_times"], "0 : 1 : 3 s") == [0.0, 0.5, 1.0]
+    assert read_value(own["dwell_times"], "250 ms") == [0.25]
+    assert read_value(own["counts"], "3, 4") == [3, 4]
+    assert read_value(own["names"], "a, b") == ["a", "b"]
+    assert read_value(own["either"], "2") == 2.0
+    assert read_value(own["either"], "2, 3") == [2.0, 3.0]
     with pytest.raises(ValueError, match="counts must be whole numbers"):
-        own["counts"].value("1.5, 2", "1")
+        read_value(own["counts"], "1.5, 2")
     assert parameter_texts(inspect.getdoc(example))["either"] == "Two things."
     assert summary_of(example) == "What example (1/s) was given, low (rad) and others."
 

@@ -3,6 +3,7 @@
 import json
 import sys
 from types import SimpleNamespace
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -23,7 +24,13 @@ from latolato.figures.fits import draw_curve
 from track_tables import decay_table
 
 
-def fit_rest(table, *, mass: float | None = None, ball: int = 1, start: float | None = None):
+def fit_rest(
+    table,
+    *,
+    mass: float | None = None,
+    ball: int = 1,
+    start: Annotated[float | None, "s"] = None,
+):
     """Return where a ball hangs on average.
 
     The mean of all samples.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,21 +55,21 @@ def basins(
     system: System,
     drive: Drive | None = None,
     *,
-    angle_low: float | None = None,
-    angle_high: float | None = None,
+    angle_low: Annotated[float | None, "rad"] = None,
+    angle_high: Annotated[float | None, "rad"] = None,
     angle_points: int = 100,
-    velocity_low: float | None = None,
-    velocity_high: float | None = None,
+    velocity_low: Annotated[float | None, "rad/s"] = None,
+    velocity_high: Annotated[float | None, "rad/s"] = None,
     velocity_points: int = 100,
-    asymmetry: float = 0.0,
+    asymmetry: Annotated[float, "rad"] = 0.0,
     transient_periods: float = 500.0,
     longest: int = 16,
-    angle_tolerance: float = 1e-4,
-    match_tolerance: float = 0.01,
-    chaos_box: float = 0.1,
+    angle_tolerance: Annotated[float, "rad"] = 1e-4,
+    match_tolerance: Annotated[float, "rad"] = 0.01,
+    chaos_box: Annotated[float, "rad"] = 0.1,
     entropy_box: int = 5,
     tolerance: float = 1e-6,
-    check_tolerance: float | None = None,
+    check_tolerance: Annotated[float | None, "rad"] = None,
     rest_speed: float = DEFAULT_REST_SPEED,
     known: xr.Dataset | None = None,
 ) -> xr.Dataset:

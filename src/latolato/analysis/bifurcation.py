@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from latolato.analysis.stroboscopic import (
     settled_motion,
 )
 from latolato.core.errors import InputError
+from latolato.core.parameters import UnitOf
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
@@ -43,8 +44,8 @@ def bifurcation_diagram(
     drive: Drive | None = None,
     *,
     parameter: str,
-    low: float,
-    high: float,
+    low: Annotated[float, UnitOf("parameter")],
+    high: Annotated[float, UnitOf("parameter")],
     points: int = 201,
     direction: Literal["both", "up", "down"] = "both",
     initial_angle: float | Sequence[float] | None = None,
@@ -52,7 +53,7 @@ def bifurcation_diagram(
     initial_offset: float | None = None,
     transient_periods: float = 200.0,
     longest: int = 16,
-    angle_tolerance: float = 1e-4,
+    angle_tolerance: Annotated[float, "rad"] = 1e-4,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:

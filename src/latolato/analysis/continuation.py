@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from latolato.analysis.multipliers import smallest_period, told_of_period
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
+from latolato.core.parameters import UnitOf
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
@@ -42,8 +43,8 @@ def continue_orbit(
     drive: Drive | None = None,
     *,
     parameter: str = "frequency_ratio",
-    low: float,
-    high: float,
+    low: Annotated[float, UnitOf("parameter")],
+    high: Annotated[float, UnitOf("parameter")],
     direction: Literal["up", "down"] = "up",
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
@@ -68,7 +69,7 @@ def continue_orbit(
     low, high : float
         Where the branch is followed, in the parameter's unit.
     direction : {"up", "down"}
-        ``up`` or ``down``: where the parameter goes at first; a fold may turn it round.
+        Where the parameter goes at first; a fold may turn it round.
     initial_angle, initial_angular_velocity, initial_offset, period
         Guess of the first orbit, as of `floquet`.
     points : int

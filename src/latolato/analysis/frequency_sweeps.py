@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,9 +54,9 @@ def hysteresis(
     frequency_ratio: Sequence[float] | None = None,
     drive_amplitude: Sequence[float] | None = None,
     duration: float = 60.0,
-    transient: float | None = None,
-    least_jump: float = 0.1,
-    least_motion: float = 1e-3,
+    transient: Annotated[float | None, "s"] = None,
+    least_jump: Annotated[float, "rad"] = 0.1,
+    least_motion: Annotated[float, "rad"] = 1e-3,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def lyapunov_spectrum(
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
     duration: float = 1000.0,
-    transient: float | None = None,
+    transient: Annotated[float | None, "s"] = None,
     contact: str | None = "exact",
     tolerance: float = 1e-9,
     rest_speed: float = DEFAULT_REST_SPEED,

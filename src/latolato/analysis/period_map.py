@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ def response_period_map(
     initial_offset: float | None = None,
     transient_periods: float = 500.0,
     longest: int = 16,
-    angle_tolerance: float = 1e-4,
+    angle_tolerance: Annotated[float, "rad"] = 1e-4,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -57,9 +57,15 @@ def response_period_map(
         A0 [m], at least 0.
     frequency_ratio : sequence of float
         w/w0 [1], positive.
-    initial_angle, initial_angular_velocity, initial_offset, transient_periods, longest, \
-angle_tolerance, tolerance, rest_speed
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
         As in `response_period`, the same for all cells.
+    transient_periods : float
+        Drive periods before the motion is watched, at least 0.
+    longest : int
+        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        drive periods are watched.
+    angle_tolerance : float
+        Distance below which two samples agree [rad], in (0, 1].
 
     Returns
     -------

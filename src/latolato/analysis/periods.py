@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import (
@@ -33,7 +33,7 @@ def response_period(
     initial_offset: float | None = None,
     transient_periods: float = 500.0,
     longest: int = 16,
-    angle_tolerance: float = 1e-4,
+    angle_tolerance: Annotated[float, "rad"] = 1e-4,
     tolerance: float = 1e-8,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,11 +92,11 @@ def shortest_protocol(
     frequency_ratio: float | None = None,
     first_frequency_ratio: Sequence[float] | None = None,
     dwell_time: Sequence[float] | None = None,
-    push: Sequence[float] | None = None,
+    push: Annotated[Sequence[float] | None, "rad/s"] = None,
     ramp: float = 0.0,
     phases: int = 8,
     required_share: float = 0.5,
-    settling: float = 40.0,
+    settling: Annotated[float, "s"] = 40.0,
     threshold_angle: float | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from latolato.analysis.stroboscopic import (
     run_samples,
 )
 from latolato.core.errors import InputError
+from latolato.core.parameters import UnitOf
 from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
 from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.numerics.records import EVENT_LIMIT
@@ -47,10 +48,10 @@ def first_push(
     frequency_ratio: Sequence[float],
     drive_phase: Sequence[float] = (0.0,),
     push: Literal["initial_angular_velocity", "initial_offset"] = "initial_angular_velocity",
-    largest_push: float | None = None,
+    largest_push: Annotated[float | None, UnitOf("push")] = None,
     scan_points: int = 100,
     refinements: int = 3,
-    sustained_angle: float = 0.1,
+    sustained_angle: Annotated[float, "rad"] = 0.1,
     transient_periods: float = 300.0,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def poincare_section(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    section_phase: float = 0.0,
+    section_phase: Annotated[float, "rad"] = 0.0,
     periods: int = 1000,
     transient_periods: float = 500.0,
     tolerance: float = 1e-9,

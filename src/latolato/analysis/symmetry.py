@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def pair_symmetry(
     drive_amplitude: Sequence[float] | None = None,
     frequency_ratio: Sequence[float] | None = None,
     duration: float = 300.0,
-    transient: float = 50.0,
+    transient: Annotated[float, "s"] = 50.0,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:

@@ -16,9 +16,9 @@ from latolato.cli.registered import RegistryGroup, command_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from latolato.core.parameters import Parameter
     from latolato.experiment.fits.registry import FitKind
     from latolato.experiment.fits.result import Fit
-    from latolato.scenario.analysis_options import AnalysisOption
 
 TableArgument = Annotated[
     Path, typer.Argument(help="Track table: .csv, .parquet or .nc.", show_default=False)
@@ -77,16 +77,18 @@ def read(path: Path, columns: Mapping[str, str] | None) -> xr.Dataset:
 
 
 def arguments_of(
-    kind: FitKind, own: Mapping[str, AnalysisOption], given: Mapping[str, Any]
+    kind: FitKind, own: Mapping[str, Parameter], given: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the arguments of a fit that options give."""
+    from latolato.scenario.analysis_options import read_value
+
     arguments = {
-        name: option.value(given[name], option.unit or "1")
+        name: read_value(option, given[name])
         for name, option in own.items()
         if given.get(name) is not None
     }
     for name, option in own.items():
-        if option.is_sequence and option.kind is str and name in arguments:
+        if option.several and option.kind is str and name in arguments:
             # Names of parameters, which options spell with dashes.
             arguments[name] = [text.replace("-", "_") for text in arguments[name]]
     if "system" in kind.parameters:

@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.scenario.options import law_options
 
 # What typer raises for wrong options; its name has moved between versions.
@@ -102,34 +103,40 @@ def place_of(flag: str, text: str) -> tuple[float, float]:
     return u, v
 
 
+def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspect.Parameter:
+    """Return the argument from which typer makes an option; quantities come as texts."""
+    typed: Any = str
+    if parameter.several and parameter.kind is str:
+        typed = list[str]  # given several times
+    elif parameter.kind in (bool, int) and not parameter.several:
+        typed = parameter.kind
+    flag, unit = parameter.flag, parameter.unit
+    about = typer.Option(
+        f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
+        help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
+        rich_help_panel=panel,
+        show_default=False,
+        metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
+    )
+    return inspect.Parameter(
+        parameter.name,
+        inspect.Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[typed | None, about],
+    )
+
+
 def with_law_options(
     command: Callable[..., None], without: Sequence[str] = ()
 ) -> Callable[..., None]:
     """Return a command whose keyword arguments are spelled out as options."""
-    panels = {"system": "System", "drive": "Drive", "run": "Run", "noise": "Noise"}
     signature = inspect.signature(command, eval_str=True)
     parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    for option in law_options().values():
-        if option.name in without:
-            continue
-        flag = "--" + option.name.replace("_", "-")
-        typed: Any = option.kind if option.kind in (bool, int) else str
-        unit = f", in {option.unit}" if option.unit not in ("", "1") else ""
-        about = typer.Option(
-            flag,
-            help=f"{option.help}{unit}",
-            rich_help_panel=panels[option.owner],
-            show_default=False,
-            metavar=None if option.kind is bool else "VALUES" if option.several else "VALUE",
-        )
-        parameters.append(
-            inspect.Parameter(
-                option.name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=None,
-                annotation=Annotated[typed | None, about],
-            )
-        )
+    parameters += [
+        option_of(option, option.owner.title())
+        for option in law_options().values()
+        if option.name not in without
+    ]
 
     @functools.wraps(command)
     def spelled_out(*args: Any, **kwargs: Any) -> None:

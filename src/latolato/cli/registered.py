@@ -5,17 +5,16 @@ from __future__ import annotations
 import inspect
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
 
-from latolato.cli.options import EachOptionOnce, with_law_options
+from latolato.cli.options import EachOptionOnce, option_of, with_law_options
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.registry import suggest
-
-if TYPE_CHECKING:
-    from latolato.scenario.analysis_options import AnalysisOption
+from latolato.scenario.options import law_options
 
 
 class RegistryGroup(TyperGroup):
@@ -53,34 +52,25 @@ class RegistryGroup(TyperGroup):
         return super().resolve_command(ctx, args)
 
 
-def parameter_of(option: AnalysisOption, panel: str | None) -> inspect.Parameter:
-    """Return the parameter of a command from which typer makes an option."""
-    typed: Any = str
-    if option.is_sequence and option.kind is str:
-        typed = list[str]  # given several times
-    elif option.kind in (bool, int) and not option.is_sequence:
-        typed = option.kind
-    metavar = "VALUES" if option.is_sequence else "VALUE"
-    about = typer.Option(
-        f"{option.flag}/--no-{option.flag[2:]}" if typed is bool else option.flag,
-        help=option.help(),
-        rich_help_panel="Start and run" if option.is_of_run else panel,
-        show_default=False,
-        metavar=None if typed is bool else metavar,
-    )
-    return inspect.Parameter(
-        option.name,
-        inspect.Parameter.KEYWORD_ONLY,
-        default=None,
-        annotation=Annotated[typed | None, about],
-    )
+def _note(option: Parameter) -> str:
+    """Return what is said about an option that is left out."""
+    if option.is_required:
+        has_law = option.name in law_options() and not option.several
+        return "; by default the scenario's" if has_law else "; needed"
+    if option.default is None or option.kind is bool:
+        return ""
+    several = isinstance(option.default, (list, tuple))
+    values = option.default if several else [option.default]
+    text = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values)
+    of_run = "the scenario's, else " if option.owner == "run" else ""
+    return f"; by default {of_run}{text}"
 
 
 def command_of(
     name: str,
     function: Callable[..., Any],
     run: Callable[..., None],
-    own: Mapping[str, AnalysisOption],
+    own: Mapping[str, Parameter],
     *,
     panel: str | None = None,
     without: Sequence[str],
@@ -95,7 +85,7 @@ def command_of(
         Its docstring becomes the help.
     run : callable
         Does the work: takes an argument, options of its own, and all others as keywords.
-    own : mapping of str to AnalysisOption
+    own : mapping of str to Parameter
         The options of the function.
     panel : str, optional
         The heading of these in the help.
@@ -106,7 +96,10 @@ def command_of(
 
     signature = inspect.signature(run, eval_str=True)
     first, *others, rest = signature.parameters.values()
-    options = sorted(own.values(), key=lambda option: option.is_of_run)
+    options = [
+        option_of(option, "Start and run" if option.owner == "run" else panel, _note(option))
+        for option in sorted(own.values(), key=lambda option: option.owner)
+    ]
 
     def command(**given: Any) -> None:
         several = {name: given[name] for name in own if isinstance(given[name], list)}
@@ -115,7 +108,7 @@ def command_of(
     command.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=[
             first.replace(kind=first.KEYWORD_ONLY),
-            *(parameter_of(option, panel) for option in options),
+            *options,
             *(each.replace(kind=each.KEYWORD_ONLY) for each in others),
             rest,
         ]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
-from typing import Any
+from types import SimpleNamespace, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from latolato.core.quantities import ANY, Quantity, Range
-from latolato.core.registry import types_of
+from latolato.core.quantities import ANY, QUANTITIES, Quantity, Range
+from latolato.core.registry import checked_number, types_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +21,7 @@ class Parameter:
     name : str
         Option, axis and attribute.
     owner : str
-        Table of a scenario that holds the value: system, drive, run or noise.
+        Table of a scenario that holds the value: system, drive, run, noise or sweep; "" for none.
     path : tuple of str
         Where the value stands below the owner.
     kind : type
@@ -30,12 +32,16 @@ class Parameter:
         Unit, symbol and long name; the unit is "" for a word, a switch or a plain count.
     allowed : Range
         Where the value may lie [SI].
-    several : bool
-        Whether it holds a list.
+    several, or_one : bool
+        Whether it holds a list, and whether one value alone may stand for it.
     for_each_ball : bool
         Whether two balls have a value each.
+    unit_of : str
+        The parameter that names the quantity whose unit this one has, "" if the unit is its own.
     choices : tuple of str
         The words that it may be; empty if any.
+    is_required : bool
+        Whether there is no default.
     default : object
         None where the value is needed, or may be left out.
     suggested : tuple of float, optional
@@ -43,15 +49,18 @@ class Parameter:
     """
 
     name: str
-    owner: str
-    path: tuple[str, ...]
     kind: type
     description: str
     quantity: Quantity
+    owner: str = ""
+    path: tuple[str, ...] = ()
     allowed: Range = ANY
     several: bool = False
+    or_one: bool = False
     for_each_ball: bool = False
+    unit_of: str = ""
     choices: tuple[str, ...] = ()
+    is_required: bool = False
     default: Any = None
     suggested: tuple[float, float] | None = None
 
@@ -66,10 +75,19 @@ class Parameter:
         return self.unit != "" and not self.several
 
     @property
+    def flag(self) -> str:
+        """How the option is typed."""
+        return "--" + self.name.replace("_", "-")
+
+    @property
     def help(self) -> str:
         """What it does, with the words that it may be."""
         words = f": {' or '.join(self.choices)}" if self.choices else ""
         return self.description + words
+
+    def checked(self, value: Any) -> float:
+        """Return a value as a float, or raise an `InputError` if it may not be that."""
+        return checked_number(self.name, value, self.allowed, self.unit)
 
 
 def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
@@ -109,6 +127,113 @@ def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
             allowed=about.get("range") or ANY,
             several=bool(about.get("array")),
             choices=tuple(about.get("choices", ())),
+            is_required=field.default is MISSING,
             default=None if field.default is MISSING else field.default,
             suggested=about.get("suggested"),
         )
+
+
+@dataclass(frozen=True)
+class UnitOf:
+    """Mark of a number in the unit of the quantity that another parameter names."""
+
+    parameter: str
+
+
+def function_parameters(
+    function: Callable[..., Any], without: Sequence[str] = ()
+) -> dict[str, Parameter]:
+    """Return the parameters of a function that can be typed, by name.
+
+    Kind and choices come from the annotations, the description from the docstring. The unit is that
+    of the quantity of this name, else the one of the annotation, as in ``Annotated[float, "rad"]``.
+
+    Raises
+    ------
+    TypeError
+        If a needed parameter has a kind that cannot be typed, such as a mapping.
+    """
+    texts = parameter_texts(inspect.getdoc(function) or "")
+    result = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if name in without:
+            continue
+        hint = _hint(parameter.annotation, function)
+        marks: dict[type, Any] = {type(mark): mark for mark in getattr(hint, "__metadata__", ())}
+        if get_origin(hint) is Annotated:
+            hint = get_args(hint)[0]
+        choices = get_args(hint) if get_origin(hint) is Literal else ()
+        is_needed = parameter.default is parameter.empty
+        single, several = (str, None) if choices else _kinds(hint)
+        kind = several or single
+        if kind is None:
+            if is_needed:
+                raise TypeError(f"{function.__name__} needs '{name}', which cannot be typed")
+            continue
+        words = name.replace("_", " ")
+        known = QUANTITIES.get(name) or QUANTITIES.get(name.removesuffix("s"))
+        unit = marks.get(str) or ("" if kind in (bool, str) else "1")
+        if known is None or kind is not float or str in marks:
+            known = Quantity(unit, "", words)
+        text = texts.get(name, "").replace(f" [{known.unit}]", "")
+        result[name] = Parameter(
+            name=name,
+            kind=kind,
+            description=text or words,
+            quantity=known,
+            allowed=marks.get(Range, ANY),
+            several=several is not None,
+            or_one=several is not None and single is not None,
+            unit_of=marks.get(UnitOf, UnitOf("")).parameter,
+            choices=choices,
+            is_required=is_needed,
+            default=None if is_needed else parameter.default,
+        )
+    return result
+
+
+def _hint(annotation: Any, function: Any) -> Any:
+    """Return the type that an annotation of a function names, None for one that is not known."""
+    holder = SimpleNamespace(__annotations__={"it": annotation})
+    scope = {"Sequence": Sequence, "Mapping": Mapping, "Callable": Callable, "Any": Any}
+    try:
+        return get_type_hints(holder, function.__globals__, scope, include_extras=True)["it"]
+    except NameError:
+        return None
+
+
+def _kinds(hint: Any) -> tuple[type | None, type | None]:
+    """Return the kinds of one value and of each of several, None for a kind that is not known."""
+    single: type | None = None
+    several: type | None = None
+    for part in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
+        origin = get_origin(part)
+        if part in (bool, int, float, str):
+            single = float if float in (part, single) else part
+        elif isinstance(origin, type) and issubclass(origin, Sequence):
+            several = next((kind for kind in get_args(part) if kind in (int, float, str)), None)
+        elif part is not type(None):
+            return None, None
+    return single, several
+
+
+def parameter_texts(docstring: str) -> dict[str, str]:
+    r"""Return what the section Parameters of a numpydoc docstring says, by name.
+
+    Examples
+    --------
+    >>> parameter_texts("Return.\n\nParameters\n----------\nlow, high : float\n    Ends [m].")
+    {'low': 'Ends [m].', 'high': 'Ends [m].'}
+    """
+    result: dict[str, str] = {}
+    names: list[str] = []
+    for line in docstring.partition("\nParameters\n----------\n")[2].splitlines():
+        if line.startswith("---"):  # below the title of the next section
+            del result[names[0]]
+            break
+        if line[:1].strip():
+            names = [name.strip() for name in line.partition(" : ")[0].split(",")]
+            result |= dict.fromkeys(names, "")
+        else:
+            result |= {name: f"{result[name]} {line.strip()}".strip() for name in names}
+    return result

@@ -9,9 +9,10 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
+from latolato.scenario.analysis_options import read_value
 
 if TYPE_CHECKING:
-    from latolato.scenario.analysis_options import AnalysisOption
+    from latolato.core.parameters import Parameter
     from latolato.scenario.scenario import Scenario
 
 # Entries of ``[sweep]`` that an analysis may take as well.
@@ -39,7 +40,7 @@ class AnalysisCall:
 
     name: str
     function: Callable[..., Any]
-    own: Mapping[str, AnalysisOption]
+    own: Mapping[str, Parameter]
 
     def arguments(
         self, source: str | None, given: Mapping[str, Any], tables: Tables | None = None
@@ -58,15 +59,15 @@ class AnalysisCall:
         if "times" in run:
             run.setdefault("duration", run["times"][-1])
         for name, option in self.own.items():
-            if option.is_of_run:
+            if option.owner == "run":
                 if name in run:
                     result[name] = run[name]
             elif given.get(name) is not None:
-                result[name] = option.value(given[name], self._unit(option, given, scenario))
+                result[name] = read_value(option, given[name], self._unit(option, given, scenario))
             elif name in kicks:
                 result[name] = kicks[name]
             elif name in sweep:
-                result[name] = option.value(sweep[name], option.unit or "1")
+                result[name] = read_value(option, sweep[name])
             elif option.is_required:
                 result[name] = self._needed(option, scenario)
         self._tell_left_out(scenario)
@@ -80,7 +81,7 @@ class AnalysisCall:
         from latolato.scenario.options import changes
         from latolato.scenario.scenario import Scenario, changed_tables, find
 
-        kept = {k: v for k, v in given.items() if k not in self.own or self.own[k].is_of_run}
+        kept = {k: v for k, v in given.items() if k not in self.own or self.own[k].owner == "run"}
         changed = changes(kept)
         path = find(source) if source is not None else None
         if path is None and tables is None and "kind" not in changed.get("system", {}):
@@ -93,30 +94,30 @@ class AnalysisCall:
         run = {k: v for k, v in tables.get("run", {}).items() if k not in ("samples", "frame")}
         tables["run"] = {k: sweep[k] for k in ("duration", "tolerance") if k in sweep} | run
         for name, option in self.own.items():
-            if given.get(name) is not None and not option.is_of_run:
+            if given.get(name) is not None and option.owner != "run":
                 _set_law(tables, option, given[name])
         scenario = Scenario.from_dict(tables, folder=folder)
         return scenario, {k: v for k, v in sweep.items() if k in _OF_SWEEP}
 
-    def _needed(self, option: AnalysisOption, scenario: Scenario) -> Any:
+    def _needed(self, option: Parameter, scenario: Scenario) -> Any:
         """Return a needed value from the laws of a scenario."""
         from latolato.analysis.flow import value_of
 
         drive = _moving(scenario)
-        if drive is not None and not option.is_sequence:
+        if drive is not None and not option.several:
             try:
                 return value_of(scenario.system, drive, option.name)
             except InputError:
                 pass
-        unit = f" [{option.unit}]" if option.unit not in (None, "1") else ""
-        example = ' "0 : 1 : 11"' if option.is_sequence else ""
+        unit = "" if option.unit == "1" or option.unit_of else f" [{option.unit}]"
+        example = ' "0 : 1 : 11"' if option.several else ""
         raise InputError(
             f"needs {option.name}{unit}: give {option.flag}{example}", parameter=self.name
         )
 
-    def _unit(self, option: AnalysisOption, given: Mapping[str, Any], scenario: Scenario) -> str:
+    def _unit(self, option: Parameter, given: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
-        if option.unit is not None:
+        if not option.unit_of:
             return option.unit
         from latolato.core.quantities import QUANTITIES
         from latolato.physics.drives import Harmonic
@@ -125,11 +126,8 @@ class AnalysisCall:
         drive = _moving(scenario) or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
         known = {n: p.quantity for n, p in parameters_of(scenario.system, drive).items()}
         known = QUANTITIES | known
-        for name, other in self.own.items():
-            named = given.get(name) if given.get(name) is not None else other.default
-            if other.kind is str and named in known:
-                return known[named].unit
-        return "1"
+        name = given.get(option.unit_of) or self.own[option.unit_of].default
+        return known[name].unit if name in known else "1"
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""
@@ -156,7 +154,7 @@ def _moving(scenario: Scenario) -> Any:
     return scenario.drive if scenario.drive.moves else None
 
 
-def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:
+def _set_law(tables: Tables, option: Parameter, given: Any) -> None:
     """Put the value of an option into the law of that name too, if the scenario has it.
 
     Of several values the first one stands there where the law has none: the analysis varies it.
@@ -176,12 +174,12 @@ def _set_law(tables: Tables, option: AnalysisOption, given: Any) -> None:
     target = RATIOS.get(option.name, option.name)
     if kind not in registry or target not in {f.name for f in fields(registry[kind])}:
         return
-    if not option.is_sequence:
+    if not option.several:
         tables |= overridden(tables, {part: {option.name: given}})
         return
     names = {target, *(ratio for ratio, plain in RATIOS.items() if plain == target)}
     if not names & tables[part].keys():
-        tables[part] = {**tables[part], option.name: option.value(given, option.unit or "1")[0]}
+        tables[part] = {**tables[part], option.name: read_value(option, given)[0]}
 
 
 def axes_of(source: str | None) -> list[str]:

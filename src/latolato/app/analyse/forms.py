@@ -15,7 +15,7 @@ from latolato.core.errors import InputError
 from latolato.figures.analyses.question import Cost, all_questions
 
 if TYPE_CHECKING:
-    from latolato.scenario.analysis_options import AnalysisOption
+    from latolato.core.parameters import Parameter
     from latolato.scenario.scenario import Scenario
 
 # Shares of the length between which amplitudes are scanned.
@@ -67,16 +67,16 @@ def forms() -> dict[str, Any]:
 
 def own_options(
     function: Callable[..., Any],
-) -> tuple[dict[str, AnalysisOption], dict[str, AnalysisOption]]:
+) -> tuple[dict[str, Parameter], dict[str, Parameter]]:
     """Return the options that the form of an analysis asks for, and those that are of the run."""
     from latolato.scenario.analysis_options import options_of
 
     both = options_of(function)
-    own = {n: o for n, o in both.items() if not o.is_of_run or n in ASKED_RUN}
+    own = {n: o for n, o in both.items() if o.owner != "run" or n in ASKED_RUN}
     return own, {n: o for n, o in both.items() if n not in own}
 
 
-def _option(option: AnalysisOption) -> dict[str, Any]:
+def _option(option: Parameter) -> dict[str, Any]:
     """Return how an option of an analysis is shown."""
     from latolato.figures.style import pretty_unit
 
@@ -86,9 +86,9 @@ def _option(option: AnalysisOption) -> dict[str, Any]:
     return {
         "label": label_of(option.name),
         "description": shown(_NAMES.sub(lambda n: label_of(n[0]).lower(), option.description)),
-        "unit": "" if option.unit in ("", "1") else option.unit and pretty_unit(option.unit),
+        "unit": None if option.unit_of else "" if option.unit == "1" else pretty_unit(option.unit),
         "kind": option.kind.__name__,
-        "several": option.is_sequence,
+        "several": option.several,
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
         "choices": {each: label_of(each) for each in option.choices},
@@ -193,7 +193,7 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
 
 
 def _settled(
-    cost: Cost, scenario: Scenario, own: Mapping[str, AnalysisOption], texts: Mapping[str, str]
+    cost: Cost, scenario: Scenario, own: Mapping[str, Parameter], texts: Mapping[str, str]
 ) -> dict[str, str]:
     """Return times in which motion settles, for analyses whose usual ones are too short for it."""
     ball = scenario.system.balls[0]

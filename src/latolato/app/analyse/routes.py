@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from latolato.scenario.analysis_options import AnalysisOption
+    from latolato.core.parameters import Parameter
 
 # Most steps of all motions together: minutes of work on two cores.
 MOST_STEPS = 1e10
@@ -185,7 +185,7 @@ class AnalysisRequest:
             words.append(self.request.scenario)
         laws = law_options()
         request = {n: v for n, v in (self.request.options or {}).items() if v is not None}
-        run = {n: v for n, v in request.items() if n in own and own[n].is_of_run}
+        run = {n: v for n, v in request.items() if n in own and own[n].owner == "run"}
         law = {n: v for n, v in request.items() if n not in unfit and n not in run}
         for name, value in {**law, **run, **self.given}.items():
             is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
@@ -201,7 +201,7 @@ class AnalysisRequest:
         return shlex.join(words)
 
 
-def _typed(option: AnalysisOption, text: str) -> Any:
+def _typed(option: Parameter, text: str) -> Any:
     """Return what the text of an option stands for; it never names a file.
 
     Raises
@@ -209,7 +209,7 @@ def _typed(option: AnalysisOption, text: str) -> Any:
     InputError
         If it is of another kind.
     """
-    if option.is_sequence:
+    if option.several:
         if ":" in text:
             match = _RANGE.fullmatch(text)
             if match is None or Path(text).is_file():
@@ -220,7 +220,7 @@ def _typed(option: AnalysisOption, text: str) -> Any:
         parts = [part.strip() for part in text.split(",") if part.strip()]
         if len(parts) > MOST_LISTED:
             raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
-        return parts[0] if option.is_single and len(parts) == 1 else parts
+        return parts[0] if option.or_one and len(parts) == 1 else parts
     if option.kind is bool:
         if text.lower() not in ("true", "false"):
             raise InputError(f"{option.name} must be true or false, got {text!r:.80}")
@@ -279,7 +279,7 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
         many *= _TWICE
     for name, option in own.items():
         value = known.get(name)
-        if option.is_sequence and not option.is_of_run and isinstance(value, (list, tuple)):
+        if option.several and option.owner != "run" and isinstance(value, (list, tuple)):
             many *= max(len(value), 1)
         elif value is None:
             many *= cost.lengths.get(name, 1)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
@@ -80,8 +80,8 @@ def fit_decay(
     law: str = "linear",
     gravity: float = GRAVITY,
     ball: int = 1,
-    start: float | None = None,
-    end: float | None = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
     compare: bool = True,
     profile: bool = True,
 ) -> Fit:
@@ -100,7 +100,7 @@ def fit_decay(
     radius : float, optional
         Radius of a solid ball [m]; `centre_length`, where its centre is, is then estimated too.
     method : {"both", "equation", "envelope"}
-        By the full equation, by the envelope of the turning points, or both.
+        Which models are fitted; the envelope is that of the turning points.
     law : str
         Drag of the equation: linear, quadratic, coulomb, sums with +, or best for the one with the
         least BIC.

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -52,8 +52,8 @@ def fit_drive(
     table: xr.Dataset,
     *,
     stages: int | None = None,
-    start: float | None = None,
-    end: float | None = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
     profile: bool = True,
 ) -> Fit:
     """Return amplitude, frequency and phase of the pivot's motion, its overtones and steps.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -50,9 +50,9 @@ def fit_model(
     vary: Sequence[str] | None = None,
     *,
     ball: int | None = None,
-    start: float | None = None,
-    end: float | None = None,
-    window: float | None = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
+    window: Annotated[float | None, "s"] = None,
     profile: bool = False,
 ) -> Fit:
     """Return the parameters of a system that describe measured angles best.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +54,8 @@ def fit_restitution(
     gravity: float = GRAVITY,
     drive: Drive | None = None,
     ball: int = 1,
-    start: float | None = None,
-    end: float | None = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
 ) -> Fit:
     """Return the coefficient of restitution of every impact that is seen, and of all together.
 
