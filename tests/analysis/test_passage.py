@@ -121,7 +121,7 @@ def test_drift_is_not_taken_for_activation():
     [
         ({"noise_strength": 0.0}, r"noise_strength must lie in \(0, inf\)"),
         ({"threshold_angle": 0.05}, "the start must lie below threshold_angle 0.05 rad"),
-        ({"trajectories": 0}, "trajectories must be a positive integer"),
+        ({"trajectories": 0}, "trajectories must lie in"),
         ({"duration": -1.0}, r"duration must lie in \(0, inf\)"),
     ],
 )

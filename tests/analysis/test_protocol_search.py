@@ -115,7 +115,7 @@ def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
         (TOY, DRIVE, {"dwell_time": [2.0, 1.0]}, "the values of dwell_time must be one or more"),
         (TOY, DRIVE, {"push": [0.0]}, "push must lie in"),
         (TOY, DRIVE, {"required_share": 1.5}, r"required_share must lie in \(0, 1\]"),
-        (TOY, DRIVE, {"phases": 0}, "phases must be a positive integer"),
+        (TOY, DRIVE, {"phases": 0}, "phases must lie in"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "a Mathieu system is linear"),
     ],
 )

@@ -261,7 +261,7 @@ BAD = [
         "must increase or decrease steadily to be followed; sort the values",
     ),
     ([*BOTH, "--executor", "thread"], "unknown executor 'thread': did you mean 'threads'?"),
-    ([*BOTH, "--workers", "0"], "workers must be a positive integer"),
+    ([*BOTH, "--workers", "0"], "workers must lie in [1, 2^63)"),
     ([*BOTH, "--executor", "reference", "--workers", "2"], "--workers belongs to executor threads"),
     ([*BOTH, "--address", "tcp://x:1"], "--address belongs to executor dask, not to threads"),
     ([*BOTH, "--output", "map.csv"], "the name of a map must end in .nc, .zarr"),

@@ -3,6 +3,7 @@
 import pickle
 
 from latolato.core.errors import InputError
+from latolato.scenario.tables import ForeignParameterError
 
 
 def test_a_name_in_a_value_stays_what_was_given():
@@ -14,5 +15,9 @@ def test_a_name_in_a_value_stays_what_was_given():
 
 
 def test_its_parts_survive_a_process():
-    error = pickle.loads(pickle.dumps(InputError("must be less", parameter="mass", value=2.0)))
-    assert (error.parameter, error.value, str(error)) == ("mass", 2.0, "mass must be less, got 2")
+    error = ForeignParameterError("must be less", parameter="mass", value=2.0)
+    error.where = "toy.toml"
+    again = pickle.loads(pickle.dumps(error))
+    assert vars(again) == vars(error)
+    assert type(again) is ForeignParameterError
+    assert str(again) == "toy.toml: mass must be less, got 2"

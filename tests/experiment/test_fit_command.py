@@ -108,6 +108,10 @@ def test_every_fit_has_options_words_and_a_picture(name):
         (["drive", "TABLE"], "'pivot_y' of the track table holds no number"),
         (["restitution", "TABLE"], "no impact is seen"),
         (["model", "TABLE"], "name the system"),
+        (
+            ["model", "TABLE", "--system", "pendulum", "--length=1", "--mass=1", "--window=-1"],
+            "window must lie in (0, inf) s, got -1; give more than 0",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(arguments, said, decay, tmp_path, capsys):

@@ -103,6 +103,15 @@ def test_attributes_come_back_as_plain_values(run, tmp_path, suffix):
         assert type(value) is type(wanted[name]), name
 
 
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_of_a_newer_format_is_refused(run, tmp_path, suffix, monkeypatch):
+    need(suffix)
+    monkeypatch.setattr("latolato.io.files.FORMAT", 2)
+    path = save(run, tmp_path / f"run{suffix}")
+    with pytest.raises(InputError, match="must be at most 1, got 2; use a newer latolato"):
+        load(path)
+
+
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_contacts_are_a_second_file_for_systems_with_walls_only(tmp_path, suffix):
     need(suffix)

@@ -182,7 +182,7 @@ class TestRefusals:
 
     def test_message_names_value_rule_and_length(self):
         with pytest.raises(
-            ValueError, match=r"radius must lie in \[0, length\), got 0.5 for length 0.4"
+            ValueError, match=r"radius must lie in \[0, length\), got 0.5; give less than 0.4"
         ):
             ll.LatoLato(length=0.4, mass=1.0, radius=0.5)
 

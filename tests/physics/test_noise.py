@@ -67,11 +67,11 @@ def test_thermal_noise_needs_a_system():
         ),
         (
             {"noise_strength": 1, "noise_seed": 1.5},
-            "noise_seed must be a non-negative integer, got 1.5",
+            "noise_seed must be a whole number, got 1.5",
         ),
         (
             {"noise_strength": 1, "noise_seed": -1},
-            "noise_seed must be a non-negative integer, got -1",
+            "noise_seed must lie in [0, 2^63), got -1",
         ),
         (
             {"noise_strength": 1, "noise_seed": 2**63},
@@ -79,7 +79,7 @@ def test_thermal_noise_needs_a_system():
         ),
         (
             {"noise_strength": 1, "noise_stream": True},
-            "noise_stream must be a non-negative integer, got True",
+            "noise_stream must be a whole number, got True",
         ),
         (
             {"noise_strength": 1, "noise_stream": 2**53},

@@ -258,13 +258,21 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
             "frequency_ratios must be a sequence of numbers, got 2",
         ),
         (
+            {"drive": {"kind": "harmonic", "frequency_ratios": [1, 2]}},
+            "frequency_ratios belongs to drive frequency_schedule or staged_harmonic, not to",
+        ),
+        (
             {"drive": {"kind": "frequency_schedule", "step_impulse": "yes"}},
             "step_impulse must be true or false, got 'yes'",
         ),
+        ({"format": 2}, "the format of a scenario must be at most 1, got 2; use a newer latolato"),
         ({"run": {"durration": 1}}, "unknown entry 'durration' of [run]: did you mean 'duration'?"),
         ({"run": {**RUN, "contact": "clam"}}, "unknown contact law 'clam': did you mean 'clamp'?"),
-        ({"run": {**RUN, "clamp_step": 1}}, "clamp_step needs contact 'clamp', got None"),
-        ({"run": {**RUN, "samples": 1}}, "samples must be a whole number of at least 2, got 1"),
+        (
+            {"run": {**RUN, "clamp_step": 1}},
+            "clamp_step belongs to contact clamp, not to exact",
+        ),
+        ({"run": {**RUN, "samples": 1}}, "samples must lie in [2, 2e+07], got 1; give at least 2"),
         ({"run": {"samples": 9}}, "samples needs a duration"),
         ({"run": {"samples": 9, "times": [1]}}, "give either times or samples, got both"),
         ({"noise": {"strenght": 1}}, "unknown parameter 'strenght' of VelocityKicks"),
@@ -306,6 +314,28 @@ def test_an_unknown_name_is_refused_with_the_closest_one():
         FileNotFoundError, match="no scenario or file 'fig4a': did you mean 'fig04a'"
     ):
         load_scenario("fig4a")
+
+
+def test_an_error_in_a_file_names_the_file_and_keeps_its_parts(tmp_path):
+    path = tmp_path / "heavy.toml"
+    path.write_text('[system]\nkind = "pendulum"\nlength = "-3 m"\nmass = 1\n')
+    with pytest.raises(ll.InputError) as refused:
+        ll.load_scenario(path)
+    error = refused.value
+    assert (error.parameter, error.value) == ("length", -3.0)
+    assert str(error) == "heavy.toml: length must lie in (0, inf) m, got -3; give more than 0"
+
+
+@pytest.mark.parametrize("contact", ["clamp", "exact", "none"])
+def test_a_contact_law_is_refused_where_nothing_meets_and_the_default_is_none(contact):
+    system = {"kind": "pendulum", "length": 1, "mass": 1}
+    run = {"initial_angle": 0.1, "duration": 0.5, "contact": contact}
+    scenario = Scenario.from_dict({"system": system, "run": run})
+    if contact == "clamp":
+        with pytest.raises(ll.InputError, match="is for balls that meet, and a Pendulum has none"):
+            scenario.simulate()
+    else:
+        assert scenario.simulate().attrs["contact"] == "none"
 
 
 def test_a_dataset_without_a_scenario_is_refused(tmp_path):

@@ -216,6 +216,10 @@ MISTAKES = {
         {"axes": {"initial_offset": [0.1]}, "initial_angle": 0.4},
         "give only one of initial_angle and an axis initial_offset",
     ),
+    "an offset beside an axis of angles": (
+        {"axes": {"initial_angle": [0.4]}, "initial_angle": None, "initial_offset": 0.1},
+        "give only one of initial_offset and an axis initial_angle",
+    ),
     "no array": ({"axes": {"mass": np.array(1.0)}}, "axis mass must hold numbers in kg"),
     "two dimensions": ({"axes": {"mass": np.ones((2, 2))}}, "must be one-dimensional"),
     "text as values": ({"axes": {"mass": "heavy"}}, "axis mass must hold numbers in kg"),
@@ -231,8 +235,8 @@ MISTAKES = {
     "negative transient": ({"transient": -1.0}, "transient must lie in"),
     "long transient": ({"transient": 3.0}, "transient must be shorter than the duration 3 s"),
     "tolerance": ({"tolerance": 0.1}, "tolerance must lie in"),
-    "contact_limit": ({"contact_limit": 0}, "contact_limit must be a positive integer"),
-    "chunk_size": ({"chunk_size": 2.5}, "chunk_size must be a positive integer"),
+    "contact_limit": ({"contact_limit": 0}, "contact_limit must lie in"),
+    "chunk_size": ({"chunk_size": 2.5}, "chunk_size must be a whole number"),
     "unknown observable": ({"observables": ["crossing"]}, "did you mean 'crossings'"),
     "no observables": ({"observables": []}, "observables must name at least one"),
     "observable as a number": ({"observables": [3]}, "must be a name or an instance, got 3"),
@@ -276,7 +280,7 @@ MISTAKES = {
         {"executor": "threads", "client": "tcp://here"},
         "executor 'threads' does not know client, it takes only workers",
     ),
-    "no workers": ({"executor": "threads", "workers": 0}, "workers must be a positive integer"),
+    "no workers": ({"executor": "threads", "workers": 0}, "workers must lie in"),
 }
 
 

@@ -286,7 +286,7 @@ class TestPointsThatMakeNoSense:
         for name in ("largest_angle", "mean_energy"):
             np.testing.assert_array_equal(np.isnan(found[name]), [False, True, False, True])
         self.assert_as_without(found, "radius", [0.05, 0.1], TOY, DRIVE, **asked)
-        assert found.attrs["first_invalid"].startswith("radius must lie in [0, length), got 1 ")
+        assert found.attrs["first_invalid"].startswith("radius must lie in [0, length), got 1;")
 
     def test_a_start_inside_a_wall_is_invalid_there_only(self):
         asked = {"axes": {"radius": [0.1, 0.5, 0.7]}, "initial_angle": 0.6}

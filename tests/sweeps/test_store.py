@@ -734,7 +734,7 @@ def test_every_contact_law_and_noise_survive_their_description(law):
 
 def test_a_description_of_something_else_is_refused():
     text = PLAN.describe()
-    with pytest.raises(ValueError, match="a plan of format 99 cannot be read, only format 1"):
+    with pytest.raises(ValueError, match="the format of a plan must be at most 1, got 99"):
         Plan.from_description(text | {"format": 99})
     with pytest.raises(ValueError, match="unknown parameter 'lenght' of LatoLato"):
         Plan.from_description(text | {"system": {"kind": "latolato", "lenght": 1.0}})

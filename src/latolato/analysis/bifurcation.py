@@ -25,9 +25,9 @@ from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
+from latolato.simulation.parameters import SWEEP_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
 from latolato.sweeps.axes import parameters_of
-from latolato.sweeps.plan import DIRECTIONS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -142,8 +142,7 @@ def bifurcation_diagram(
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
         raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")
-    if direction not in DIRECTIONS:
-        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
+    direction = SWEEP_PARAMETERS["direction"].checked(direction)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)
     start: dict[str, Any] = {

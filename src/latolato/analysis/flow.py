@@ -19,7 +19,7 @@ from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
-from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.drives import Drive, PeriodicDrive, drives
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
 from latolato.sweeps.axes import DERIVED, parameters_of
@@ -175,7 +175,11 @@ def drive_period(drive: Drive) -> float:
     if isinstance(drive, PeriodicDrive):
         frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
         return math.tau / frequency
-    raise InputError(f"the drive must repeat itself, got {drive!r}: use one such as Harmonic")
+    raise InputError(
+        f"the {{parameter}} must repeat itself, and {drives.name_of(drive)} does not",
+        parameter="drive",
+        way_out="give one such as Harmonic",
+    )
 
 
 def periodic_drive(system: System, drive: Any) -> Drive:

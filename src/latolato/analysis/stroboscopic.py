@@ -64,19 +64,24 @@ def checked_periodic(system: System, drive: Drive | None, what: str) -> Periodic
     checked_system(system)
     if system.is_linear:
         raise InputError(
-            "needs motion that settles, but the linearised Mathieu only grows or decays",
-            parameter=what,
+            f"{what} needs a {{parameter}} whose motion settles, but the linearised Mathieu only "
+            "grows or decays",
+            parameter="system",
             way_out="use Pendulum, or mathieu_growth_rate",
         )
     checked_drive(drive)
     if drive is None:
         raise InputError(
-            "needs a drive with a period, got None", parameter=what, way_out="give Harmonic"
+            f"{what} needs a {{parameter}} with a period",
+            parameter="drive",
+            value=drive,
+            way_out="give Harmonic",
         )
     if not isinstance(drive, PeriodicDrive):
         raise InputError(
-            f"needs a drive with a single period, such as harmonic, got {drives.name_of(drive)}",
-            parameter=what,
+            f"{what} needs a {{parameter}} with a single period, such as harmonic",
+            parameter="drive",
+            value=drives.name_of(drive),
         )
     checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
     return drive
@@ -89,7 +94,7 @@ def checked_transient(transient_periods: Any) -> float:
 
 def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, float]:
     """Return two limits of which the second is larger."""
-    first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
+    first, last = (checked_number(name, each, Range(), unit) for each in (low, high))
     if not first < last:
         raise InputError(
             f"must go from low to high, got {first:g} to {last:g}",

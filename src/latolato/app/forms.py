@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
+from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
@@ -17,7 +18,6 @@ from latolato.core.parameters import law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
 from latolato.observables import observables
-from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.scenario.options import law_options
@@ -50,7 +50,6 @@ def _registry() -> dict[str, Any]:
         "version": version_of(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
-        "contacts": list(contact_laws),
         "options": {name: _option(name) for name in law_options()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
         "observables": {name: _observable(law) for name, law in observables.items()},
@@ -85,7 +84,7 @@ def label_of(name: str) -> str:
 def _option(name: str) -> dict[str, Any]:
     """Return how an option is shown and what it may be."""
     option = law_options()[name]
-    low, high = option.allowed.low, option.allowed.high
+    low = option.allowed.low
     return {
         "label": option.quantity.long_name,
         "symbol": option.quantity.symbol,
@@ -99,7 +98,7 @@ def _option(name: str) -> dict[str, Any]:
         "default": option.default,
         "usual": option.quantity.usual,
         "low": low if math.isfinite(low) else None,
-        "high": high if math.isfinite(high) else None,
+        "limits": [asdict(limit) for limit in option.limits],
         "suggested": option.suggested,
     }
 

@@ -72,10 +72,12 @@ def serve(
     """
     others = not is_own(host) or bool(names)
     if others and not allow_others:
-        rule = "can be reached from other machines" if not names else "lets in other machines"
+        rule = f"{{parameter}} {host} can be reached from other machines"
+        if names:
+            rule = f"{{parameter}} {names[0]} lets in other machines"
         raise InputError(
             rule,
-            parameter=f"name {names[0]}" if names else f"host {host}",
+            parameter="name" if names else "host",
             way_out="add --allow-others to let in those that know the access token",
         )
     for name in names:

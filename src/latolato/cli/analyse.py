@@ -74,9 +74,9 @@ def run(
             dataset = call.function(**arguments)
     except InputError as error:
         varied = ", ".join(n for n in axes_of(source) if given.get(n) is None)
-        if not varied:
-            raise
-        raise InputError(f"{error} ('{source}' varies {varied}: give values)") from None
+        if varied:
+            error.add_way_out(f"'{source}' varies {varied}: give values")
+        raise
     files = targets.write(dataset)
     summary = summarise(dataset) | {
         "wall_time": elapsed_since(begun),

@@ -23,11 +23,10 @@ def laws_of(
     InputError
         With the text `missing` if neither options nor a scenario name a system.
     """
-    from latolato.physics.drives import drives
     from latolato.physics.pendulum import systems
     from latolato.scenario.options import changes
     from latolato.scenario.scenario import changed_tables, find
-    from latolato.scenario.tables import law_from, without_ratios
+    from latolato.scenario.tables import drive_from, law_from
 
     is_measured = given.get("drive") == "measured"
     changed = changes({k: v for k, v in given.items() if not (k == "drive" and is_measured)})
@@ -39,5 +38,5 @@ def laws_of(
     system: System = law_from(tables["system"], systems, "system", Path())
     drive: Drive | str | None = "measured" if is_measured else None
     if has_drive:
-        drive = law_from(without_ratios(tables["drive"], system), drives, "drive", Path())
+        drive = drive_from(tables["drive"], system, Path())
     return system, drive, tables.get("run", {})

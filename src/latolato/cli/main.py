@@ -38,6 +38,7 @@ from latolato.core.errors import InputError, refusal_of, report_of
 from latolato.io.progress import bar
 from latolato.scenario.options import changes
 from latolato.scenario.scenario import find, load_scenario, scenarios
+from latolato.simulation.parameters import SWEEP_PARAMETERS
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
 _FAULT = 70
@@ -193,33 +194,6 @@ def _sweep(
             rich_help_panel="Sweep",
         ),
     ] = None,
-    transient: Annotated[
-        str | None,
-        typer.Option(
-            help="time after which observables begin, in s",
-            metavar="VALUE",
-            rich_help_panel="Sweep",
-        ),
-    ] = None,
-    transient_periods: Annotated[
-        float | None,
-        typer.Option(help="the same in drive periods; both add up", rich_help_panel="Sweep"),
-    ] = None,
-    continuation: Annotated[
-        str | None,
-        typer.Option(
-            help="axis along which each point starts where its neighbour ended",
-            rich_help_panel="Sweep",
-        ),
-    ] = None,
-    direction: Annotated[
-        str | None,
-        typer.Option(help="way along it: up, down or both", rich_help_panel="Sweep"),
-    ] = None,
-    chunk_size: Annotated[
-        int | None,
-        typer.Option(help="points computed and stored at once", rich_help_panel="Sweep"),
-    ] = None,
     executor: Annotated[
         str,
         typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs"),
@@ -283,13 +257,7 @@ def _sweep(
         return
     if scenario is not None and rerun is not None:
         raise InputError("give either a scenario or --from, not both")
-    table = {
-        "transient": transient,
-        "transient_periods": transient_periods,
-        "continuation": continuation,
-        "direction": direction,
-        "chunk_size": chunk_size,
-    }
+    table = {name: given.pop(name) for name in SWEEP_PARAMETERS}
     plan = sweep_command.plan_of(
         scenario,
         rerun,
@@ -309,7 +277,9 @@ def _sweep(
 
 
 app.command("sweep", cls=EachOptionOnce)(
-    with_law_options(_sweep, without=("times", "samples", "frame"))
+    with_law_options(
+        _sweep, without=("times", "samples", "frame"), further=SWEEP_PARAMETERS.values()
+    )
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -127,14 +127,16 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
 
 
 def with_law_options(
-    command: Callable[..., None], without: Sequence[str] = ()
+    command: Callable[..., None],
+    without: Sequence[str] = (),
+    further: Iterable[Parameter] = (),
 ) -> Callable[..., None]:
-    """Return a command whose keyword arguments are spelled out as options."""
+    """Return a command whose keyword arguments are spelled out as options, further ones first."""
     signature = inspect.signature(command, eval_str=True)
     parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
     parameters += [
         option_of(option, option.owner.title())
-        for option in law_options().values()
+        for option in (*further, *law_options().values())
         if option.name not in without
     ]
 

@@ -34,6 +34,11 @@ class InputError(ValueError):
     way_out : str, optional
         What to give or do instead.
 
+    Attributes
+    ----------
+    where : str
+        The file that holds the input, "" if none does; begins the text.
+
     Examples
     --------
     >>> error = InputError("must lie in [0, 1]", parameter="restitution", value=2, way_out="give 1")
@@ -59,6 +64,7 @@ class InputError(ValueError):
         self.value = None if value is _NOT_GIVEN else value
         self.has_value = value is not _NOT_GIVEN
         self.way_out = way_out
+        self.where = ""
 
     def worded(self, name: str | None) -> str:
         """Return the whole text on one line, with this name for the parameter."""
@@ -71,21 +77,26 @@ class InputError(ValueError):
             text += f", got {value}"
         if self.way_out is not None:
             text += f"; {self.way_out}"
+        if self.where:
+            text = f"{self.where}: {text}"
         return " ".join(text.split())
+
+    def add_way_out(self, text: str) -> None:
+        """Say one more thing that can be done."""
+        self.way_out = text if self.way_out is None else f"{self.way_out}; {text}"
 
     def __str__(self) -> str:
         return self.worded(self.parameter)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Exceptions are rebuilt from `args` alone; one that comes from a worker keeps its parts.
-        return _rebuilt, (self.rule, self.parameter, self.value, self.has_value, self.way_out)
+        return _rebuilt, (type(self), self.args, vars(self))
 
 
-def _rebuilt(
-    rule: str, parameter: str | None, value: Any, has_value: bool, way_out: str | None
-) -> InputError:
-    given = value if has_value else _NOT_GIVEN
-    return InputError(rule, parameter=parameter, value=given, way_out=way_out)
+def _rebuilt(kind: type[InputError], rule: tuple[str], parts: dict[str, Any]) -> InputError:
+    error = kind(*rule)
+    vars(error).update(parts)
+    return error
 
 
 def extra_command(extra: str) -> str:

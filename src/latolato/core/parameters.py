@@ -8,8 +8,9 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from latolato.core.quantities import ANY, QUANTITIES, Quantity, Range
-from latolato.core.registry import checked_number, types_of
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY, QUANTITIES, Limit, Quantity, Range
+from latolato.core.registry import checked_count, checked_number, types_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,8 +86,21 @@ class Parameter:
         words = f": {' or '.join(self.choices)}" if self.choices else ""
         return self.description + words
 
-    def checked(self, value: Any) -> float:
-        """Return a value as a float, or raise an `InputError` if it may not be that."""
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """What the number must keep, with the words of a refusal."""
+        return self.allowed.limits(self.unit or "1") if self.kind in (float, int) else ()
+
+    def checked(self, value: Any) -> Any:
+        """Return a number as a float or an int, or a word, or raise an `InputError`."""
+        if self.choices:
+            if value not in self.choices:
+                *others, last = map(repr, self.choices)
+                rule = f"must be {', '.join(others)} or {last}"
+                raise InputError(rule, parameter=self.name, value=value)
+            return value
+        if self.kind is int:
+            return checked_count(self.name, value, self.allowed)
         return checked_number(self.name, value, self.allowed, self.unit)
 
 

@@ -6,7 +6,9 @@ their unit, symbol and label from here.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 
@@ -31,6 +33,31 @@ class Quantity:
         return f"{self.long_name} ${self.symbol}${unit}"
 
 
+# Products of ten numbers of these sizes are floats; a pendulum's are far from either.
+SMALLEST, LARGEST = 1e-30, 1e30
+# Beyond it, an angle is rounded by more than 1e-10 rad, the default tolerance of a run.
+LARGEST_ANGLE = 1e6  # rad
+# Ends of whole numbers, as people write them.
+_POWERS = {2.0**53: "2^53", 2.0**63: "2^63"}
+
+
+@dataclass(frozen=True)
+class Limit:
+    """One end of what a number may be; a refusal reads ``NAME {rule}, got VALUE; {way_out}``."""
+
+    is_lower: bool
+    end: float
+    is_open: bool
+    rule: str
+    way_out: str
+
+    def holds(self, value: Any) -> Any:
+        """Return whether a value lies on the right side, element by element for an array."""
+        if self.is_lower:
+            return value > self.end if self.is_open else value >= self.end
+        return value < self.end if self.is_open else value <= self.end
+
+
 @dataclass(frozen=True)
 class Range:
     """The values that a parameter may take; `open_low` and `open_high` exclude the ends."""
@@ -41,45 +68,53 @@ class Range:
     open_high: bool = False
 
     def __contains__(self, value: float) -> bool:
-        return bool(self.holds(value))
-
-    def holds(self, value: Any) -> Any:
-        """Return whether a value lies inside, element by element for an array."""
         above = value > self.low if self.open_low else value >= self.low
-        below = value < self.high if self.open_high else value <= self.high
-        return above & below
+        return above and (value < self.high if self.open_high else value <= self.high)
 
     def __str__(self) -> str:
         left = "(" if self.open_low or self.low == float("-inf") else "["
         right = ")" if self.open_high or self.high == float("inf") else "]"
-        return f"{left}{self.low:g}, {self.high:g}{right}"
+        return f"{left}{_text(self.low)}, {_text(self.high)}{right}"
+
+    @lru_cache(maxsize=256)  # noqa: B019  (ranges are constants)
+    def limits(self, unit: str) -> tuple[Limit, ...]:
+        """Return what a number in a unit must keep, in the order in which it is checked.
+
+        These are the ends of the range, and the sizes that can be computed with: what must be
+        positive, such as a mass, is divided by and cannot be tiny.
+        """
+        tail = "" if unit == "1" else f" {unit}"
+        largest = LARGEST_ANGLE if unit == "rad" else LARGEST
+        rule = f"must lie in {self}{tail}"
+        size = f"must lie in [{-largest if self.low < 0.0 else 0.0:g}, {largest:g}]{tail}"
+        advice = "leave out whole turns" if unit == "rad" else "check its unit"
+        least = f"give {'more than' if self.open_low else 'at least'} {_text(self.low)}"
+        most = f"give {'less than' if self.open_high else 'at most'} {_text(self.high)}"
+        ends = [
+            Limit(True, self.low, self.open_low, rule, least),
+            Limit(False, self.high, self.open_high, rule, most),
+        ]
+        if self.low < -largest:
+            ends.append(Limit(True, -largest, False, size, advice))
+        if self.high > largest:
+            ends.append(Limit(False, largest, False, size, advice))
+        if self.low == 0.0 and self.open_low:
+            tiny = f"must be at least {SMALLEST:g}{tail}"
+            ends.append(Limit(True, SMALLEST, False, tiny, "check its unit"))
+        return tuple(limit for limit in ends if math.isfinite(limit.end))
 
 
-# Products of ten numbers of these sizes are floats; a pendulum's are far from either.
-SMALLEST, LARGEST = 1e-30, 1e30
-# Beyond it, an angle is rounded by more than 1e-10 rad, the default tolerance of a run.
-LARGEST_ANGLE = 1e6  # rad
-
-
-def largest_of(unit: str) -> float:
-    """Return the largest number of a unit that can be computed with."""
-    return LARGEST_ANGLE if unit == "rad" else LARGEST
-
-
-def is_computable(value: Any, allowed: Range, unit: str) -> Any:
-    """Return whether a number's size can be computed with, element by element for an array.
-
-    What must be positive, such as a mass, is divided by and cannot be tiny.
-    """
-    fits = abs(value) <= largest_of(unit)
-    divides = allowed.low == 0.0 and allowed.open_low
-    return fits & (value >= SMALLEST) if divides else fits
+def _text(end: float) -> str:
+    """Return the end of a range as it is written."""
+    return _POWERS.get(end, f"{end:g}")
 
 
 POSITIVE = Range(low=0.0, open_low=True)
 NON_NEGATIVE = Range(low=0.0)
 UNIT_INTERVAL = Range(low=0.0, high=1.0)
 ANY = Range()
+# Whole numbers that a file can hold.
+COUNT = Range(1, 2**63, open_high=True)
 
 QUANTITIES: dict[str, Quantity] = {
     # state

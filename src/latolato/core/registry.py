@@ -13,10 +13,11 @@ from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import SMALLEST, Range, is_computable, largest_of
+from latolato.core.quantities import COUNT, Range
 
 Entry = TypeVar("Entry")
 Law = TypeVar("Law")
+Number = TypeVar("Number", bound=float)
 
 
 # Of the longer name's letters, the part that a typo leaves: two slips in five letters are guessed.
@@ -157,53 +158,32 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         ) from None
     if not math.isfinite(number):
         raise InputError("must be finite", parameter=name, value=number, way_out=f"give {kind}")
-    if number not in allowed:
-        raise InputError(
-            f"must lie in {allowed}{'' if unit == '1' else f' {unit}'}",
-            parameter=name,
-            value=number,
-            way_out=f"give {_way_in(number, allowed)}",
-        )
-    if not is_computable(number, allowed, unit):
-        raise _size_refusal(name, number, allowed, unit)
-    return number
+    return _within(name, number, allowed, unit)
 
 
-def _size_refusal(name: str, number: float, allowed: Range, unit: str) -> InputError:
-    """Return the error for a number that is too large or too small to be computed with."""
-    shown = "" if unit == "1" else f" {unit}"
-    if abs(number) < SMALLEST:
-        rule, way_out = f"must be at least {SMALLEST:g}{shown}", "check its unit"
-    else:
-        largest = largest_of(unit)
-        low = -largest if allowed.low < 0.0 else 0.0
-        rule = f"must lie in [{low:g}, {largest:g}]{shown}"
-        way_out = "leave out whole turns" if unit == "rad" else "check its unit"
-    return InputError(rule, parameter=name, value=number, way_out=way_out)
-
-
-def _way_in(number: float, allowed: Range) -> str:
-    """Return in words how a number outside a range must change, e.g. ``at most 1``."""
-    if number > allowed.high or (number == allowed.high and allowed.open_high):
-        return f"{'less than' if allowed.open_high else 'at most'} {allowed.high:g}"
-    return f"{'more than' if allowed.open_low else 'at least'} {allowed.low:g}"
-
-
-def checked_count(name: str, value: Any) -> int:
-    """Return a whole number of at least 1 that a file can hold.
+def checked_count(name: str, value: Any, allowed: Range = COUNT) -> int:
+    """Return a whole number, by default of at least 1 and such that a file can hold it.
 
     Raises
     ------
     InputError
-        If `value` is none.
+        If `value` is none, or outside `allowed`.
     """
     try:
-        count = 0 if isinstance(value, bool) or value != int(value) else int(value)
+        is_whole = not isinstance(value, bool) and value == int(value)
     except (TypeError, ValueError, OverflowError):
-        count = 0
-    if not 1 <= count < 2**63:
-        raise InputError("must be a positive integer below 2^63", parameter=name, value=value)
-    return count
+        is_whole = False
+    if not is_whole:
+        raise InputError("must be a whole number", parameter=name, value=value)
+    return _within(name, int(value), allowed, "1")
+
+
+def _within(name: str, number: Number, allowed: Range, unit: str) -> Number:
+    """Return a number, or raise with the first limit that it does not keep."""
+    for limit in allowed.limits(unit):
+        if not limit.holds(number):
+            raise InputError(limit.rule, parameter=name, value=number, way_out=limit.way_out)
+    return number
 
 
 def number_fields(law: Any) -> list[Field[Any]]:
@@ -212,12 +192,20 @@ def number_fields(law: Any) -> list[Field[Any]]:
 
 
 def check_fields(law: Any) -> None:
-    """Check every number of a frozen law against its range and store it as a float."""
+    """Check every number of a frozen law against its range; store it as a float, or as an int.
+
+    None stays where it is the default.
+    """
+    kinds = types_of(type(law))
     for field in number_fields(law):
-        quantity = field.metadata["quantity"]
-        number = checked_number(
-            field.name, getattr(law, field.name), field.metadata["range"], quantity.unit
-        )
+        value, allowed = getattr(law, field.name), field.metadata["range"]
+        if value is None and field.default is None:
+            continue
+        if kinds[field.name] is int:
+            number: float = checked_count(field.name, value, allowed)
+        else:
+            unit = field.metadata["quantity"].unit
+            number = checked_number(field.name, value, allowed, unit)
         object.__setattr__(law, field.name, number)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from latolato.core.atomic import atomic_path, check_folder, checked_path, remove_leftovers
 from latolato.core.errors import InputError, import_extra
 from latolato.core.quantities import QUANTITIES
+from latolato.core.versions import FORMAT, check_format
 from latolato.simulation.record import BALL, BALLS, Record
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
     """Return the suffix of a file name in lower case, or raise InputError naming what is known."""
     suffix = Path(path).suffix.lower()
     if suffix not in known:
-        raise InputError(f"must end in {', '.join(known)}, got '{Path(path).name}'", parameter=what)
+        raise InputError(f"{what} must end in {', '.join(known)}", value=Path(path).name)
     return suffix
 
 
@@ -77,6 +78,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
 
         if not isinstance(dataset, xr.Dataset):
             raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
+        dataset = dataset.assign_attrs(format=FORMAT)
     path = checked_path("path", path)
     check_target(path)
     for each in (path, _contacts_path(path)):
@@ -87,7 +89,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
             unfinished.write_bytes(_netcdf(dataset))
         return path
     if isinstance(dataset, Record):
-        dataset = dataset.to_dataset()
+        dataset = dataset.to_dataset().assign_attrs(format=FORMAT)
     write = _write_csv if suffix == ".csv" else _write_parquet
     if is_sweep(dataset):
         from latolato.sweeps.long_table import as_table
@@ -151,6 +153,7 @@ def load(path: str | Path) -> xr.Dataset:
         raise FileNotFoundError(f"there is no file '{path}'")
     with reading(path):
         dataset = _read_netcdf(path) if suffix == ".nc" else _read_tables(path, suffix)
+        check_format(dataset.attrs.pop("format", 1), f"'{path}'")
         for name in _DESCRIPTIONS & dataset.attrs.keys():
             text = dataset.attrs[name]  # nothing for a pivot at rest
             if text and not isinstance(json.loads(text), dict):
@@ -229,7 +232,7 @@ def _netcdf_of(record: Record) -> bytes:
                 kind, fill = values.dtype, np.nan if values.dtype.kind == "f" else None
             made = file.create_variable(name, dimensions, kind, values, fillvalue=fill)
             made.attrs.update(attrs if fill is None else {"_FillValue": fill, **attrs})
-        file.attrs.update(record.attrs)
+        file.attrs.update({**record.attrs, "format": FORMAT})
     return memory.getvalue()
 
 

@@ -92,8 +92,9 @@ class ClampContact(ContactLaw):
         """Raise InputError for two balls that move on their own."""
         if system.angles == 2:
             raise InputError(
-                "contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for a "
-                "BallPair"
+                "{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
+                parameter="contact",
+                way_out="use 'exact' for a BallPair",
             )
 
 
@@ -109,7 +110,10 @@ def check_radius(radius: float, length: float) -> None:
     """Raise InputError unless 0 <= radius < length."""
     if not 0.0 <= radius < length:
         raise InputError(
-            f"must lie in [0, length), got {radius:g} for length {length:g}", parameter="radius"
+            "must lie in [0, length)",
+            parameter="radius",
+            value=radius,
+            way_out=f"give less than {length:g}",
         )
 
 

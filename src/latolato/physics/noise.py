@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range, quantity_field
-from latolato.core.registry import checked_number, named, number_fields
+from latolato.core.registry import check_fields, checked_number, named
 from latolato.physics.pendulum import System
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI of 2019
-LARGEST_SEED = 2**63 - 1  # the largest integer attribute of a NetCDF file
-LARGEST_STREAM = 2**53 - 1  # values along the axes of a sweep are floats
-# The whole numbers that say which random sequence is drawn, with the powers of 2 they lie below.
-KEY = {"noise_seed": 63, "noise_stream": 53}
+SEEDS = Range(0, 2**63, open_high=True)  # integer attributes of a NetCDF file
+STREAMS = Range(0, 2**53, open_high=True)  # values along the axes of a sweep are floats
+# The whole numbers that say which random sequence is drawn.
+KEY = ("noise_seed", "noise_stream")
 
 
 @named
@@ -42,34 +42,14 @@ class VelocityKicks:
     """
 
     noise_strength: float = quantity_field("noise_strength", NON_NEGATIVE)
-    noise_seed: int = quantity_field(
-        "noise_seed", Range(0, LARGEST_SEED), default=0, suggested=(0, 100)
-    )
-    noise_stream: int = quantity_field(
-        "noise_stream", Range(0, LARGEST_STREAM), default=0, suggested=(0, 100)
-    )
+    noise_seed: int = quantity_field("noise_seed", SEEDS, default=0, suggested=(0, 100))
+    noise_stream: int = quantity_field("noise_stream", STREAMS, default=0, suggested=(0, 100))
     noise_interval: float | None = quantity_field(
         "noise_interval", POSITIVE, default=None, suggested=(1e-3, 0.1)
     )
 
     def __post_init__(self) -> None:
-        for name, power in KEY.items():
-            number: object = getattr(self, name)  # callers may hand over anything
-            if not isinstance(number, int) or isinstance(number, bool) or number < 0:
-                raise InputError("must be a non-negative integer", parameter=name, value=number)
-            if number >= 2**power:
-                raise InputError(
-                    f"must lie in [0, 2^{power}), got {number}",
-                    parameter=name,
-                    way_out="files hold no larger one",
-                )
-        for field in number_fields(self):
-            value = getattr(self, field.name)
-            if field.name in KEY or (value is None and field.default is None):
-                continue
-            unit = field.metadata["quantity"].unit
-            checked = checked_number(field.name, value, field.metadata["range"], unit)
-            object.__setattr__(self, field.name, checked)
+        check_fields(self)
 
     @classmethod
     def thermal(

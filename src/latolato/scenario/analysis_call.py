@@ -112,7 +112,8 @@ class AnalysisCall:
         unit = "" if option.unit == "1" or option.unit_of else f" [{option.unit}]"
         example = ' "0 : 1 : 11"' if option.several else ""
         raise InputError(
-            f"needs {option.name}{unit}: give {option.flag}{example}", parameter=self.name
+            f"{self.name} needs {{parameter}}{unit}: give {option.flag}{example}",
+            parameter=option.name,
         )
 
     def _unit(self, option: Parameter, given: Mapping[str, Any], scenario: Scenario) -> str:

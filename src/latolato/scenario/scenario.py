@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import describe, suggest
+from latolato.core.versions import FORMAT, check_format
 from latolato.physics.contacts import ContactLaw, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
@@ -26,12 +27,11 @@ from latolato.scenario.tables import (
     Tables,
     build_from,
     checked_table,
+    drive_from,
     law_from,
     plain_sweep,
-    renamed,
     run_arguments,
     with_sweep,
-    without_ratios,
 )
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ class Scenario:
         Parameters
         ----------
         tables : mapping
-            The tables `system`, `drive`, `run`, `noise` and `sweep`, and the texts `name`, `title`,
-            `description` and `figure`.
+            The tables `system`, `drive`, `run`, `noise` and `sweep`, the texts `name`, `title`,
+            `description` and `figure`, and `format`, by default 1.
         folder : Path, optional
             Where the names of data files begin.
 
@@ -101,11 +101,13 @@ class Scenario:
         InputError
             For unknown names, with the closest known one, wrong types, units and values.
         """
-        known = [*_TABLES, "name", *_TEXTS]
+        known = [*_TABLES, "name", *_TEXTS, "format"]
         for name, value in checked_table(tables, "a scenario").items():
             if name not in known:
                 raise InputError(f"unknown entry '{name}': {suggest(name, known)}")
-            if name not in _TABLES and not isinstance(value, str):
+            if name == "format":
+                check_format(value, "a scenario")
+            elif name not in _TABLES and not isinstance(value, str):
                 raise InputError("must be a text", parameter=name, value=value)
         if "system" not in tables:
             raise InputError(f"a scenario needs [system] with a kind: {', '.join(systems)}")
@@ -116,9 +118,7 @@ class Scenario:
         system = law_from(tables["system"], systems, "system", folder)
         drive: Drive = FixedPivot()
         if "drive" in tables:
-            plain = without_ratios(checked_table(tables["drive"], "drive"), system)
-            with renamed({name: f"drive_{name}" for name in RUN_OPTIONS}):
-                drive = law_from(plain, drives, "drive", folder)
+            drive = drive_from(tables["drive"], system, folder)
         run = run_arguments(checked_table(tables.get("run", {}), "run"), folder)
         if "noise" in tables:
             table = checked_table(tables["noise"], "noise")
@@ -133,6 +133,7 @@ class Scenario:
         if isinstance(law, ContactLaw):
             run |= {"contact": contact_laws.name_of(law), **describe(law)}
         tables: Tables = {
+            "format": FORMAT,
             "system": systems.described(self.system),
             "drive": drives.described(self.drive),
             "run": run,
@@ -176,9 +177,8 @@ class Scenario:
         if self.varied:
             name = self.name or "this scenario"
             raise InputError(
-                f"is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
+                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
                 f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python",
-                parameter=name,
             )
         return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
 
@@ -245,7 +245,8 @@ def load_scenario(source: str | Path) -> Scenario:
     try:
         return Scenario.from_dict(read_tables(path), folder=path.parent)
     except InputError as error:
-        raise InputError(f"{path.name}: {error}") from None
+        error.where = path.name
+        raise
 
 
 def scenarios() -> dict[str, Scenario]:

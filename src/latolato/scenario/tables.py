@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from inspect import signature
 from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
+from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import contact_laws
+from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System
 from latolato.scenario.units import to_si, to_si_list
 from latolato.scenario.variation import known_quantities, read_axes, with_placeholders
+from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.run import simulate
 
 # Drive parameters that may be given as multiples of the natural frequency.
@@ -29,50 +30,11 @@ RATIOS = {
 }
 
 
-def _of_run(name: str, description: str, kind: type = float, **more: Any) -> Parameter:
-    """Return an entry of ``[run]``, with the default of `latolato.simulate`."""
-    known = signature(simulate).parameters.get(name)
-    default = None if known is None or known.default is known.empty else known.default
-    quantity = QUANTITIES[name] if kind is float else Quantity("", "", name.replace("_", " "))
-    return Parameter(
-        name=name, owner="run", path=(name,), kind=kind, description=description,
-        quantity=quantity, default=default, **more,
-    )  # fmt: skip
-
-
+_SIMULATE = signature(simulate).parameters
+# The entries of ``[run]``, with the defaults of `latolato.simulate`.
 RUN_OPTIONS = {
-    parameter.name: parameter
-    for parameter in (
-        _of_run(
-            "initial_angle", "angle at the start; of a ballpair right, left",
-            for_each_ball=True, suggested=(-math.pi, math.pi),
-        ),
-        _of_run(
-            "initial_angular_velocity", "angular velocity at the start; of a ballpair right, left",
-            for_each_ball=True, suggested=(-20.0, 20.0),
-        ),
-        _of_run(
-            "initial_offset", "start this far above the low contact angle instead",
-            suggested=(0.0, 1.5),
-        ),
-        _of_run("duration", "end of the run", suggested=(1.0, 300.0)),
-        _of_run("times", "instants of the samples, or a file that holds them", several=True),
-        _of_run("samples", "number of evenly spaced samples instead of times", int),
-        _of_run("tolerance", "aimed-at error of the angle"),
-        _of_run("contact", f"contact law: {', '.join(contact_laws)}", str),
-        _of_run("rest_speed", "impacts up to this speed begin rest"),
-        _of_run("frame", "'both' adds the energy in the laboratory frame", str),
-        _of_run("contact_limit", "contacts after which the run stops", int),
-    )
-}  # fmt: skip
-
-# Entries of ``[sweep]`` beside `axes`, `observables` and those of ``[run]``, with their units.
-SWEEP_OPTIONS = {
-    "transient": "s",
-    "transient_periods": "1",
-    "continuation": "",
-    "direction": "",
-    "chunk_size": "",
+    name: replace(parameter, default=getattr(_SIMULATE.get(name), "default", None))
+    for name, parameter in RUN_PARAMETERS.items()
 }
 # Entries of ``[run]`` that may as well stand in ``[sweep]``.
 _OF_RUN = ("duration", "tolerance")
@@ -86,11 +48,9 @@ class ForeignParameterError(InputError):
 
 def run_options() -> dict[str, Parameter]:
     """Return the entries of ``[run]`` by name, the parameters of contact laws among them."""
-    return RUN_OPTIONS | {
-        parameter.name: parameter
-        for law in contact_laws.values()
-        for parameter in law_parameters(law, "run")
-    }
+    contact = replace(RUN_OPTIONS["contact"], choices=tuple(contact_laws))
+    own = (p for law in contact_laws.values() for p in law_parameters(law, "run"))
+    return RUN_OPTIONS | {parameter.name: parameter for parameter in (contact, *own)}
 
 
 def _with_contact(run: Tables) -> Tables:
@@ -104,8 +64,12 @@ def _with_contact(run: Tables) -> Tables:
     own = {name: value for name, value in run.items() if name in owners}
     for name in own:
         if run.get("contact") not in owners[name]:
-            kinds = " or ".join(map(repr, owners[name]))
-            raise InputError(f"needs contact {kinds}", parameter=name, value=run.get("contact"))
+            contact = run.get("contact", RUN_OPTIONS["contact"].default) or "none"
+            raise ForeignParameterError(
+                f"belongs to contact {' or '.join(owners[name])}, not to {contact}",
+                parameter=name,
+                way_out="leave it out or change the contact",
+            )
     if not own:
         return run
     law = contact_laws[run["contact"]](**own)
@@ -190,6 +154,15 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
     return law(**plain)
 
 
+def drive_from(value: Any, system: System, folder: Path) -> Drive:
+    """Return the drive that a table describes; errors name its entries as they are written."""
+    table = checked_table(value, "drive")
+    names = {name: f"drive_{name}" for name in RUN_OPTIONS}
+    with renamed(names | {plain: ratio for ratio, plain in RATIOS.items() if ratio in table}):
+        drive: Drive = law_from(without_ratios(table, system), drives, "drive", folder)
+    return drive
+
+
 def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
     """Return the table of a drive with frequency ratios turned into angular frequencies."""
     plain = dict(table)
@@ -259,11 +232,11 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
             if not isinstance(given, (list, tuple)):
                 raise InputError(f"observables must be a list of names or tables, got {value!r}")
             varied[name] = tuple(_observable(each, folder) for each in given)
-        elif name in SWEEP_OPTIONS:
-            unit = SWEEP_OPTIONS[name]
+        elif name in SWEEP_PARAMETERS:
+            unit = SWEEP_PARAMETERS[name].unit
             varied[name] = to_si(name, value, unit) if unit else value
         else:
-            known_names = ["axes", "observables", *SWEEP_OPTIONS, *_OF_RUN]
+            known_names = ["axes", "observables", *SWEEP_PARAMETERS, *_OF_RUN]
             raise InputError(
                 f"unknown entry '{{parameter}}' of [sweep]: {suggest(name, known_names)}",
                 parameter=name,
@@ -306,17 +279,10 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
     """Return evenly spaced instants from 0 to the duration of a run [s]."""
     import numpy as np
 
-    from latolato.simulation.run import MOST_DEFAULT_SAMPLES
-
-    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
-        raise InputError("must be a whole number of at least 2", parameter="samples", value=samples)
-    if samples > MOST_DEFAULT_SAMPLES:
-        raise InputError(
-            f"must not exceed {MOST_DEFAULT_SAMPLES}, got {samples}", parameter="samples"
-        )
+    count = RUN_PARAMETERS["samples"].checked(samples)
     if "times" in run:
         raise InputError("give either times or {parameter}, got both", parameter="samples")
     if "duration" not in run:
         raise InputError("needs a duration", parameter="samples")
-    duration = checked_number("duration", run["duration"], POSITIVE, "s")
-    return tuple(np.linspace(0.0, duration, samples).tolist())
+    duration = RUN_PARAMETERS["duration"].checked(run["duration"])
+    return tuple(np.linspace(0.0, duration, count).tolist())

@@ -177,7 +177,8 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
     try:
         return [to_si(name, value, unit)]
     except InputError as error:
-        raise InputError(f"{error}; there is no file of that name either") from None
+        error.add_way_out("there is no file of that name either")
+        raise
 
 
 def _plain_number(text: str) -> float | None:

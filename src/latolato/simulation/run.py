@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
-from latolato.core.registry import checked_count, checked_number
 from latolato.numerics import records
 from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
-    TOLERANCES,
     Floats,
     Trajectory,
     choose_step,
@@ -30,6 +27,7 @@ from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.parameters import MOST_SAMPLES, RUN_PARAMETERS
 from latolato.simulation.record import Record, attributes_of, record_of
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
@@ -44,8 +42,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAMPLES_PER_PERIOD = 100
-# More default samples than this would fill the memory: ask for `times` then.
-MOST_DEFAULT_SAMPLES = 20_000_000
 
 
 def simulate(
@@ -190,13 +186,12 @@ def _recorded(
     if not isinstance(system, System):
         raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
     law = checked_contact(contact, system)
-    tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
-    rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
-    contact_limit = checked_count("contact_limit", contact_limit)
+    tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
+    rest_speed = RUN_PARAMETERS["rest_speed"].checked(rest_speed)
+    contact_limit = RUN_PARAMETERS["contact_limit"].checked(contact_limit)
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
-    if frame not in ("pivot", "both"):
-        raise InputError("must be 'pivot' or 'both'", parameter="frame", value=frame)
+    frame = RUN_PARAMETERS["frame"].checked(frame)
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
@@ -298,13 +293,13 @@ def _checked_times(
             raise InputError(
                 "is needed: give the end of the run in s, or times", parameter="duration"
             )
-        end = checked_number("duration", duration, POSITIVE, "s")
+        end = RUN_PARAMETERS["duration"].checked(duration)
         fastest = max(system.natural_frequency, drive.fastest_frequency)
         periods = end * fastest / (2.0 * math.pi)
-        if periods * SAMPLES_PER_PERIOD > MOST_DEFAULT_SAMPLES:
+        if periods * SAMPLES_PER_PERIOD > MOST_SAMPLES:
             raise InputError(
                 f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
-                f"{MOST_DEFAULT_SAMPLES}; ask for the instants you need with times"
+                f"{MOST_SAMPLES}; ask for the instants you need with times"
             )
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
@@ -338,7 +333,7 @@ def _checked_times(
             parameter="times",
             way_out="add a later instant or give duration",
         )
-    end = checked_number("duration", instants[-1] if duration is None else duration, POSITIVE, "s")
+    end = RUN_PARAMETERS["duration"].checked(instants[-1] if duration is None else duration)
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
         raise InputError(

@@ -12,7 +12,7 @@ from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
-from latolato.physics.contacts import ContactLaw, PassThrough, contact_laws
+from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System
@@ -43,6 +43,13 @@ def checked_contact(contact: Any, system: System) -> ContactLaw:
             f"must be one of {', '.join(contact_laws)}", parameter="contact", value=contact
         )
     if not system.has_contacts:
+        if not isinstance(law, (ExactContact, PassThrough)):
+            raise InputError(
+                f"{{parameter}} '{contact_laws.name_of(law)}' is for balls that meet, and a "
+                f"{type(system).__name__} has none",
+                parameter="contact",
+                way_out="leave it out",
+            )
         return PassThrough()
     law.check_system(system)
     return law
@@ -102,7 +109,7 @@ def checked_start(
     velocities = _numbers("initial_angular_velocity", velocity, system.angles)
     if system.angles == 1:
         (value,) = _numbers("initial_angle", angle, 1)
-        what, gap = "initial_angle", value
+        what, gap = "{parameter}", value
     else:
         if np.isscalar(angle):
             raise InputError(
@@ -111,12 +118,13 @@ def checked_start(
                 value=angle,
             )
         right, left = _numbers("initial_angle", angle, 2)
-        what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
+        what, gap = "the separation {parameter}[0] - {parameter}[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(
-            f"must lie between the contact angles [{low:.9g}, {high:.9g}] rad, got "
-            f"{gap:.9g}: the balls would overlap",
-            parameter=what,
+            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, where the "
+            "balls do not overlap",
+            parameter="initial_angle",
+            value=float(gap),
         )
     shift = 0.0
     if abs(gap - low) <= ON_WALL:

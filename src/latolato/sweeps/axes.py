@@ -10,9 +10,10 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
-from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES, Range
-from latolato.core.registry import checked_number, suggest
-from latolato.physics.noise import KEY, LARGEST_STREAM
+from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
+from latolato.core.registry import suggest
+from latolato.physics.noise import KEY, STREAMS
+from latolato.simulation.parameters import RUN_PARAMETERS
 
 # Parameters that stand for another one, which is set from them.
 DERIVED = {
@@ -66,22 +67,13 @@ def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Param
             )  # fmt: skip
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     for name in ("initial_angle", "initial_angular_velocity"):
-        result |= {name + side: _of_start(name, name + side, ANY) for side in sides}
+        result |= {name + side: replace(RUN_PARAMETERS[name], name=name + side) for side in sides}
     if system.has_contacts and system.angles == 1:
-        result["initial_offset"] = _of_start("initial_offset", "initial_offset", NON_NEGATIVE)
-    for name in result.keys() & KEY.keys():
+        result["initial_offset"] = RUN_PARAMETERS["initial_offset"]
+    for name in result.keys() & set(KEY):
         # Floats hold every whole number up to here, also of seeds.
-        result[name] = replace(result[name], allowed=Range(0, LARGEST_STREAM))
+        result[name] = replace(result[name], allowed=STREAMS)
     return result
-
-
-def _of_start(quantity: str, name: str, allowed: Range) -> Parameter:
-    """Return a number of the start that can vary."""
-    about = QUANTITIES[quantity]
-    return Parameter(
-        name=name, owner="run", path=(name,), kind=float, description=about.long_name,
-        quantity=about, allowed=allowed,
-    )  # fmt: skip
 
 
 def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
@@ -141,11 +133,7 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
         raise InputError(f"axis {name} has no values: a sweep needs at least one point")
     if isinstance(values[0], list):
         raise InputError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
-    numbers = tuple(checked_number(name, value, parameter.allowed, unit) for value in values)
-    for number in numbers:
-        if parameter.kind is int and not number.is_integer():
-            raise InputError(f"must be a whole number, got {number:g}", parameter=name)
-    return numbers
+    return tuple(float(parameter.checked(value)) for value in values)
 
 
 def _check_conflicts(axes: list[Axis]) -> None:

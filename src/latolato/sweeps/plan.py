@@ -14,27 +14,25 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import (
-    checked_count,
     checked_number,
     describe,
     number_fields,
     rebuild,
     suggest,
 )
-from latolato.numerics.integrate import TOLERANCES
+from latolato.core.versions import FORMAT, check_format
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
-from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
+from latolato.physics.noise import KEY, STREAMS, VelocityKicks
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
 from latolato.sweeps.axes import Axis, checked_axes, parameters_of
 
-DIRECTIONS = ("up", "down", "both")
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
-STORE_FORMAT = 1
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
 _KICKS_OF_A_CHUNK = 4_000_000
 
@@ -141,7 +139,7 @@ class Plan:
         """Return the plan as plain values, for attributes and for its hash."""
         contact: dict[str, Any] = {"kind": contact_laws.name_of(self.contact)}
         return {
-            "format": STORE_FORMAT,
+            "format": FORMAT,
             "system": systems.described(self.system),
             "drive": drives.described(self.drive),
             "axes": [
@@ -179,13 +177,9 @@ class Plan:
         Raises
         ------
         InputError
-            If another format or something else was described.
+            If a newer format or something else was described.
         """
-        if described.get("format") != STORE_FORMAT:
-            raise InputError(
-                f"a plan of format {described.get('format')} cannot be read, only format "
-                f"{STORE_FORMAT}; use the latolato that wrote it"
-            )
+        check_format(described.get("format"), "a plan")
 
         def law(known: Mapping[str, type], entry: Mapping[str, Any]) -> Any:
             return rebuild(known[entry["kind"]], {k: v for k, v in entry.items() if k != "kind"})
@@ -254,9 +248,9 @@ def make_plan(
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
     varied = {name for axis in dimensions for name in axis.parameters}
-    length = checked_number("duration", duration, POSITIVE, "s")
-    transient = checked_number("transient", transient, NON_NEGATIVE, "s")
-    periods = checked_number("transient_periods", transient_periods, NON_NEGATIVE, "drive periods")
+    length = RUN_PARAMETERS["duration"].checked(duration)
+    transient = SWEEP_PARAMETERS["transient"].checked(transient)
+    periods = SWEEP_PARAMETERS["transient_periods"].checked(transient_periods)
     if transient >= length:
         raise InputError(
             f"must be shorter than the duration {length:g} s, got {transient:g}",
@@ -294,8 +288,7 @@ def make_plan(
             f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
             "deviations have no meaning there"
         )
-    if direction not in DIRECTIONS:
-        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
+    direction = SWEEP_PARAMETERS["direction"].checked(direction)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
@@ -311,16 +304,16 @@ def make_plan(
         duration=length,
         transient=transient,
         transient_periods=periods,
-        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
+        tolerance=RUN_PARAMETERS["tolerance"].checked(tolerance),
         contact=law,
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
-        contact_limit=checked_count("contact_limit", contact_limit),
+        rest_speed=RUN_PARAMETERS["rest_speed"].checked(rest_speed),
+        contact_limit=RUN_PARAMETERS["contact_limit"].checked(contact_limit),
         noise=noise,
         continuation=continuation or "",
         direction=direction,
-        chunk_size=1 if chunk_size is None else checked_count("chunk_size", chunk_size),
+        chunk_size=1 if chunk_size is None else SWEEP_PARAMETERS["chunk_size"].checked(chunk_size),
     )
-    if noise is not None and plan.own_streams and noise.noise_stream + plan.size > LARGEST_STREAM:
+    if noise is not None and plan.own_streams and noise.noise_stream + plan.size not in STREAMS:
         raise InputError(
             f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
             "lie in [0, 2^53): begin with a smaller one"
@@ -443,12 +436,12 @@ def _start(
         for side, number in zip(sides, values, strict=True):
             unit = QUANTITIES[name].unit
             given[name + side] = checked_number(name + side, number, ANY, unit)
-    if "initial_offset" in varied and angle is not None:
-        raise InputError(
-            "give only one of {parameter} and an axis initial_offset", parameter="initial_angle"
-        )
-    if varied & {"initial_angle", "initial_offset"}:
-        given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
+    starts = ("initial_angle", "initial_offset")
+    for name, other in zip(starts, reversed(starts), strict=True):
+        if name in varied and other in given:
+            raise InputError(f"give only one of {{parameter}} and an axis {name}", parameter=other)
+    if varied & set(starts):
+        given = {k: v for k, v in given.items() if k not in starts}
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
     if missing and "initial_offset" not in {*given, *varied}:
         raise InputError(

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import is_computable
 from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.engine.record import STATE
@@ -174,8 +173,8 @@ def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
     known = parameters_of(plan.system, plan.drive, plan.noise)
     valid = np.ones(len(columns["gravity"]), dtype=bool)
     for name in columns.keys() & known.keys():
-        allowed, unit = known[name].allowed, known[name].unit
-        valid &= allowed.holds(columns[name]) & is_computable(columns[name], allowed, unit)
+        for limit in known[name].limits:
+            valid &= limit.holds(columns[name])
     return valid
 
 

@@ -145,11 +145,11 @@ class AnalysisRequest:
         try:
             return call.arguments(None, typed, scenario.to_dict())
         except InputError as error:
-            if not scenario.varied:
-                raise
-            raise InputError(
-                f"{error} ({scenario.name or 'this scenario'} is a map: take a point of it)"
-            ) from None
+            if scenario.varied:
+                error.add_way_out(
+                    f"{scenario.name or 'this scenario'} is a map: take a point of it"
+                )
+            raise
 
     def python(self, arguments: Mapping[str, Any]) -> str:
         """Return a Python program that asks the same."""

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.core.quantities import POSITIVE
+from latolato.core.registry import checked_number, suggest
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
@@ -114,6 +115,8 @@ def fit_model(
     checked_table(table)
     if not isinstance(system, System):
         raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    if window is not None:
+        window = checked_number("window", window, POSITIVE, "s")
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
     moving = pivot_for(drive, table, system.balls[0].length, first, last)

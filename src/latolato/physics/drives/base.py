@@ -141,3 +141,11 @@ def check_increasing(name: str, values: tuple[float, ...]) -> None:
                 parameter=name,
                 way_out="sort them and remove repeats",
             )
+
+
+def check_stage_times(times: tuple[float, ...]) -> None:
+    """Raise InputError unless the starts of a drive's stages begin with 0 and increase."""
+    if times[0] != 0.0:
+        rule = "must begin with 0, the start of the first stage"
+        raise InputError(rule, parameter="times", value=times[0])
+    check_increasing("times", times)

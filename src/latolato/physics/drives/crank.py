@@ -46,9 +46,10 @@ class CrankSlider(PeriodicDrive):
             raise InputError("must be 'below' or 'above'", parameter="guide", value=self.guide)
         if not self.drive_amplitude < self.connecting_rod_length:
             raise InputError(
-                f"must be less than connecting_rod_length {self.connecting_rod_length:g}, got "
-                f"{self.drive_amplitude:g}: the crank would jam",
+                f"must be less than connecting_rod_length {self.connecting_rod_length:g}, or the "
+                "crank would jam",
                 parameter="drive_amplitude",
+                value=self.drive_amplitude,
             )
 
     @property

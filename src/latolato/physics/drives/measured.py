@@ -57,8 +57,9 @@ class MeasuredPivot(Drive):
         )
         if len(times) != len(heights):
             raise InputError(
-                f"times and pivot_heights must be of one length, got {len(times)} and "
-                f"{len(heights)}"
+                "{parameter} and pivot_heights must be of one length, got "
+                f"{len(times)} and {len(heights)}",
+                parameter="times",
             )
         check_increasing("times", times)
         object.__setattr__(self, "times", times)

@@ -13,7 +13,7 @@ from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, q
 from latolato.core.scalar import formula, sine
 from latolato.physics.drives.base import (
     Drive,
-    check_increasing,
+    check_stage_times,
     checked_array,
     drives,
 )
@@ -97,18 +97,13 @@ class FrequencySchedule(Drive):
             raise InputError(
                 "must be True or False", parameter="step_impulse", value=self.step_impulse
             )
-        if times[0] != 0.0:
-            raise InputError(
-                f"must begin with 0, got {times[0]:g}",
-                parameter="times",
-                way_out="the first stage is there",
-            )
-        check_increasing("times", times)
+        check_stage_times(times)
         gaps = [b - a for a, b in pairwise(times)]
         if gaps and self.ramp > min(gaps) * (1.0 + _ROUNDING):
             raise InputError(
-                f"must not exceed the shortest stage {min(gaps):g} s, got {self.ramp:g}",
+                f"must not exceed the shortest stage {min(gaps):g} s",
                 parameter="ramp",
+                value=self.ramp,
             )
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "drive_frequencies", rates)

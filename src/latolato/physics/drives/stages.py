@@ -11,7 +11,7 @@ from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, q
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import (
     Drive,
-    check_increasing,
+    check_stage_times,
     checked_array,
     drives,
 )
@@ -78,12 +78,6 @@ class StagedHarmonic(Drive):
             raise InputError(
                 f"{{parameter}}, {others} must be of one length, got {result}", parameter="times"
             )
-        if columns["times"][0] != 0.0:
-            raise InputError(
-                f"must begin with 0, got {columns['times'][0]:g}",
-                parameter="times",
-                way_out="the first stage is there",
-            )
-        check_increasing("times", columns["times"])
+        check_stage_times(columns["times"])
         for name, column in columns.items():
             object.__setattr__(self, name, column)

@@ -149,7 +149,7 @@ export class Form {
     if (this.varied.has(name) || (name === "drive_frequency" && this.varied.has("frequency_ratio")))
       return el("div", { class: "field" }, el("span", {}, ...this.label(name, option)),
         el("span", { class: "soft" }, t("mapVaries")));
-    const choices = name === "contact" ? this.registry.contacts : option.choices;
+    const { choices } = option;
     if (option.switch) return this.switchField(name, option);
     if (choices.length) return this.choiceField(name, option, choices);
     return this.numberField(name, option);
