@@ -186,8 +186,9 @@ def basins(
     )
     if entropy_size > min(shape):
         raise InputError(
-            f"must be at most the points of either axis, {min(shape)}, got {entropy_size}",
+            f"must be at most the points of either axis, {min(shape)}",
             parameter="entropy_box",
+            value=entropy_size,
             way_out="take a smaller box or more points",
         )
     if math.prod(shape) > _MOST_STARTS:
@@ -597,8 +598,9 @@ def basin_entropy(labels: Any, box: int = 5) -> BasinEntropy:
     rows, columns = (n // size for n in table.shape)
     if not rows * columns:
         raise InputError(
-            f"must fit into the map of {table.shape}, got {size}",
+            f"must fit into the map of {table.shape}",
             parameter="box",
+            value=size,
             way_out="take a smaller",
         )
     whole = table[: rows * size, : columns * size].reshape(rows, size, columns, size)

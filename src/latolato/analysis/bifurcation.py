@@ -141,7 +141,7 @@ def bifurcation_diagram(
         checked_number(parameter, value, about.allowed, about.unit)
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
-        raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")
+        raise InputError(f"must be from 2 to {_MOST_POINTS}", parameter="points", value=count)
     direction = SWEEP_PARAMETERS["direction"].checked(direction)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)

@@ -189,7 +189,7 @@ def collision_times(
     ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
     """
     if count != int(count) or count < 0:
-        raise InputError(f"must be a whole number, at least 0, got {count}", parameter="count")
+        raise InputError("must be a whole number, at least 0", parameter="count", value=count)
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
     return np.asarray((2.0 * np.arange(1, int(count) + 1) - 1.0) * tau, dtype=np.float64)
 

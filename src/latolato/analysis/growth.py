@@ -81,8 +81,9 @@ def growth_rate(
         w = math.nan if is_static or w == 0.0 else w
     elif w < SLOWEST * w0:
         raise InputError(
-            f"must be at least {SLOWEST:g} of the natural frequency {w0:g} rad/s, got {w:g}",
+            f"must be at least {SLOWEST:g} of the natural frequency {w0:g} rad/s",
             parameter="drive_frequency",
+            value=w,
         )
     elif problem.is_plain and method == "determinant":
         rate = float(

@@ -206,9 +206,7 @@ def checked_ratio(frequency_ratio: float) -> float:
     """Return a frequency ratio that is not too slow."""
     ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
     if ratio < SLOWEST:
-        raise InputError(
-            f"must be at least {SLOWEST:g}, got {ratio:g}", parameter="frequency_ratio"
-        )
+        raise InputError(f"must be at least {SLOWEST:g}", parameter="frequency_ratio", value=ratio)
     return ratio
 
 

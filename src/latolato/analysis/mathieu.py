@@ -192,7 +192,7 @@ def mathieu_tongue_edges(
     system, zeta = _checked_system(length, mass, damping, gravity)
     q = 2.0 * checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m") / system.length
     if order != int(order) or not 1 <= order <= LARGEST_CHARACTERISTIC_ROOT / 2:
-        raise InputError(f"must be a whole number from 1 to 100, got {order}", parameter="order")
+        raise InputError("must be a whole number from 1 to 100", parameter="order", value=order)
     if zeta >= 1.0:
         raise InputError(
             f"must be below 2 m l w0 for a tongue to exist, got {damping} ({zeta:.3g} times that)",
@@ -317,9 +317,10 @@ def _require_range(a: Array, q: Array) -> None:
     """Refuse parameters for which the determinant would overflow or lose its accuracy."""
     if a.size and np.max(np.abs(a)) > LARGEST_CHARACTERISTIC_ROOT**2:
         raise InputError(
-            f"the drive is too slow or the damping too strong: |4 (w0^2 - gamma^2/4)/w^2| must be "
-            f"at most {LARGEST_CHARACTERISTIC_ROOT**2:g}, got {np.max(np.abs(a)):g}; raise "
-            "drive_frequency (frequency_ratio of at least 0.01)"
+            "the drive is too slow or the damping too strong: |4 (w0^2 - gamma^2/4)/w^2| must be "
+            f"at most {LARGEST_CHARACTERISTIC_ROOT**2:g}",
+            value=float(np.max(np.abs(a))),
+            way_out="raise drive_frequency (frequency_ratio of at least 0.01)",
         )
     if q.size and np.max(q) > LARGEST_MATHIEU_Q:
         raise InputError(

@@ -94,7 +94,7 @@ def checked_period(period: Any) -> int:
     number = checked_number("period", period, Range(1, LONGEST), "1")
     if number != int(number):
         raise InputError(
-            f"must be a whole number of drive periods, got {period}", parameter="period"
+            "must be a whole number of drive periods", parameter="period", value=period
         )
     return int(number)
 

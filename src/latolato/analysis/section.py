@@ -95,8 +95,9 @@ def poincare_section(
     count = checked_count("periods", periods)
     if count > _MOST_PERIODS:
         raise InputError(
-            f"must be at most {_MOST_PERIODS}, got {count}",
+            f"must be at most {_MOST_PERIODS}",
             parameter="periods",
+            value=count,
             way_out="take fewer",
         )
     start: dict[str, Any] = {

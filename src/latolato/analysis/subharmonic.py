@@ -273,8 +273,9 @@ def time_crystal(
         ratios = [drive.drive_frequency / system.natural_frequency]
     if min(ratios) <= 0.0:
         raise InputError(
-            f"must be positive, got {min(ratios):g}",
+            "must be positive",
             parameter="frequency_ratio",
+            value=float(min(ratios)),
             way_out="leave it out",
         )
     amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
@@ -286,7 +287,7 @@ def time_crystal(
         )
     seen = checked_count("periods", periods)
     if seen < 16:
-        raise InputError(f"must be at least 16 to tell a line, got {seen}", parameter="periods")
+        raise InputError("must be at least 16 to tell a line", parameter="periods", value=seen)
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     noise = (

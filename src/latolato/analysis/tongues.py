@@ -90,7 +90,7 @@ def tongue_edges(
     checked_choice("method", method, METHODS)
     order = 0 if order == 0 and position == "inverted" else checked_count("order", order)
     if order > _LARGEST_ORDER:
-        raise InputError(f"must be at most {_LARGEST_ORDER}, got {order}", parameter="order")
+        raise InputError(f"must be at most {_LARGEST_ORDER}", parameter="order", value=order)
     if position == "hanging" and problem.damping_ratio >= 1.0:
         raise InputError(
             f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "

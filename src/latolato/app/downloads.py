@@ -130,7 +130,7 @@ def simulate_for_file(scenario: Scenario) -> xr.Dataset:
     times = scenario.run.get("times")
     if times is not None and len(times) > MOST_SAMPLES:
         raise TooLargeError(
-            f"must not exceed {MOST_SAMPLES} here, got {len(times)}", parameter="samples"
+            f"must not exceed {MOST_SAMPLES} here", parameter="samples", value=len(times)
         )
     if times is None and usual > MOST_SAMPLES:
         return scenario.simulate(times=np.linspace(0.0, end, MOST_SAMPLES))
@@ -200,7 +200,7 @@ def prepare_animation(given: Any) -> Job:
     request = RunRequest.from_json(given)
     speed = given.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
-        raise InputError(f"speed must be a number, got {speed!r}")
+        raise InputError("must be a number", parameter="speed", value=speed)
     check_target("run.mp4", float(speed), FPS)
     scenario = scenario_of(request)
     check_frames(scenario, float(speed))

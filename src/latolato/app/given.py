@@ -51,7 +51,7 @@ class RunRequest:
             If it has another form than ``{"scenario": name, "options": {name: value}}``.
         """
         if not isinstance(value, Mapping):
-            raise InputError(f"a request must be an object, got {value!r}")
+            raise InputError("a request must be an object", value=value)
         name, options = value.get("scenario"), value.get("options") or {}
         if name is not None and not isinstance(name, str):
             raise InputError("must be a text", parameter="scenario", value=name)
@@ -127,11 +127,11 @@ def check_size(scenario: Scenario) -> None:
     run = scenario.run
     times = run.get("times")
     if times and len(times) > MOST_SAMPLES:
-        raise TooLargeError(f"a run here has at most {MOST_SAMPLES} samples, got {len(times)}")
+        raise TooLargeError(f"a run here has at most {MOST_SAMPLES} samples", value=len(times))
     end = float(run.get("duration") or (times[-1] if times else 0.0))
     if end > MOST_SECONDS:
         raise TooLargeError(
-            f"must not exceed {MOST_SECONDS:g} s here, got {end:g}", parameter="duration"
+            f"must not exceed {MOST_SECONDS:g} s here", parameter="duration", value=end
         )
     system, drive = scenario.system, scenario.drive
     walls = walls_of(system, checked_contact(run.get("contact", "exact"), system))

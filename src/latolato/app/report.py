@@ -140,7 +140,7 @@ def prepare(given: Any, report: Path | None = None) -> Job:
 
     name = given.get("figure") if isinstance(given, Mapping) else None
     if not isinstance(name, str):
-        raise InputError(f"a request must name a figure, got {given!r:.80}")
+        raise InputError("a request must name a figure", value=given)
     known = catalogue.evidence()
     if name not in known:
         raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(known))}")

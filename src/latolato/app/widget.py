@@ -79,7 +79,7 @@ def block_of(run: xr.Dataset) -> bytes:
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise InputError(f"play needs a run: what simulate or load returned, got {run!r:.80}")
+        raise InputError("play needs a run: what simulate or load returned", value=run)
     if "scenario" not in run.attrs or "time" not in run or "angle" not in run:
         raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))

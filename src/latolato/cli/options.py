@@ -73,7 +73,7 @@ def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[s
         name, equals, value = (part.strip() for part in text.partition("="))
         name = name.replace("-", "_")
         if not equals or not value:
-            raise InputError(f"{flag} must be {example}, got {text!r}")
+            raise InputError(f"must be {example}", parameter=flag, value=text)
         if name in values:
             raise InputError(f"{flag} {name} is given twice")
         values[name] = value
@@ -98,7 +98,7 @@ def place_of(flag: str, text: str) -> tuple[float, float]:
         u, v = (float(part) for part in parts)
     except ValueError:
         raise InputError(
-            f"{flag} must be a column and a row in pixels such as 640,200, got {text!r}"
+            "must be a column and a row in pixels such as 640,200", parameter=flag, value=text
         ) from None
     return u, v
 

@@ -62,7 +62,7 @@ def jobs_of(
     """
     places = tuple(place_of("--ball", text) for text in balls)
     if count is not None and count not in (1, 2):
-        raise InputError(f"--balls must be 1 or 2, got {count}")
+        raise InputError("must be 1 or 2", parameter="--balls", value=count)
     if count is not None and places and len(places) != count:
         raise InputError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
     if len(places) > 2:
@@ -131,7 +131,7 @@ def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
         if name not in of_limits:
             raise InputError(f"--limit has no '{name}': {suggest(name, list(of_limits))}")
         if not equals:
-            raise InputError(f"--limit must be NAME=VALUE, got {text!r}")
+            raise InputError("must be NAME=VALUE", parameter="--limit", value=text)
         number = to_si(f"--limit {name}", value, of_limits[name])
         if not number > 0.0:
             raise InputError(f"--limit {name} must be positive, got {value}")
@@ -197,7 +197,7 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
     is 1.
     """
     if workers is not None and workers < 1:
-        raise InputError(f"--workers must be 1 or more, got {workers}")
+        raise InputError("must be 1 or more", parameter="--workers", value=workers)
     if len(jobs) == 1:
         with bar("tracking") as progress:
             summary = work(jobs[0], progress)

@@ -92,7 +92,7 @@ def trials(
         name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
     }
     if balls is not None and ball and len(ball) != balls:
-        raise InputError(f"--balls {balls} needs as many --ball places, got {len(ball)}")
+        raise InputError(f"--balls {balls} needs as many --ball places", value=len(ball))
     given["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
     given["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
     with bar("trials") as progress, warnings.catch_warnings():

@@ -13,6 +13,8 @@ from typing import Any
 _NOT_GIVEN: Any = object()
 # Where a rule names the parameter.
 _NAME = "{parameter}"
+# Letters of a value in a text.
+_LONGEST = 200
 
 
 class InputError(ValueError):
@@ -73,7 +75,8 @@ class InputError(ValueError):
             is_whole = _NAME in self.rule
             text = self.rule.replace(_NAME, str(name)) if is_whole else f"{name} {self.rule}"
         if self.has_value:
-            value = f"{self.value:.9g}" if isinstance(self.value, float) else repr(self.value)
+            is_float = isinstance(self.value, float)
+            value = f"{self.value:.9g}" if is_float else f"{self.value!r:.{_LONGEST}}"
             text += f", got {value}"
         if self.way_out is not None:
             text += f"; {self.way_out}"

@@ -70,7 +70,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
         computed = system
     if kind == "track":
         if not isinstance(computed, System):
-            raise InputError(f"a track table is compared with a system or a fit, got {computed!r}")
+            raise InputError("a track table is compared with a system or a fit", value=computed)
         from latolato.experiment.comparison.motion import compare_motion
 
         return compare_motion(measured, computed, drive, **options)

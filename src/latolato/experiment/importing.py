@@ -339,8 +339,8 @@ def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
     turns = crossings(time[known], rate[known] - np.median(rate[known]))
     if len(turns) < 6:
         raise InputError(
-            f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points, got "
-            f"{len(turns)}"
+            f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points",
+            value=len(turns),
         )
     tops = spline(turns)
     middles = 0.25 * (tops[:-2] + 2.0 * tops[1:-1] + tops[2:])

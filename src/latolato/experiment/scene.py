@@ -145,11 +145,11 @@ class Camera:
             size = getattr(self, name)
             if size % 2 or not low <= size <= high:
                 raise InputError(
-                    f"must be even and in [{low}, {high}] pixels, got {size}", parameter=name
+                    f"must be even and in [{low}, {high}] pixels", parameter=name, value=size
                 )
         if self.sub_exposures > 1000:
             raise InputError(
-                f"must be at most 1000, got {self.sub_exposures}", parameter="sub_exposures"
+                "must be at most 1000", parameter="sub_exposures", value=self.sub_exposures
             )
         if self.rotation not in ROTATIONS:
             raise InputError(
@@ -159,9 +159,9 @@ class Camera:
             raise InputError("must be a whole number in [0, 51]", parameter="crf", value=self.crf)
         if self.row_time * self.rows * self.fps > 1.0:
             raise InputError(
-                f"must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} s, "
-                f"got {self.row_time:g}",
+                f"must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} s",
                 parameter="row_time",
+                value=self.row_time,
                 way_out=f"give at most {1.0 / self.fps / self.rows:.3g} s",
             )
 

@@ -185,7 +185,7 @@ def prepare(
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
-        raise InputError(f"must be 1 or 2, got {count}", parameter="balls")
+        raise InputError("must be 1 or 2", parameter="balls", value=count)
     if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
         setup = with_changes(read_sidecar(sidecar, path), given)
         if count is not None and count != len(setup.balls):
@@ -260,7 +260,7 @@ def _pair(place: Place) -> tuple[float, float]:
     try:
         u, v = (float(number) for number in place)
     except (TypeError, ValueError):
-        raise InputError(f"a place must be a column and a row in pixels, got {place!r}") from None
+        raise InputError("a place must be a column and a row in pixels", value=place) from None
     return u, v
 
 

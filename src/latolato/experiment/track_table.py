@@ -110,7 +110,7 @@ def track_table(
     for name, values in given.items():
         if values.shape != (count,):
             raise InputError(
-                f"column '{name}' must have {count} rows as time has, got {values.shape}"
+                f"column '{name}' must have {count} rows as time has", value=values.shape
             )
     given.setdefault("frame", np.arange(count))
     _check_increasing("time", given["time"])
@@ -309,7 +309,7 @@ def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
         if plain is None:
             continue
         if not isinstance(plain, (bool, int, float, str)):
-            raise InputError(f"attribute '{key}' must be a number or a text, got {value!r}")
+            raise InputError(f"attribute '{key}' must be a number or a text", value=value)
         attributes[str(key)] = int(plain) if isinstance(plain, bool) else plain
     return attributes
 

@@ -138,7 +138,7 @@ def trial_table(
         raise InputError("a trial table needs rows, got none")
     for name, values in given.items():
         if values.shape != (count,):
-            raise InputError(f"column '{name}' must have {count} rows, got {values.shape}")
+            raise InputError(f"column '{name}' must have {count} rows", value=values.shape)
     for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
         values = given.get(name, np.ones(count))
         bad = np.flatnonzero(~(values > 0.0))

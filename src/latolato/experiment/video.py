@@ -199,7 +199,7 @@ def open_video(
     if path.stat().st_size == 0:
         raise InputError(f"{path} is empty")
     if not slow_motion > 0.0:
-        raise InputError(f"must be positive, got {slow_motion:g}", parameter="slow_motion")
+        raise InputError("must be positive", parameter="slow_motion", value=slow_motion)
     with _opened(path) as container:
         if not len(container.streams):
             raise InputError(f"{path} cannot be read as a video: nothing is in it; is it whole?")

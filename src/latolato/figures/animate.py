@@ -108,7 +108,7 @@ def _frames(
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise InputError(f"animate needs a run: what simulate or load returned, got {run!r:.80}")
+        raise InputError("animate needs a run: what simulate or load returned", value=run)
     if "angle" not in run or "time" not in run.dims:
         raise InputError("animate needs a run: a dataset with angle over time")
     finite = np.isfinite(next(iter(ball_angles(run).values())))

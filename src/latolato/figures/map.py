@@ -125,8 +125,9 @@ def _nearest(name: str, values: Floats, value: float) -> int:
     slack = 0.5 * float(np.max(np.diff(ordered), initial=0.0)) + 1e-9 * float(np.abs(ordered).max())
     if not ordered[0] - slack <= value <= ordered[-1] + slack:
         raise InputError(
-            f"{name} runs from {ordered[0]:g} to {ordered[-1]:g} here, got {value:g}; select a "
-            "value in between"
+            f"{name} runs from {ordered[0]:g} to {ordered[-1]:g} here",
+            value=value,
+            way_out="select a value in between",
         )
     return int(np.argmin(np.abs(values - value)))
 

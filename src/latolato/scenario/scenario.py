@@ -307,7 +307,7 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
         old = dict(checked_table(tables.get(part, {}), part))
         kind = new.get("kind")
         if kind is not None and not isinstance(kind, str):
-            raise InputError(f"the kind of {part} must be a text, got {kind!r}")
+            raise InputError(f"the kind of {part} must be a text", value=kind)
         if part in ("system", "drive") and kind is not None and kind != old.get("kind"):
             law = (systems if part == "system" else drives)[kind]
             known = {f.name for f in fields(law)}

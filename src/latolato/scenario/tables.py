@@ -82,7 +82,7 @@ def checked_table(value: Any, name: str) -> Mapping[str, Any]:
         raise InputError("must be a table of names and values", parameter=name, value=value)
     for key in value:
         if not isinstance(key, str):
-            raise InputError(f"the names in {name} must be texts, got {key!r}")
+            raise InputError(f"the names in {name} must be texts", value=key)
     return value
 
 
@@ -93,7 +93,7 @@ def law_from(value: Any, registry: Any, part: str, folder: Path) -> Any:
         raise InputError(f"[{part}] needs a kind: {', '.join(registry)}")
     kind = table.pop("kind")
     if not isinstance(kind, str):
-        raise InputError(f"the kind of {part} must be a text, got {kind!r}")
+        raise InputError(f"the kind of {part} must be a text", value=kind)
     for name, inner in table.items():
         _check_owner(name, inner, registry, part, kind)
     return build_from(registry[kind], table, folder)
@@ -230,7 +230,9 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
         elif name == "observables":
             given = [value] if isinstance(value, str) else value
             if not isinstance(given, (list, tuple)):
-                raise InputError(f"observables must be a list of names or tables, got {value!r}")
+                raise InputError(
+                    "must be a list of names or tables", parameter="observables", value=value
+                )
             varied[name] = tuple(_observable(each, folder) for each in given)
         elif name in SWEEP_PARAMETERS:
             unit = SWEEP_PARAMETERS[name].unit

@@ -88,7 +88,9 @@ def _read_values(name: str, given: Any, known: Mapping[str, Quantity], folder: P
     unit = known[name].unit
     values = _listed(name, given, unit, folder)
     if isinstance(values, str) or not isinstance(values, Sequence):
-        raise InputError(f"axis {name} must hold numbers in {unit}, got {given!r}")
+        raise InputError(
+            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=given
+        )
     if not values:
         raise InputError(f"axis {name} has no values: a sweep needs at least one point")
     return tuple(values)
@@ -104,7 +106,9 @@ def _listed(name: str, given: Any, unit: str, folder: Path) -> Any:
             return _from_text(name, parts, unit)
         if len(parts) == 2 and re.match(r"[-+.\d]", parts[0]):
             raise InputError(
-                f"axis {name} must be low : high : count or a list of values, got {given!r}"
+                "axis {parameter} must be low : high : count or a list of values",
+                parameter=name,
+                value=given,
             )
     return to_si_list(name, given.tolist() if hasattr(given, "tolist") else given, unit, folder)
 
@@ -134,9 +138,9 @@ def _from_table(name: str, table: Mapping[str, Any], unit: str) -> Values:
             raise InputError(f"axis {name} needs '{key}' beside {', '.join(table)}")
     count, spacing = table["count"], table.get("spacing", "linear")
     if isinstance(count, bool) or not isinstance(count, int):
-        raise InputError(f"count of axis {name} must be a whole number, got {count!r}")
+        raise InputError(f"count of axis {name} must be a whole number", value=count)
     if spacing not in ("linear", "log"):
-        raise InputError(f"spacing of axis {name} must be 'linear' or 'log', got {spacing!r}")
+        raise InputError(f"spacing of axis {name} must be 'linear' or 'log'", value=spacing)
     low, high = (to_si(name, table[key], unit) for key in ("low", "high"))
     return _spread(name, low, high, count, spacing == "log", unit)
 
@@ -147,7 +151,9 @@ def _spread(name: str, low: Any, high: Any, count: int, is_log: bool, unit: str)
 
     low, high = (checked_number(name, end, ANY, unit) for end in (low, high))
     if count < 0 or count > MOST_VALUES:
-        raise InputError(f"axis {name} must have 1 to {MOST_VALUES} values, got {count}")
+        raise InputError(
+            f"axis {{parameter}} must have 1 to {MOST_VALUES} values", parameter=name, value=count
+        )
     if count == 1 and low != high:
         raise InputError(f"axis {name} needs at least 2 values to go from {low:g} to {high:g}")
     if is_log and not (low > 0.0 and high > 0.0):
@@ -169,7 +175,7 @@ def parse_axis(text: str) -> tuple[str, Any]:
     head, equals, rest = text.partition("=")
     together, colon, first = head.partition(":")
     if not equals or not head.strip():
-        raise InputError(f"an axis must be NAME=VALUES, {_EXAMPLE}, got {text!r}")
+        raise InputError(f"an axis must be NAME=VALUES, {_EXAMPLE}", value=text)
     if not colon:
         return _name(head), rest.strip()
     columns: dict[str, str] = {}
@@ -177,8 +183,8 @@ def parse_axis(text: str) -> tuple[str, Any]:
         parameter, equals, values = column.partition("=")
         if not equals or not parameter.strip():
             raise InputError(
-                f"parameters along axis {_name(together)} must be NAME=VALUES with ; between, "
-                f"got {column.strip()!r}"
+                f"parameters along axis {_name(together)} must be NAME=VALUES with ; between",
+                value=column.strip(),
             )
         columns[_name(parameter)] = values.strip()
     return _name(together), columns
@@ -210,7 +216,7 @@ def parse_observable(text: str) -> Any:
     for part in match["parameters"].split(",") if match["parameters"].strip() else ():
         name, equals, value = (each.strip() for each in part.partition("="))
         if not equals:
-            raise InputError(f"parameters of {match['kind']} must be NAME=VALUE, got {name!r}")
+            raise InputError(f"parameters of {match['kind']} must be NAME=VALUE", value=name)
         words: dict[str, Any] = {"true": True, "false": False}
         table[_name(name)] = int(value) if value.isdigit() else words.get(value.lower(), value)
     return table

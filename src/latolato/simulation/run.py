@@ -199,8 +199,9 @@ def _recorded(
 
     if law.fixed_step is not None and law.fixed_step > end:
         raise InputError(
-            f"must not exceed the duration {end:g} s, got {law.fixed_step:g}",
+            f"must not exceed the duration {end:g} s",
             parameter="clamp_step",
+            value=law.fixed_step,
             way_out="a thousandth of a second is usual",
         )
     stepper = choose_stepper(system)
@@ -336,9 +337,7 @@ def _checked_times(
     end = RUN_PARAMETERS["duration"].checked(instants[-1] if duration is None else duration)
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
-        raise InputError(
-            f"must lie in [0, duration = {end:g}] s, got {outside:g}", parameter="times"
-        )
+        raise InputError(f"must lie in [0, duration = {end:g}] s", parameter="times", value=outside)
     return instants, end
 
 

@@ -121,10 +121,10 @@ def checked_start(
         what, gap = "the separation {parameter}[0] - {parameter}[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(
-            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad, where the "
-            "balls do not overlap",
+            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad",
             parameter="initial_angle",
             value=float(gap),
+            way_out="give one at which the balls do not overlap",
         )
     shift = 0.0
     if abs(gap - low) <= ON_WALL:

@@ -127,7 +127,9 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
     unit = parameter.unit
     single = isinstance(values, np.ndarray) and values.ndim == 0
     if isinstance(values, (str, bytes)) or single or not isinstance(values, Iterable):
-        raise InputError(f"axis {name} must hold numbers in {unit}, got {values!r}")
+        raise InputError(
+            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=values
+        )
     values = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not values:
         raise InputError(f"axis {name} has no values: a sweep needs at least one point")

@@ -253,8 +253,9 @@ def make_plan(
     periods = SWEEP_PARAMETERS["transient_periods"].checked(transient_periods)
     if transient >= length:
         raise InputError(
-            f"must be shorter than the duration {length:g} s, got {transient:g}",
+            f"must be shorter than the duration {length:g} s",
             parameter="transient",
+            value=transient,
         )
     watched = tuple(checked_observable(o) for o in _listed(observables))
     for observable in watched:
@@ -377,7 +378,7 @@ def _listed(given: Any) -> list[Any]:
     if isinstance(given, (str, Observable)):
         return [given]
     if not isinstance(given, Iterable):
-        raise InputError(f"observables must be names or instances, got {given!r}")
+        raise InputError("must be names or instances", parameter="observables", value=given)
     result = list(given)
     if not result:
         raise InputError(f"observables must name at least one of {', '.join(observables)}")
@@ -389,7 +390,7 @@ def checked_observable(given: Any) -> Observable:
     if isinstance(given, Observable):
         return given
     if not isinstance(given, str):
-        raise InputError(f"an observable must be a name or an instance, got {given!r}")
+        raise InputError("an observable must be a name or an instance", value=given)
     kinds: Mapping[str, Any] = observables
     owners = [kind for kind in kinds.values() if given in kind.variables]
     kind = owners[0] if owners and given not in kinds else kinds[given]

@@ -108,7 +108,7 @@ class AnalysisRequest:
         request = RunRequest.from_json(value)
         name, given = value.get("analysis"), value.get("given") or {}
         if not isinstance(name, str):
-            raise InputError(f"analysis must be a name, got {name!r:.80}")
+            raise InputError("must be a name", parameter="analysis", value=name)
         function = analyses[name]
         if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
             raise InputError("must be an object of texts", parameter="given")
@@ -213,7 +213,7 @@ def _typed(option: Parameter, text: str) -> Any:
         if ":" in text:
             match = _RANGE.fullmatch(text)
             if match is None or Path(text).is_file():
-                raise InputError(f"{option.name} must be low : high : count, got {text!r:.80}")
+                raise InputError("must be low : high : count", parameter=option.name, value=text)
             if int(match["count"]) > MOST_LISTED:
                 raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
             return text
@@ -223,11 +223,11 @@ def _typed(option: Parameter, text: str) -> Any:
         return parts[0] if option.or_one and len(parts) == 1 else parts
     if option.kind is bool:
         if text.lower() not in ("true", "false"):
-            raise InputError(f"{option.name} must be true or false, got {text!r:.80}")
+            raise InputError("must be true or false", parameter=option.name, value=text)
         return text.lower() == "true"
     if option.kind is int:
         if not re.fullmatch(r"[-+]?\d{1,18}", text):
-            raise InputError(f"{option.name} must be a whole number, got {text!r:.80}")
+            raise InputError("must be a whole number", parameter=option.name, value=text)
         return int(text)
     return text
 

@@ -60,7 +60,7 @@ class Description:
             For unknown names, wrong types, units and values.
         """
         if not isinstance(given, Mapping):
-            raise InputError(f"the description of a video must be an object, got {given!r}")
+            raise InputError("the description of a video must be an object", value=given)
         known = ("pivot", "balls", "is_proposed", *SHARED, *CAMERA)
         for name in given:
             if name not in known:
@@ -73,7 +73,7 @@ class Description:
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
             if name in numbers and not numbers[name] > 0.0:
-                raise InputError(f"must be positive, got {numbers[name]:g}", parameter=name)
+                raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
             pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
             balls=tuple(place("balls", ball) for ball in balls),

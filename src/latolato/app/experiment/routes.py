@@ -344,7 +344,9 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
         film = store.admit(desk, f"{kind}.mp4")
         return film, {"do": do, "kind": kind}
     if do not in ("look", "track", "fit", "export"):
-        raise InputError(f"do must be look, track, fit, export, example or remove, got {do!r}")
+        raise InputError(
+            "must be look, track, fit, export, example or remove", parameter="do", value=do
+        )
     film = desk.film(given.get("film"))
     if not film.is_whole and not film.about:
         raise InputError(f"{film.name} is still on its way")

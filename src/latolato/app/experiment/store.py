@@ -92,7 +92,7 @@ class Allowance:
         usual = cls()
         for name, value in (("video-megabytes", megabytes), ("video-minutes", minutes)):
             if value is not None and not 0.0 < value < math.inf:
-                raise InputError(f"must be positive, got {value:g}", parameter=name)
+                raise InputError("must be positive", parameter=name, value=value)
         size = usual.upload if megabytes is None else 1e6 * megabytes
         length = usual.duration if minutes is None else 60.0 * minutes
         larger, longer = max(1.0, size / usual.upload), max(1.0, length / usual.duration)

@@ -96,7 +96,7 @@ def compare_response(
 
     checked_trials(trials)
     if not isinstance(system, Pendulum):
-        raise InputError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
+        raise InputError("a response needs a Pendulum or a LatoLato", value=system)
     lasting = trials[LATE].values
     if not np.isfinite(lasting).all():
         raise InputError("response curves need the largest_angle_after_transient of every trial")

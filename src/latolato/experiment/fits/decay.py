@@ -541,9 +541,9 @@ class _Body:
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
             raise InputError(
-                f"must be less than the length {length.value:.4g} m from the dynamics, got "
-                f"{self.radius:g}",
+                f"must be less than the length {length.value:.4g} m from the dynamics",
                 parameter="radius",
+                value=self.radius,
             )
         centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
         return length.scaled(centre / length.value, "m")

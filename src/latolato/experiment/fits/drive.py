@@ -101,7 +101,7 @@ def fit_drive(
     if stages is not None:
         stages = checked_count("stages", stages)
         if not 1 <= stages <= MOST_STAGES:
-            raise InputError(f"must lie in [1, {MOST_STAGES}], got {stages}", parameter="stages")
+            raise InputError(f"must lie in [1, {MOST_STAGES}]", parameter="stages", value=stages)
     data, zeros = _samples(table, start, end)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
     shape, solution = _chosen(data, zeros, stages, least)

@@ -197,7 +197,7 @@ def learn_pivot(
     size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
     room = int(min(*np.minimum(click, size - 1 - click)))
     if room < 4:
-        raise InputError(f"the pivot must lie 4 pixels or more inside the frame, got {click}")
+        raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
     tracker = _distinct(frames, behind, click.astype(float), arm, room)
     shifts = _first_shifts(tracker, frames, arm)
     # What rests is not learned anew: rods that swing about it would join.
