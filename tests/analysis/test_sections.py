@@ -118,7 +118,7 @@ def test_one_way_of_a_diagram_is_that_of_both():
         ({"parameter": "initial_angle"}, "unknown parameter"),
         ({"low": 0.9, "high": 0.8}, "swap"),
         ({"high": 1.1}, "restitution"),
-        ({"points": 1}, "points must be from 2"),
+        ({"points": 1}, "points must lie in"),
         ({"direction": "left"}, "direction must be"),
     ],
 )

@@ -62,7 +62,7 @@ def test_no_threshold_is_told():
 
 
 def test_bad_input_is_refused():
-    with pytest.raises(ValueError, match=r"frequency_ratio must be at least 0\.01"):
+    with pytest.raises(ValueError, match=r"frequency_ratio must lie in \[0\.01"):
         threshold(PAPER, frequency_ratio=1e-3)
     with pytest.raises(ValueError, match="order must lie in"):
         threshold(PAPER, order=0)

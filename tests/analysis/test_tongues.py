@@ -201,7 +201,7 @@ def test_bad_input_is_refused():
         tongue_edges(PAPER, DRIVES["below"], drive_amplitude=0.5)
     with pytest.raises(ValueError, match="order must lie in"):
         tongue_edges(PAPER, drive_amplitude=0.1, order=0)
-    with pytest.raises(ValueError, match="order must be at most 100"):
+    with pytest.raises(ValueError, match="order must lie in"):
         tongue_edges(PAPER, drive_amplitude=0.1, order=101)
     with pytest.raises(ValueError, match="position must be one of hanging, inverted"):
         tongue_edges(PAPER, drive_amplitude=0.1, position="up")

@@ -247,7 +247,7 @@ def test_a_broken_sidecar_is_refused(swing, tmp_path, capsys, text, reason):
         (("--balls", "2", "--ball", "1,2"), "--balls 2 needs --ball 2 times"),
         (("--length", "3 kg"), "--length must be given in m"),
         (("--length", "-1 m", *CLICKS[:4]), "length must lie in (0, inf) m, got -1"),
-        (("--slow-motion", "0", *CLICKS[:4]), "slow_motion must be positive"),
+        (("--slow-motion", "0", *CLICKS[:4]), "slow_motion must lie in (0, inf)"),
         (("--limit", "pixel=3"), "did you mean 'pixels'"),
     ],
 )

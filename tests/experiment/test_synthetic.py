@@ -231,7 +231,7 @@ def test_the_command_that_tracks_the_video_declares_its_camera(tmp_path, capsys)
         ({"width": 641}, "width must be even and in [64, 4096] pixels, got 641"),
         ({"rotation": 45}, "rotation must be one of 0, 90, 180, 270 deg, got 45"),
         ({"fps": 0.0}, "fps must lie in [1, 1000] 1/s, got 0; give at least 1"),
-        ({"crf": 52}, "crf must be a whole number in [0, 51], got 52"),
+        ({"crf": 52}, "crf must lie in [0, 51], got 52"),
         ({"row_time": 1.0}, "row_time must let 960 rows fit"),
     ],
 )

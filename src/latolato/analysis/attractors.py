@@ -24,6 +24,7 @@ from latolato.core.registry import checked_count, checked_number
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, walls_of
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def basins(
             f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
             "velocity_points"
         )
-    tolerance = checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad")
+    tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
     finer = _checked_finer(check_tolerance, tolerance)
     if known is not None:
         _check_known(known, system)

@@ -20,7 +20,7 @@ from latolato.analysis.stroboscopic import (
 )
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
-from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.quantities import POSITIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, FixedPivot
@@ -139,9 +139,7 @@ def bifurcation_diagram(
     first, last = checked_span(parameter, low, high, about.unit)
     for value in (first, last):
         checked_number(parameter, value, about.allowed, about.unit)
-    count = checked_count("points", points)
-    if not 2 <= count <= _MOST_POINTS:
-        raise InputError(f"must be from 2 to {_MOST_POINTS}", parameter="points", value=count)
+    count = checked_count("points", points, Range(2, _MOST_POINTS))
     direction = SWEEP_PARAMETERS["direction"].checked(direction)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)

@@ -22,7 +22,7 @@ from latolato.analysis.mathieu import (
 )
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 
 __all__ = [
@@ -188,10 +188,9 @@ def collision_times(
 
     ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
     """
-    if count != int(count) or count < 0:
-        raise InputError("must be a whole number, at least 0", parameter="count", value=count)
+    count = checked_count("count", count, NON_NEGATIVE)
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
-    return np.asarray((2.0 * np.arange(1, int(count) + 1) - 1.0) * tau, dtype=np.float64)
+    return np.asarray((2.0 * np.arange(1, count + 1) - 1.0) * tau, dtype=np.float64)
 
 
 def elastic_bounces(

@@ -16,10 +16,11 @@ from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
-from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
+from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -139,8 +140,8 @@ def continue_orbit(
         system,
         driven,
         contact=contact,
-        tolerance=checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad"),
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        tolerance=RUN_PARAMETERS["tolerance"].checked(tolerance),
+        rest_speed=RUN_PARAMETERS["rest_speed"].checked(rest_speed),
         speed=2.0 * system.natural_frequency,
     )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)

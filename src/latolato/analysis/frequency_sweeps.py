@@ -19,6 +19,7 @@ from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY
 from latolato.physics.drives import Drive, PeriodicDrive, drives
 from latolato.physics.pendulum import Pendulum, System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweeps import sweep
 
@@ -151,7 +152,7 @@ def hysteresis(
             way_out="sort them",
         )
     amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
-    held = checked_number("duration", duration, POSITIVE, "s")
+    held = RUN_PARAMETERS["duration"].checked(duration)
     jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
     least = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
     begin = 0.5 * held if transient is None else transient

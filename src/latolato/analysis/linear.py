@@ -26,7 +26,7 @@ from latolato.analysis.waveform import (
     undamped_growth,
 )
 from latolato.core.errors import InputError
-from latolato.core.quantities import POSITIVE
+from latolato.core.quantities import Range
 from latolato.core.registry import checked_number, describe
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
@@ -204,10 +204,7 @@ def checked_choice(name: str, value: str, choices: tuple[str, ...]) -> str:
 
 def checked_ratio(frequency_ratio: float) -> float:
     """Return a frequency ratio that is not too slow."""
-    ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
-    if ratio < SLOWEST:
-        raise InputError(f"must be at least {SLOWEST:g}", parameter="frequency_ratio", value=ratio)
-    return ratio
+    return checked_number("frequency_ratio", frequency_ratio, Range(low=SLOWEST), "1")
 
 
 def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:

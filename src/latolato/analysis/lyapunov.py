@@ -10,12 +10,12 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import checked_system
-from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_number
+from latolato.core.quantities import Quantity
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
@@ -105,7 +105,7 @@ def lyapunov_spectrum(
 
     checked_system(system)
     if transient is None:
-        transient = min(100.0, 0.1 * checked_number("duration", duration, POSITIVE, "s"))
+        transient = min(100.0, 0.1 * RUN_PARAMETERS["duration"].checked(duration))
     law = checked_contact(contact, system)
     driven = checked_drive(drive)
     start = checked_start(

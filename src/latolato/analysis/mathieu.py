@@ -22,8 +22,8 @@ from latolato.analysis.hill import (
     own_instability,
 )
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE
-from latolato.core.registry import checked_number
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import GRAVITY, Mathieu
 
 
@@ -191,8 +191,7 @@ def mathieu_tongue_edges(
     """
     system, zeta = _checked_system(length, mass, damping, gravity)
     q = 2.0 * checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m") / system.length
-    if order != int(order) or not 1 <= order <= LARGEST_CHARACTERISTIC_ROOT / 2:
-        raise InputError("must be a whole number from 1 to 100", parameter="order", value=order)
+    order = checked_count("order", order, Range(1, LARGEST_CHARACTERISTIC_ROOT / 2))
     if zeta >= 1.0:
         raise InputError(
             f"must be below 2 m l w0 for a tongue to exist, got {damping} ({zeta:.3g} times that)",

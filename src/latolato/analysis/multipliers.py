@@ -21,10 +21,10 @@ from latolato.analysis.orbits import (
     multipliers_of,
 )
 from latolato.analysis.registry import analyses, labelled
-from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.core.registry import checked_number
+from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -134,8 +134,8 @@ def floquet(
         system,
         driven,
         contact=contact,
-        tolerance=checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad"),
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        tolerance=RUN_PARAMETERS["tolerance"].checked(tolerance),
+        rest_speed=RUN_PARAMETERS["rest_speed"].checked(rest_speed),
         speed=2.0 * system.natural_frequency,
     )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)

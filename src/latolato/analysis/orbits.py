@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_count
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_start
@@ -91,12 +91,7 @@ def multipliers_of(matrix: Floats) -> Floats:
 
 def checked_period(period: Any) -> int:
     """Return how many drive periods an orbit lasts."""
-    number = checked_number("period", period, Range(1, LONGEST), "1")
-    if number != int(number):
-        raise InputError(
-            "must be a whole number of drive periods", parameter="period", value=period
-        )
-    return int(number)
+    return checked_count("period", period, Range(1, LONGEST))
 
 
 def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import checked_periodic, checked_transient
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, Quantity
+from latolato.core.quantities import ANY, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
@@ -92,14 +92,7 @@ def poincare_section(
     law = checked_periodic(system, drive, "a stroboscopic section")
     transient_periods = checked_transient(transient_periods)
     phase = checked_number("section_phase", section_phase, ANY, "rad")
-    count = checked_count("periods", periods)
-    if count > _MOST_PERIODS:
-        raise InputError(
-            f"must be at most {_MOST_PERIODS}",
-            parameter="periods",
-            value=count,
-            way_out="take fewer",
-        )
+    count = checked_count("periods", periods, Range(1, _MOST_PERIODS))
     start: dict[str, Any] = {
         "initial_angle": initial_angle,
         "initial_angular_velocity": initial_angular_velocity,

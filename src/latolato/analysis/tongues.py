@@ -10,7 +10,7 @@ from latolato.analysis.linear import METHODS, checked_choice, linearised, told_w
 from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, Quantity
+from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -88,9 +88,8 @@ def tongue_edges(
     problem = linearised(system, drive, position)
     amplitude = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
     checked_choice("method", method, METHODS)
-    order = 0 if order == 0 and position == "inverted" else checked_count("order", order)
-    if order > _LARGEST_ORDER:
-        raise InputError(f"must be at most {_LARGEST_ORDER}", parameter="order", value=order)
+    lowest = 0 if position == "inverted" else 1
+    order = checked_count("order", order, Range(lowest, _LARGEST_ORDER))
     if position == "hanging" and problem.damping_ratio >= 1.0:
         raise InputError(
             f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "

@@ -19,6 +19,7 @@ from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED
 from latolato.sweeps import sweep
 
@@ -185,7 +186,7 @@ def first_passage_time(
         noise_interval=noise_interval,
     )
     threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
-    end = checked_number("duration", duration, POSITIVE, "s")
+    end = RUN_PARAMETERS["duration"].checked(duration)
     count = checked_count("trajectories", trajectories)
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     grid = sweep(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
+from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
 from latolato.core.registry import check_fields, checked_count
 
 BACKGROUNDS = ("plain", "gradient", "texture", "wood")
@@ -138,25 +138,20 @@ class Camera:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for name in ("width", "height", "sub_exposures"):
-            object.__setattr__(self, name, checked_count(name, getattr(self, name)))
         low, high = SIZES
+        whole = {"width": COUNT, "height": COUNT, "sub_exposures": Range(1, 1000)}
+        for name, allowed in (whole | {"crf": Range(0, 51)}).items():
+            object.__setattr__(self, name, checked_count(name, getattr(self, name), allowed))
         for name in ("width", "height"):
             size = getattr(self, name)
             if size % 2 or not low <= size <= high:
                 raise InputError(
                     f"must be even and in [{low}, {high}] pixels", parameter=name, value=size
                 )
-        if self.sub_exposures > 1000:
-            raise InputError(
-                "must be at most 1000", parameter="sub_exposures", value=self.sub_exposures
-            )
         if self.rotation not in ROTATIONS:
             raise InputError(
                 "must be one of 0, 90, 180, 270 deg", parameter="rotation", value=self.rotation
             )
-        if isinstance(self.crf, bool) or not (self.crf == int(self.crf) and 0 <= self.crf <= 51):
-            raise InputError("must be a whole number in [0, 51]", parameter="crf", value=self.crf)
         if self.row_time * self.rows * self.fps > 1.0:
             raise InputError(
                 f"must let {self.rows} rows fit into a frame time of {1.0 / self.fps:g} s",

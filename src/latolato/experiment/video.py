@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from latolato.core.errors import InputError, import_extra
+from latolato.core.quantities import POSITIVE
+from latolato.core.registry import checked_number
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
@@ -198,8 +200,7 @@ def open_video(
         raise InputError(f"{path} is a picture{note}; {_AS_VIDEO}")
     if path.stat().st_size == 0:
         raise InputError(f"{path} is empty")
-    if not slow_motion > 0.0:
-        raise InputError("must be positive", parameter="slow_motion", value=slow_motion)
+    checked_number("slow_motion", slow_motion, POSITIVE, "1")
     with _opened(path) as container:
         if not len(container.streams):
             raise InputError(f"{path} cannot be read as a video: nothing is in it; is it whole?")

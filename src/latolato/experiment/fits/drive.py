@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
@@ -99,9 +100,7 @@ def fit_drive(
     lmfit_module()
     checked_table(table, "pivot_y")
     if stages is not None:
-        stages = checked_count("stages", stages)
-        if not 1 <= stages <= MOST_STAGES:
-            raise InputError(f"must lie in [1, {MOST_STAGES}]", parameter="stages", value=stages)
+        stages = checked_count("stages", stages, Range(1, MOST_STAGES))
     data, zeros = _samples(table, start, end)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
     shape, solution = _chosen(data, zeros, stages, least)
