@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 from latolato.app.given import options_of
-from latolato.core.parameters import law_parameters
+from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
 from latolato.observables import observables
@@ -50,7 +50,7 @@ def _registry() -> dict[str, Any]:
         "version": version_of(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
-        "options": {name: _option(name) for name in law_options()},
+        "options": {name: shown_option(o) for name, o in law_options().items()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
         "observables": {name: _observable(law) for name, law in observables.items()},
         "scenarios": {name: _scenario(s) for name, s in scenarios().items()},
@@ -81,9 +81,8 @@ def label_of(name: str) -> str:
     return law_options()[name].quantity.long_name
 
 
-def _option(name: str) -> dict[str, Any]:
+def shown_option(option: Parameter) -> dict[str, Any]:
     """Return how an option is shown and what it may be."""
-    option = law_options()[name]
     low = option.allowed.low
     return {
         "label": option.quantity.long_name,

@@ -32,9 +32,11 @@ from latolato.cli.options import (
     ScenarioArgument,
     UsageError,
     with_law_options,
+    with_options,
 )
 from latolato.cli.output import Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError, refusal_of, report_of
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.io.progress import bar
 from latolato.scenario.options import changes
 from latolato.scenario.scenario import find, load_scenario, scenarios
@@ -67,7 +69,9 @@ for _spelling in ("synthesise", "synthesize"):
     app.command(_spelling, cls=EachOptionOnce, hidden=_spelling == "synthesize")(
         with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
     )
-app.command("track", cls=EachOptionOnce)(video_commands.track)
+app.command("track", cls=EachOptionOnce)(
+    with_options(video_commands.track, VIDEO_PARAMETERS.values())
+)
 app.command("reproduce", cls=EachOptionOnce)(reproduce_command.reproduce)
 app.command("app", cls=EachOptionOnce)(app_command.app)
 

@@ -131,14 +131,16 @@ def with_law_options(
     without: Sequence[str] = (),
     further: Iterable[Parameter] = (),
 ) -> Callable[..., None]:
-    """Return a command whose keyword arguments are spelled out as options, further ones first."""
+    """Return a command with options of its own and one for each parameter of a law or a run."""
+    own = (option for option in law_options().values() if option.name not in without)
+    return with_options(command, (*further, *own))
+
+
+def with_options(command: Callable[..., None], options: Iterable[Parameter]) -> Callable[..., None]:
+    """Return a command whose keyword arguments are spelled out as options."""
     signature = inspect.signature(command, eval_str=True)
     parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    parameters += [
-        option_of(option, option.owner.title())
-        for option in (*further, *law_options().values())
-        if option.name not in without
-    ]
+    parameters += [option_of(option, option.owner.title() or None) for option in options]
 
     @functools.wraps(command)
     def spelled_out(*args: Any, **kwargs: Any) -> None:

@@ -100,21 +100,13 @@ def jobs_of(
 def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
     from latolato.experiment.calibrate import Optics
+    from latolato.experiment.parameters import VIDEO_PARAMETERS
     from latolato.experiment.video import Limits
     from latolato.scenario.units import to_si
 
-    units = {
-        "length": "m",
-        "radius": "m",
-        "gravity": "m/s^2",
-        "slow_motion": "1",
-        "row_time": "s",
-        "lens_k1": "1",
-        "lens_k2": "1",
-    }
     arguments = {
-        name: to_si(f"--{name.replace('_', '-')}", values[name], units[name])
-        for name in units
+        name: to_si(option.flag, values[name], option.unit)
+        for name, option in VIDEO_PARAMETERS.items()
         if values.get(name) is not None
     }
     optics = {

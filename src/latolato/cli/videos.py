@@ -99,48 +99,6 @@ def track(
             show_default=False,
         ),
     ] = None,
-    length: Annotated[
-        str | None,
-        typer.Option(help="From pivot to ball centre: the scale.", metavar="VALUE"),
-    ] = None,
-    radius: Annotated[
-        str | None,
-        typer.Option(help="Radius of a ball, checked against the length.", metavar="VALUE"),
-    ] = None,
-    gravity: Annotated[
-        str | None, typer.Option(help="9.8 m/s^2 by default.", metavar="VALUE")
-    ] = None,
-    slow_motion: Annotated[
-        str | None,
-        typer.Option(
-            help="How many times slower than life it plays.",
-            metavar="VALUE",
-            rich_help_panel="Camera",
-        ),
-    ] = None,
-    row_time: Annotated[
-        str | None,
-        typer.Option(
-            help="Time between rows of a rolling shutter.",
-            metavar="VALUE",
-            rich_help_panel="Camera",
-        ),
-    ] = None,
-    lens_k1: Annotated[
-        str | None,
-        typer.Option(
-            "--lens-k1",
-            help="Radial distortion, in units of half the diagonal.",
-            metavar="VALUE",
-            rich_help_panel="Camera",
-        ),
-    ] = None,
-    lens_k2: Annotated[
-        str | None,
-        typer.Option(
-            "--lens-k2", help="Its next order.", metavar="VALUE", rich_help_panel="Camera"
-        ),
-    ] = None,
     sidecar: Annotated[
         Path | None,
         typer.Option(
@@ -183,6 +141,7 @@ def track(
         typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
     ] = None,
     as_json: JsonOption = False,
+    **given: Any,
 ) -> None:
     """Measure pivot and balls in every frame of videos: angles with their errors, and flags.
 
@@ -196,15 +155,7 @@ def track(
         count=balls,
         pivot=pivot,
         balls=ball or [],
-        values={
-            "length": length,
-            "radius": radius,
-            "gravity": gravity,
-            "slow_motion": slow_motion,
-            "row_time": row_time,
-            "lens_k1": lens_k1,
-            "lens_k2": lens_k2,
-        },
+        values=given,
         limits=limit or [],
         sidecar=sidecar,
         targets={"output": output, "overlay": overlay, "report": report},

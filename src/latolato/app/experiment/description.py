@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.forms import registry
+from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.experiment.parameters import CAMERA, VIDEO_PARAMETERS
+from latolato.scenario.options import law_options
 from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
@@ -19,13 +21,6 @@ if TYPE_CHECKING:
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
-# What else describes the camera: unit, default, meaning.
-CAMERA: dict[str, tuple[str, float, str]] = {
-    "slow_motion": ("1", 1.0, "slow motion: how many times slower than life it plays"),
-    "row_time": ("s", 0.0, "time from row to row of a rolling shutter"),
-    "lens_k1": ("1", 0.0, "radial lens coefficient k1"),
-    "lens_k2": ("1", 0.0, "radial lens coefficient k2"),
-}
 # Files that are made when they are asked for.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
@@ -61,7 +56,8 @@ class Description:
         """
         if not isinstance(given, Mapping):
             raise InputError("the description of a video must be an object", value=given)
-        known = ("pivot", "balls", "is_proposed", *SHARED, *CAMERA)
+        quantities = (*SHARED, *(parameter.name for parameter in CAMERA))
+        known = ("pivot", "balls", "is_proposed", *quantities)
         for name in given:
             if name not in known:
                 raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
@@ -69,7 +65,7 @@ class Description:
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
             raise InputError("must be one place or two", parameter="balls")
         numbers: dict[str, Any] = {
-            name: number(name, given.get(name)) for name in (*SHARED, *CAMERA) if given.get(name)
+            name: number(name, given.get(name)) for name in quantities if given.get(name)
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
             if name in numbers and not numbers[name] > 0.0:
@@ -97,7 +93,7 @@ def number(name: str, value: Any) -> float:
     InputError
         If it is no finite number with a unit that fits.
     """
-    unit = CAMERA[name][0] if name in CAMERA else registry()["options"][name]["unit"]
+    unit = (VIDEO_PARAMETERS.get(name) or law_options()[name]).unit
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise InputError("must be a text or a number", parameter=name, value=value)
     converted = to_si(name, value, unit)
@@ -122,13 +118,8 @@ def fields() -> dict[str, Any]:
     """Return how each quantity that a page asks for is shown, as in the registry of options."""
     options = registry()["options"]
     entries = {name: {**options[name], "suggested": None} for name in SHARED}
-    for name, (unit, default, meaning) in CAMERA.items():
-        units = _ROW_UNITS if name == "row_time" else [{"name": unit, "size": 1.0}]
-        entries[name] = {
-            "label": meaning, "symbol": "", "description": meaning, "unit": unit, "units": units,
-            "several": False, "choices": [], "switch": False, "whole": False, "default": default,
-            "usual": None, "low": None, "high": None, "suggested": None,
-        }  # fmt: skip
+    entries |= {parameter.name: shown_option(parameter) for parameter in CAMERA}
+    entries["row_time"]["units"] = _ROW_UNITS
     return entries
 
 
