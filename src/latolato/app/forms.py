@@ -83,7 +83,7 @@ def label_of(name: str) -> str:
 
 def shown_option(option: Parameter) -> dict[str, Any]:
     """Return how an option is shown and what it may be."""
-    low = option.allowed.low
+    low, high = option.allowed.low, option.allowed.high
     return {
         "label": option.quantity.long_name,
         "symbol": option.quantity.symbol,
@@ -97,6 +97,7 @@ def shown_option(option: Parameter) -> dict[str, Any]:
         "default": option.default,
         "usual": option.quantity.usual,
         "low": low if math.isfinite(low) else None,
+        "high": high if math.isfinite(high) else None,
         "limits": [asdict(limit) for limit in option.limits],
         "suggested": option.suggested,
     }
