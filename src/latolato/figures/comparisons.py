@@ -10,7 +10,6 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import grids, style
-from latolato.figures.fits import ABOVE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,7 +73,7 @@ def _motion(dataset: xr.Dataset) -> Figure:
         if column:
             for axes in panels[:, column]:
                 axes.set_ylabel("")
-    panels[0, -1].legend(**ABOVE, ncols=2)
+    panels[0, -1].legend(**style.ABOVE, ncols=2)
     return figure
 
 
@@ -96,7 +95,7 @@ def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
     )  # fmt: skip
     if float(dataset.followed_until) < time[-1]:
         axes.axvline(float(dataset.followed_until), color=style.GREY, lw=style.LINE, ls="--")
-    axes.set_ylabel(style.label(dataset.angle, short=True).replace("[rad]", "[°]"))
+    axes.set_ylabel(style.label(dataset.angle, short=True, unit="°"))
 
 
 def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
@@ -112,7 +111,7 @@ def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
     reach = 1.15 * float(np.max(np.abs(values)))
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("residual [mrad]")
-    axes.legend(**ABOVE)
+    axes.legend(**style.ABOVE)
 
 
 def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
@@ -134,7 +133,6 @@ def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
 def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     """Draw a map of classes with trials and boundary over it; return the legend's entries."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
 
     ground = (dataset.motion_class + 1.0).rename("motion_class")
     grids.draw_cells(
@@ -142,8 +140,7 @@ def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
         cmap=ListedColormap(list(GROUNDS.values())),
     )  # fmt: skip
     handles: list[Any] = [
-        Patch(facecolor=colour, edgecolor=style.INK, lw=style.THIN, label=f"computed: {name}")
-        for name, colour in GROUNDS.items()
+        style.swatch(colour, f"computed: {name}") for name, colour in GROUNDS.items()
     ]
     limits = axes.get_xlim(), axes.get_ylim()
     handles += _draw_boundary(axes, dataset)

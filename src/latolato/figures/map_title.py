@@ -77,5 +77,5 @@ def in_words(grid: xr.Dataset, name: str, value: float) -> str:
     if "e" in text:
         digits, _, power = text.partition("e")
         text = rf"${digits}\times10^{{{int(power)}}}$"
-    tail = "" if unit == "1" else "°" if unit == "deg" else f" {style.pretty_unit(unit)}"
-    return f"{f'${symbol}$' if symbol else name} = {text}{tail}"
+    text = f"{text}°" if unit == "deg" else style.unit_after(text, unit)
+    return f"{f'${symbol}$' if symbol else name} = {text}"

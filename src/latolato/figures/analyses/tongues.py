@@ -15,7 +15,6 @@ from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
 
 _ORDERS = (1, 2, 3)
 _COLOURS = {1: style.BLUE, 2: style.RED, 3: style.GREEN}
@@ -95,12 +94,3 @@ def parameters_in_words(about: Any, *names: str) -> str:
             unit = "" if quantity.unit == "1" else f" {style.pretty_unit(quantity.unit)}"
             parts.append(f"${quantity.symbol}$ = {about[name]:.4g}{unit}")
     return ", ".join(parts)
-
-
-def plain_ticks(axis: Axis) -> None:
-    """Write the ticks of a logarithmic axis as plain numbers at 1, 2 and 5."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Where legends stand clear of the curves.
-ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
 # Letters in a line of the verdict.
 _LINE = 122
 
@@ -59,7 +57,7 @@ def draw_curve(
         lw=0.6, label="fitted",
     )  # fmt: skip
     axes.set_xlabel(style.label(dataset.time))
-    axes.set_ylabel(_label(dataset[measured], unit))
+    axes.set_ylabel(style.label(dataset[measured], short=True, unit=unit))
 
 
 def draw_residual(
@@ -108,11 +106,3 @@ def draw_turning_points(axes: Axes, dataset: xr.Dataset) -> None:
         side = np.sign(dataset.swing_angle.values) == sign
         curve = dataset.swing_angle_fit.values[side]
         axes.plot(time[side], curve, color=style.RED, lw=style.THIN, ls="--")
-
-
-def _label(variable: Any, unit: str) -> str:
-    """Return a short axis label, in another unit where one is given."""
-    text = style.label(variable, short=True)
-    if not unit:
-        return text
-    return text.replace(f"[{style.pretty_unit(variable.attrs['units'])}]", f"[{unit}]")
