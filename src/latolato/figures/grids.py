@@ -145,8 +145,8 @@ def gather(
     plans = [grid.attrs["plan"] for grid in everything.values()]
     variables["plan"] = variable("sweep", plans, units="1", long_name="the sweep as JSON")
     coordinates["sweep"] = variable("sweep", list(everything), units="1", long_name="sweep")
-    kept = ("latolato_version", "numpy_version", "numba_version")
-    about = {name: first.attrs[name] for name in kept}
+    versions = ("latolato_version", "numpy_version", "numba_version")
+    about = {name: first.attrs[name] for name in versions}
     return xr.Dataset(variables, coordinates, attrs={"title": title, **about})
 
 

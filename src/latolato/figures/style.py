@@ -200,6 +200,11 @@ def save_figure(figure: Figure, path: Path | str, *, dpi: float = DPI) -> Path:
     return path
 
 
+def head(figure: Figure, text: str) -> None:
+    """Write small text above a whole figure."""
+    figure.suptitle(text, fontsize=SMALL, x=0.01, ha="left")
+
+
 def label(variable: xr.DataArray, *, short: bool = False, unit: str = "") -> str:
     r"""Return an axis label from a variable's metadata, e.g. ``angle $\theta$ [rad]``.
 

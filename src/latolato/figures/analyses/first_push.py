@@ -107,9 +107,9 @@ def verdict(dataset: xr.Dataset) -> str:
     pushed = np.flatnonzero(status == "push")
     if pushed.size:
         best = pushed[np.argmin(push[pushed])]
-        told = number(float(push[best]))
+        least = number(float(push[best]))
         parts.append(
-            f"at {pushed.size} it needs a push, the least being {told} {unit} "
+            f"at {pushed.size} it needs a push, the least being {least} {unit} "
             f"(known to {number(float(error[best]), 1)}) for ω/ω₀ = {number(float(ratio[best]))}"
         )
     if none.any():

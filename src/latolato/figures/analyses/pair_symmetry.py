@@ -140,17 +140,17 @@ def verdict(dataset: xr.Dataset) -> str:
     if status.size > 1:
         share = 100.0 * float((status == "valid").mean())
         return f"They do in {share:.0f} % of the {status.size} cases."
-    told, value = str(status.ravel()[0]), float(rate[0])
+    state, value = str(status.ravel()[0]), float(rate[0])
     if math.isnan(value):
-        return f"There is no answer: {told}."
-    if told == "valid" and math.isinf(value):
+        return f"There is no answer: {state}."
+    if state == "valid" and math.isinf(value):
         return "Yes: they rest on each other, and every difference vanishes."
-    shown = number(value)
-    if told == "valid":
-        return f"Yes: differences between them die out, at a rate of {shown} 1/s."
-    if told == "broken":
-        return f"No: a small difference between them grows, at a rate of {shown} 1/s."
-    return f"It cannot be told in this time: the rate is {shown} 1/s."
+    text = number(value)
+    if state == "valid":
+        return f"Yes: differences between them die out, at a rate of {text} 1/s."
+    if state == "broken":
+        return f"No: a small difference between them grows, at a rate of {text} 1/s."
+    return f"It cannot be told in this time: the rate is {text} 1/s."
 
 
 QUESTION = Question(

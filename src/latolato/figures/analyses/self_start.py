@@ -12,7 +12,7 @@ from latolato.analysis import self_start
 from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
 from latolato.figures.analyses.sentences import millimetres, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
+from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import parameters_in_words
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.drive_amplitude))
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
-    axes.set_title(f"leaves rest inside\n{parameters_in_words(about, *names)}")
+    axes.set_title(f"leaves rest inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 
