@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import grids, style
 
@@ -24,34 +22,19 @@ TRIALS = {
 }
 # Grounds that these markers and a white line stand out from.
 GROUNDS = {"none": "#d9d3bd", "weak": "#b9a9ad", "strong": "#8d7f96"}
-# Letters in a line of the verdict on a page's width.
-_LINE = 122
 
 
-@style.styled
-def draw_comparison(dataset: xr.Dataset) -> Figure:
-    """Return the picture of a comparison's dataset.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no comparison.
-    """
-    kind = str(dataset.attrs.get("comparison"))
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the picture of a comparison's dataset."""
+    kind = dataset.attrs["comparison"]
     if kind == "motion":
-        figure = _motion(dataset)
-    elif kind == "map":
-        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.4)
+        return _motion(dataset)
+    figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.4 if kind == "map" else 3.8)
+    if kind == "map":
         handles = draw_trials(axes[0, 0], dataset)
         figure.legend(handles=handles, loc="outside lower center", ncols=4)
-    elif kind == "response":
-        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.8)
-        draw_responses(axes[0, 0], dataset)
     else:
-        raise InputError("the dataset holds no comparison that can be drawn")
-    letters = int(_LINE * figure.get_figwidth() / style.PAGE)
-    words = textwrap.fill(str(dataset.attrs["verdict"]), letters)
-    figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
+        draw_responses(axes[0, 0], dataset)
     return figure
 
 

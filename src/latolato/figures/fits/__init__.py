@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.figures import style
-from latolato.figures.plot import picture_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-# Letters in a line of the verdict.
-_LINE = 122
-
-
-@style.styled
-def draw_fit(dataset: xr.Dataset) -> Figure:
-    """Return the picture of a fit's dataset under its verdict.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no fit, or one without a picture.
-    """
-    if "fit" not in dataset.attrs:
-        raise InputError("the dataset holds no fit")
-    figure = picture_of("fit", str(dataset.attrs["fit"]))(dataset)
-    words = textwrap.fill(str(dataset.attrs["verdict"]), _LINE)
-    figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
-    return figure
 
 
 def draw_curve(
