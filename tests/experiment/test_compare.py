@@ -14,7 +14,6 @@ from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import trial_table, write_trials
-from latolato.figures.comparisons import draw_comparison
 from latolato.figures.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES
 from track_tables import decay_table, motion_table
 
@@ -206,8 +205,6 @@ def test_every_comparison_is_drawn_from_a_file(table, grid, responses, tmp_path)
         assert ll.plot(again).axes, name
     with pytest.raises(ValueError, match="drawn whole"):
         ll.plot(found["map"], log=True)
-    with pytest.raises(ValueError, match="no comparison"):
-        draw_comparison(grid)
 
 
 def test_what_cannot_be_compared_is_refused(table, grid, responses):

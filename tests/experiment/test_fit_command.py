@@ -10,7 +10,7 @@ from latolato.cli.main import main
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.result import load_fit, quantity_of
 from latolato.experiment.track_table import read_table, write_table
-from latolato.figures.plot import picture_of
+from latolato.figures.plot import module_of
 from latolato.scenario.analysis_options import options_of
 from track_tables import decay_table, drive_table, motion_table
 
@@ -93,7 +93,7 @@ def test_every_fit_has_options_words_and_a_picture(name):
     assert kind.title
     assert kind.hint or not kind.is_slow
     assert all(quantity_of(each).long_name for each in kind.headline)
-    assert callable(picture_of("fit", name))
+    assert callable(module_of("fit", name).draw)
 
 
 @pytest.mark.parametrize(

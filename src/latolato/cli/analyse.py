@@ -65,9 +65,9 @@ def run(
     begun = time.perf_counter()
     targets.check("the result of an analysis")
     if targets.plot is not None:
-        from latolato.figures.plot import picture_of
+        from latolato.figures.plot import module_of
 
-        picture_of("analysis", call.name)
+        module_of("analysis", call.name)
     try:
         arguments = call.arguments(source, given)
         with working(call.name.replace("_", " ")):

@@ -347,16 +347,11 @@ def plot(
         "overlays": overlay or [],
         "points": points,
     }
-    kinds = {
-        "a map": pictures.is_map,
-        "an analysis": pictures.is_analysis,
-        "a fit": pictures.is_fit,
-        "a comparison": pictures.is_comparison,
-    }
-    kind = next((name for name, holds in kinds.items() if holds(dataset)), None)
-    if kind is not None:
+    kind = pictures.kind_of(dataset)
+    if kind != "run":
         if animate is not None:
-            raise InputError(f"'{file}' holds {kind}: only a run can be animated")
+            article = "an" if kind == "analysis" else "a"
+            raise InputError(f"'{file}' holds {article} {kind}: only a run can be animated")
         from latolato.figures.style import save_figure
 
         print(save_figure(pictures.plot(dataset, **of_map), picture))

@@ -138,6 +138,6 @@ def stack(
         "time": quantity("time", "time", first.time.values),
         "case": variable("case", labels, units="1", long_name="case"),
     }
-    kept = ("latolato_version", "numpy_version", "numba_version")
-    about = {name: first.attrs[name] for name in kept}
+    versions = ("latolato_version", "numpy_version", "numba_version")
+    about = {name: first.attrs[name] for name in versions}
     return xr.Dataset(variables, coordinates, attrs={"title": title, **about})

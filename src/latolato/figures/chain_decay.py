@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from latolato.figures import chain, style
 from latolato.figures.cases import quantity, variable
 from latolato.figures.claim import Numbers
-from latolato.figures.fits import ABOVE, draw_curve, draw_residual, draw_turning_points
+from latolato.figures.fits import draw_curve, draw_residual, draw_turning_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     draw_curve(angle, dataset, "angle", "angle_fit")
     draw_turning_points(angle, dataset)
     angle.set_xlabel("")
-    angle.legend(**ABOVE, ncols=3)
+    angle.legend(**style.ABOVE, ncols=3)
     style.panel_letter(angle, "b")
     draw_residual(residual, dataset, "angle_residual")
     style.panel_letter(residual, "c")

@@ -9,7 +9,6 @@ import numpy as np
 from latolato.figures import chain, comparisons, style
 from latolato.figures.cases import variable
 from latolato.figures.claim import Numbers
-from latolato.figures.fits import ABOVE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,6 +84,6 @@ def draw(dataset: xr.Dataset) -> Figure:
         panels[row].set_xlim(0.0, float(dataset.time[-1]))
         if row != "phase":
             panels[row].tick_params(labelbottom=False)
-    panels["angle"].legend(**ABOVE, ncols=2)
+    panels["angle"].legend(**style.ABOVE, ncols=2)
     panels["phase"].set_xlabel(style.label(dataset.time))
     return figure

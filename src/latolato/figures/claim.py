@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from latolato.core.registry import suggest
-from latolato.figures.style import pretty_unit
+from latolato.figures.style import unit_after
 
 Numbers = Mapping[str, float]
 FILE = Path(__file__).with_name("claims.toml")
@@ -70,17 +70,18 @@ class Limit:
     @property
     def demand(self) -> str:
         """The interval in words, e.g. ``at most 0.01``."""
-        unit = "" if self.unit == "1" else f" {pretty_unit(self.unit)}"
         if self.low == -math.inf:
-            return f"at most {_text(self.high)}{unit}"
-        if self.high == math.inf:
-            return f"at least {_text(self.low)}{unit}"
-        return f"{_text(self.low)} to {_text(self.high)}{unit}"
+            text = f"at most {_text(self.high)}"
+        elif self.high == math.inf:
+            text = f"at least {_text(self.low)}"
+        else:
+            text = f"{_text(self.low)} to {_text(self.high)}"
+        return unit_after(text, self.unit)
 
     def report(self, numbers: Numbers) -> str:
         """Return the number beside its limit, e.g. ``difference: 0.00403 (at most 0.01)``."""
-        unit = "" if self.unit == "1" else f" {pretty_unit(self.unit)}"
-        return f"{self.meaning}: {_text(numbers[self.number])}{unit} ({self.demand})"
+        number = unit_after(_text(numbers[self.number]), self.unit)
+        return f"{self.meaning}: {number} ({self.demand})"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import grids, style
-from latolato.figures.fits import ABOVE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,34 +22,19 @@ TRIALS = {
 }
 # Grounds that these markers and a white line stand out from.
 GROUNDS = {"none": "#d9d3bd", "weak": "#b9a9ad", "strong": "#8d7f96"}
-# Letters in a line of the verdict on a page's width.
-_LINE = 122
 
 
-@style.styled
-def draw_comparison(dataset: xr.Dataset) -> Figure:
-    """Return the picture of a comparison's dataset.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no comparison.
-    """
-    kind = str(dataset.attrs.get("comparison"))
+def draw(dataset: xr.Dataset) -> Figure:
+    """Return the picture of a comparison's dataset."""
+    kind = dataset.attrs["comparison"]
     if kind == "motion":
-        figure = _motion(dataset)
-    elif kind == "map":
-        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.4)
+        return _motion(dataset)
+    figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.4 if kind == "map" else 3.8)
+    if kind == "map":
         handles = draw_trials(axes[0, 0], dataset)
         figure.legend(handles=handles, loc="outside lower center", ncols=4)
-    elif kind == "response":
-        figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.8)
-        draw_responses(axes[0, 0], dataset)
     else:
-        raise InputError("the dataset holds no comparison that can be drawn")
-    letters = int(_LINE * figure.get_figwidth() / style.PAGE)
-    words = textwrap.fill(str(dataset.attrs["verdict"]), letters)
-    figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
+        draw_responses(axes[0, 0], dataset)
     return figure
 
 
@@ -74,7 +56,7 @@ def _motion(dataset: xr.Dataset) -> Figure:
         if column:
             for axes in panels[:, column]:
                 axes.set_ylabel("")
-    panels[0, -1].legend(**ABOVE, ncols=2)
+    panels[0, -1].legend(**style.ABOVE, ncols=2)
     return figure
 
 
@@ -96,7 +78,7 @@ def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
     )  # fmt: skip
     if float(dataset.followed_until) < time[-1]:
         axes.axvline(float(dataset.followed_until), color=style.GREY, lw=style.LINE, ls="--")
-    axes.set_ylabel(style.label(dataset.angle, short=True).replace("[rad]", "[°]"))
+    axes.set_ylabel(style.label(dataset.angle, short=True, unit="°"))
 
 
 def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
@@ -112,7 +94,7 @@ def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
     reach = 1.15 * float(np.max(np.abs(values)))
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("residual [mrad]")
-    axes.legend(**ABOVE)
+    axes.legend(**style.ABOVE)
 
 
 def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
@@ -134,7 +116,6 @@ def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
 def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     """Draw a map of classes with trials and boundary over it; return the legend's entries."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
 
     ground = (dataset.motion_class + 1.0).rename("motion_class")
     grids.draw_cells(
@@ -142,8 +123,7 @@ def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
         cmap=ListedColormap(list(GROUNDS.values())),
     )  # fmt: skip
     handles: list[Any] = [
-        Patch(facecolor=colour, edgecolor=style.INK, lw=style.THIN, label=f"computed: {name}")
-        for name, colour in GROUNDS.items()
+        style.swatch(colour, f"computed: {name}") for name, colour in GROUNDS.items()
     ]
     limits = axes.get_xlim(), axes.get_ylim()
     handles += _draw_boundary(axes, dataset)

@@ -140,7 +140,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.degree_axis(a, spacing=45)
     a.set_ylabel(style.label(angle, short=True))
     b.plot(time, 1e3 * quiet, color=style.GREEN, lw=style.THIN)
-    b.set_ylabel(style.label(angle, short=True).replace("[rad]", "[mrad]"))
+    b.set_ylabel(style.label(angle, short=True, unit="mrad"))
     for panel, letter, case in ((a, "a", RESONANT), (b, "b", QUIET)):
         frequency = float(dataset.drive_frequency.sel(case=case))
         ratio = frequency / paper.PENDULUM.natural_frequency

@@ -100,8 +100,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for panel, letter, (name, norm, cmap) in zip((c, d), "cd", grids.SCALES, strict=True):
         values = free[name]
         mesh = grids.draw_cells(panel, values, norm=norm(), cmap=cmap)
-        bar = figure.colorbar(mesh, ax=panel, aspect=26, pad=0.02)
-        bar.outline.set_visible(False)
+        style.colour_bar(mesh, aspect=26)
         style.panel_title(panel, letter, grids.label(values))
         panel.set_xlabel(style.label(dataset.frequency_ratio))
         tongue = grids.draw_overlay(panel, paper.UNDAMPED, "tongue")

@@ -118,9 +118,7 @@ def draw(dataset: xr.Dataset) -> Figure:
                 panel.set_xlabel(style.label(dataset.frequency_ratio, short=True))
             if column == 0:
                 panel.set_ylabel(style.label(dataset.drive_amplitude))
-        bar = figure.colorbar(mesh, ax=list(axes[row]), pad=0.01, aspect=22)
-        bar.set_label(grids.label(dataset[name]))
-        bar.outline.set_visible(False)
+        style.colour_bar(mesh, grids.label(dataset[name]), ax=list(axes[row]), pad=0.01, aspect=22)
     axes[0, 0].set_xlim(0.0, paper.LARGEST_FREQUENCY_RATIO)
     axes[0, 0].set_ylim(0.0, paper.LARGEST_AMPLITUDE_RATIO * TOY.length)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)

@@ -131,9 +131,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     b.set_xlabel(style.label(dataset.time))
     style.panel_title(b, "b", "energies of one ball")
     for panel in (a, b):  # above the panel, where it hides nothing
-        panel.legend(
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, columnspacing=1.2, borderpad=0.0
-        )
+        panel.legend(**style.ABOVE, ncols=3, columnspacing=1.2, borderpad=0.0)
     inset = b.inset_axes((0.62, 0.63, 0.37, 0.36))
     inset.plot(time, run.damping_power, color=style.RED, lw=style.THIN)
     inset.set_xlim(0.0, DURATION)

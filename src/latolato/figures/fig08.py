@@ -146,7 +146,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     a.set_ylim(-100.0, 100.0)
     a.set_xlim(0.0, DURATION)
     a.set_xlabel(style.label(dataset.time))
-    a.set_ylabel(style.label(dataset.angle, short=True).replace("[rad]", "[°]"))
+    a.set_ylabel(style.label(dataset.angle, short=True, unit="°"))
     style.panel_title(a, "a", f"$A_0$ = {1e3 * paper.SINGLE_AMPLITUDE:g} mm (assumed)")
 
     b.axhline(0.0, color=style.GREY, lw=style.THIN)
@@ -161,7 +161,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     threshold = 1e3 * float(dataset.threshold_amplitude)
     style.note(b, f"threshold {threshold:.2f} mm", (threshold, 0.0), (7, -9))
-    b.set_xlabel(style.label(dataset.drive_amplitude, short=True).replace("[m]", "[mm]"))
+    b.set_xlabel(style.label(dataset.drive_amplitude, short=True, unit="mm"))
     b.set_ylabel("growth rate " + style.label(dataset.growth_rate, short=True))
     style.panel_title(b, "b", "growth of small swings")
     return figure

@@ -97,15 +97,13 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Return the figure with panels (a) and (b)."""
     from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
     from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
     figure, axes = style.new_figure(1, 2, sharey=True, height=3.5)
     a, b = axes[0]
     grid = dataset.isel(case=0)
     ratio, amplitude = dataset.frequency_ratio.values, dataset.drive_amplitude.values
     mesh = grids.draw_cells(a, grid.mean_energy, norm=LogNorm(1e-4, 1.0, clip=True), cmap="viridis")
-    bar = figure.colorbar(mesh, ax=a, aspect=26, pad=0.02, extend="min")
-    bar.outline.set_visible(False)
+    style.colour_bar(mesh, aspect=26, extend="min")
     colours = CLASSES["motion_class"]
     # Zero is a class here, not a missing value.
     classes = (grid.motion_class + 1.0).rename("motion_class")
@@ -122,10 +120,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     ):
         a.contour(ratio, amplitude, values.values, levels=[level], colors=[colour], linewidths=1.1)
         handles.append(Line2D([], [], color=colour, lw=1.1, label=text))
-    handles += [
-        Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=name)
-        for name, colour in colours.items()
-    ]
+    handles += [style.swatch(colour, name) for name, colour in colours.items()]
     for panel, letter, text in (
         (a, "a", grids.label(grid.mean_energy)),
         (b, "b", "class of motion"),

@@ -175,7 +175,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         axis.set_ylim(0.0, None)
         axis.set_xlabel(style.label(dataset.time))
         style.panel_title(axis, name, "step at once" if ramp == 0.0 else f"ramp of {ramp:g} s")
-    panels["a"].set_ylabel(style.label(dataset.angle, short=True).replace("[rad]", "[°]"))
+    panels["a"].set_ylabel(style.label(dataset.angle, short=True, unit="°"))
     c, d = panels["c"], panels["d"]
     for ramp, marker, colour in zip(RAMPS, "o+", (style.BLUE, style.RED), strict=True):
         c.plot(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.figures import overlays
+from latolato.figures import overlays, style
 from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, variable
 from latolato.figures.sides import Side
@@ -145,8 +145,8 @@ def gather(
     plans = [grid.attrs["plan"] for grid in everything.values()]
     variables["plan"] = variable("sweep", plans, units="1", long_name="the sweep as JSON")
     coordinates["sweep"] = variable("sweep", list(everything), units="1", long_name="sweep")
-    kept = ("latolato_version", "numpy_version", "numba_version")
-    about = {name: first.attrs[name] for name in kept}
+    versions = ("latolato_version", "numpy_version", "numba_version")
+    about = {name: first.attrs[name] for name in versions}
     return xr.Dataset(variables, coordinates, attrs={"title": title, **about})
 
 
@@ -157,13 +157,9 @@ def draw_cells(axes: Axes, values: xr.DataArray, *, norm: Any, cmap: str | Color
         for dim in values.dims
     )
     cells = np.ma.masked_where(~(values.values > 0.0), values.values)
-    mesh = axes.pcolormesh(
-        x.edges, y.edges, cells, cmap=cmap, norm=norm, shading="flat", rasterized=True
-    )
+    mesh = style.draw_cells(axes, x.edges, y.edges, cells, cmap=cmap, norm=norm)
     axes.set_xlim(float(x.edges[0]), float(x.edges[-1]))
     axes.set_ylim(float(y.edges[0]), float(y.edges[-1]))
-    for spine in axes.spines.values():
-        spine.set_visible(True)
     return mesh
 
 

@@ -139,11 +139,7 @@ def _draw_phase(run: xr.Dataset, axes: Axes) -> None:
     style.pi_ticks(axes.xaxis, parts=2)
     axes.set_xlabel(style.label(run.angle, short=True))
     axes.set_ylabel(style.label(run.angular_velocity, short=True))
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(lines, ax=axes, pad=0.02, aspect=25)
-    bar.outline.set_visible(False)
-    bar.set_label(style.label(run.total_energy, short=True))
+    style.colour_bar(lines, style.label(run.total_energy, short=True), aspect=25)
 
 
 def write(path: Path | str) -> Path:

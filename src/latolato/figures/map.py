@@ -265,21 +265,12 @@ class Drawing:
             norm = LogNorm(low, high) if self.log else Normalize(low, high)
         if self.log:
             values = np.ma.masked_less_equal(values, 0.0)
-        options: dict[str, Any] = {"shading": "flat", "rasterized": True}
-        cells = axes.pcolormesh(x.edges, y.edges, values, cmap=colours, norm=norm, **options)
+        cells = style.draw_cells(axes, x.edges, y.edges, values, cmap=colours, norm=norm)
         for mask, colour in self._special():
             if mask.any():
-                patch = np.ma.masked_array(np.zeros(mask.shape), ~mask)
-                only: Any = ListedColormap([colour])
-                axes.pcolormesh(x.edges, y.edges, patch, cmap=only, **options)
+                style.fill_cells(axes, x.edges, y.edges, mask, colour)
         if not self.classes:
-            figure = axes.get_figure(root=True)
-            assert figure is not None
-            bar = figure.colorbar(cells, ax=axes, pad=0.02, aspect=28)
-            bar.set_label(style.label(self.data))
-            bar.outline.set_visible(False)
-        for spine in axes.spines.values():
-            spine.set_visible(True)
+            style.colour_bar(cells, style.label(self.data), aspect=28)
 
     def _special(self) -> list[tuple[Any, str]]:
         """Return the cells that have a colour of their own, and it."""
@@ -292,15 +283,10 @@ class Drawing:
 
     def _legend_of_cells(self) -> list[Any]:
         """Return legend entries for classes and for cells without a value."""
-        from matplotlib.patches import Patch
-
-        def patch(colour: str, text: str) -> Any:
-            return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
-
         entries = []
         for number, (text, colour) in enumerate(self.classes.items()):
             if self.name != "status" or (self.values == number).any():
-                entries.append(patch(colour, text))
+                entries.append(style.swatch(colour, text))
         nothing = np.isnan(self.values)
         late, lost = nothing & (self.status < 0), nothing & (self.status >= 0)
         if lost.any():
@@ -313,11 +299,11 @@ class Drawing:
                 for number, (n, name) in enumerate(counts)
                 if n
             )
-            entries.append(patch(NO_ANSWER, f"no answer ({reasons})"))
+            entries.append(style.swatch(NO_ANSWER, f"no answer ({reasons})"))
         if late.any():
-            entries.append(patch(NOT_YET, f"not computed yet ({int(late.sum())})"))
+            entries.append(style.swatch(NOT_YET, f"not computed yet ({int(late.sum())})"))
         if self.log and (self.values == 0.0).any():
-            entries.append(patch(ZERO, "zero"))
+            entries.append(style.swatch(ZERO, "zero"))
         return entries
 
     def curves(self) -> Figure:
@@ -344,9 +330,8 @@ class Drawing:
                 if len(values) > 1:
                     unit = str(sides[0].attributes.get("units", "1"))
                     symbol = sides[0].attributes.get("symbol", "")
-                    tail = "" if unit == "1" else f" {style.pretty_unit(unit)}"
                     head = f"${symbol}$" if symbol else sides[0].name
-                    name = f"{head} = {sides[0].values[i]:.4g}{tail}"
+                    name = f"{head} = {style.unit_after(f'{sides[0].values[i]:.4g}', unit)}"
                 (line,) = axes.plot(
                     along.values,
                     row,
@@ -394,15 +379,10 @@ class Drawing:
 
 def _number(axis: Any, side: Side) -> None:
     """Write plain numbers along a logarithmic axis of few decades."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
     decades = math.log10(side.edges[-1] / side.edges[0])
-    if decades > _MOST_PLAIN:
-        return
-    digits = (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
-    axis.set_major_locator(LogLocator(subs=digits))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    if decades <= _MOST_PLAIN:
+        narrow = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+        style.plain_ticks(axis, (1.0, 2.0, 5.0) if decades > 1.0 else narrow)
 
 
 def _shades(count: int) -> list[Any]:

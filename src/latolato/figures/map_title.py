@@ -31,6 +31,7 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
     """Return what the picture of a variable is of, in lines; `selection` is in words."""
     attributes = grid.attrs
     varied = {str(name) for name, c in grid.coords.items() if c.dims}
+    varied.add(attributes.get("parameter", ""))  # that a branch is followed along
     words = [f"{attributes.get('system', 'sweep')}"]
     targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
     others = []
@@ -63,6 +64,12 @@ def plain_text(text: str) -> str:
     return text.replace("$", "").replace("\\", "").replace("{", "").replace("}", "")
 
 
+def raised(text: str) -> str:
+    """Return a number such as ``2e-05`` with its power of ten as mathematics."""
+    digits, has_power, power = text.partition("e")
+    return rf"${digits}\times10^{{{int(power)}}}$" if has_power else text
+
+
 def in_words(grid: xr.Dataset, name: str, value: float) -> str:
     """Return a parameter and its value as ``$e$ = 0.9``."""
     quantity = QUANTITIES.get(name)
@@ -73,9 +80,6 @@ def in_words(grid: xr.Dataset, name: str, value: float) -> str:
         name, unit, value = name.replace("_", " "), "deg", math.degrees(value)
     if name == "transient":
         unit = "s"
-    text = f"{value:.4g}"
-    if "e" in text:
-        digits, _, power = text.partition("e")
-        text = rf"${digits}\times10^{{{int(power)}}}$"
-    tail = "" if unit == "1" else "°" if unit == "deg" else f" {style.pretty_unit(unit)}"
-    return f"{f'${symbol}$' if symbol else name} = {text}{tail}"
+    text = raised(f"{value:.4g}")
+    text = f"{text}°" if unit == "deg" else style.unit_after(text, unit)
+    return f"{f'${symbol}$' if symbol else name} = {text}"

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import importlib
+import textwrap
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.figures.pictures import module_of
+from latolato.figures import style
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-
-# Where the pictures of each kind of result are, one module each.
+_FOLDERS = {"analysis": "analyses", "fit": "fits"}
+# Letters in a line of a verdict on a page's width.
+_LINE = 122
 
 
 def plot(
@@ -77,24 +80,8 @@ def plot(
         raise InputError(
             f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
         )
-    is_plain = not (variable or log or curves or select or overlays or points)
-    if is_fit(run):
-        if not is_plain:
-            raise InputError("a fit is drawn whole: variable, log and the like belong to sweeps")
-        from latolato.figures.fits import draw_fit
-
-        return draw_fit(run)
-    if is_comparison(run):
-        if not is_plain:
-            raise InputError("a comparison is drawn whole: variable, log and the like fit a sweep")
-        from latolato.figures.comparisons import draw_comparison
-
-        return draw_comparison(run)
-    if is_analysis(run):
-        if not is_plain:
-            raise InputError("an analysis is drawn whole: variable, log and the like fit a sweep")
-        return picture_of("analysis", str(run.attrs["analysis"]))(run)
-    if is_map(run):
+    kind = kind_of(run)
+    if kind == "map":
         from latolato.figures.map import Drawing
 
         drawing = Drawing(run, variable, log=log, select=select or {})
@@ -103,42 +90,56 @@ def plot(
         if overlays or points:
             raise InputError("overlays and points belong to a map of amplitude and frequency")
         return drawing.curves()
-    if "angle" not in run or "time" not in run.dims:
+    if kind == "run" and ("angle" not in run or "time" not in run.dims):
         raise InputError("plot needs a run: a dataset with angle over time, a sweep or an analysis")
-    if not is_plain:
-        raise InputError("a run is drawn whole: variable, log and the like belong to sweeps")
-    from latolato.figures.run import draw_run
+    if variable or log or curves or select or overlays or points:
+        article = "an" if kind == "analysis" else "a"
+        raise InputError(
+            f"{article} {kind} is drawn whole: variable, log and the like belong to sweeps"
+        )
+    if kind == "run":
+        from latolato.figures.run import draw_run
 
-    return draw_run(run)
-
-
-def is_map(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset is that of a sweep."""
-    return "plan" in dataset.attrs and "time" not in dataset.dims and not is_comparison(dataset)
-
-
-def is_analysis(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset is what an analysis found."""
-    return "analysis" in dataset.attrs
+        return draw_run(run)
+    if kind == "analysis":
+        figure: Figure = module_of(kind, run.attrs[kind]).draw(run)
+        return figure
+    return _draw_with_verdict(run)
 
 
-def is_fit(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset is that of a fit of measurements."""
-    return "fit" in dataset.attrs
+@style.styled
+def _draw_with_verdict(dataset: xr.Dataset) -> Figure:
+    """Return the picture of a fit or a comparison under its verdict."""
+    from latolato.figures import comparisons
+
+    is_fit = kind_of(dataset) == "fit"
+    module = module_of("fit", dataset.attrs["fit"]) if is_fit else comparisons
+    figure: Figure = module.draw(dataset)
+    letters = int(_LINE * figure.get_figwidth() / style.PAGE)
+    style.head(figure, textwrap.fill(str(dataset.attrs["verdict"]), letters))
+    return figure
 
 
-def is_comparison(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset compares measurement and computation."""
-    return "comparison" in dataset.attrs
+def kind_of(dataset: xr.Dataset) -> str:
+    """Return what a dataset is of: a fit, comparison or analysis, a map, or else a run."""
+    for kind in ("fit", "comparison", "analysis"):
+        if kind in dataset.attrs:
+            return kind
+    return "map" if "plan" in dataset.attrs and "time" not in dataset.dims else "run"
 
 
-def picture_of(kind: str, name: str) -> Callable[[xr.Dataset], Figure]:
-    """Return what draws an analysis or a fit: ``draw`` of the module of its name.
+def module_of(kind: str, name: str) -> Any:
+    """Return the module with the picture of an analysis or a fit: the one of its name.
 
     Raises
     ------
     InputError
-        If it has no picture.
+        If it has none.
     """
-    draw: Callable[[xr.Dataset], Figure] = module_of(kind, name).draw
-    return draw
+    home = f"latolato.figures.{_FOLDERS[kind]}.{name}"
+    try:
+        return importlib.import_module(home)
+    except ModuleNotFoundError as error:
+        if error.name != home:
+            raise
+        raise InputError(f"{kind} '{name}' has no picture; its numbers can be stored") from None

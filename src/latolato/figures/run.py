@@ -189,8 +189,7 @@ def _legend(axes: Axes) -> None:
         legend = axes.legend(
             handles,
             texts,
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
+            **style.ABOVE,
             ncols=len(handles),
             columnspacing=1.2,
             borderpad=0.0,

@@ -42,13 +42,7 @@ class Side:
     def edges(self) -> Floats:
         """Borders of the cells, midway between values; of amounts, never below zero."""
         values = np.log(self.values) if self.is_log else self.values
-        if len(values) == 1:
-            half = 0.5 if self.is_log else 0.5 * abs(values[0]) or 0.5
-            ends = np.array([values[0] - half, values[0] + half])
-        else:
-            middle = 0.5 * (values[1:] + values[:-1])
-            first, last = 2.0 * values[0] - middle[0], 2.0 * values[-1] - middle[-1]
-            ends = np.concatenate([[first], middle, [last]])
+        ends = style.edges_of(values)
         if self.is_log:
             return np.asarray(np.exp(ends))
         return np.maximum(ends, 0.0) if values[0] >= 0.0 else ends

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-# Widths of one text column and of a page [inch].
-COLUMN = 3.4
-PAGE = 7.0
+PAGE = 7.0  # width of a page [inch]
 # Height of one row of panels [inch].
 ROW = 2.1
 DPI = 200
@@ -56,6 +54,8 @@ THIN = 0.6
 SMALL = 7.0
 TEXT = 8.0
 LARGE = 9.5
+# Where a legend stands clear of the curves.
+ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
 
 
 @contextmanager
@@ -200,7 +200,12 @@ def save_figure(figure: Figure, path: Path | str, *, dpi: float = DPI) -> Path:
     return path
 
 
-def label(variable: xr.DataArray, *, short: bool = False) -> str:
+def head(figure: Figure, text: str) -> None:
+    """Write small text above a whole figure."""
+    figure.suptitle(text, fontsize=SMALL, x=0.01, ha="left")
+
+
+def label(variable: xr.DataArray, *, short: bool = False, unit: str = "") -> str:
     r"""Return an axis label from a variable's metadata, e.g. ``angle $\theta$ [rad]``.
 
     Parameters
@@ -209,21 +214,80 @@ def label(variable: xr.DataArray, *, short: bool = False) -> str:
         With the attributes ``long_name``, ``symbol`` and ``units``; a missing one is left out.
     short : bool
         Leave the long name out where there is a symbol.
+    unit : str
+        Unit of what is drawn, where it is not that of the variable.
     """
-    name, symbol, unit = (
+    name, symbol, units = (
         str(variable.attrs.get(key, "")) for key in ("long_name", "symbol", "units")
     )
     words = [] if short and symbol else [name]
     if symbol:
         words.append(f"${symbol}$")
-    if unit not in ("", "1"):
-        words.append(f"[{pretty_unit(unit)}]")
+    if units not in ("", "1"):
+        words.append(f"[{unit or pretty_unit(units)}]")
     return " ".join(word for word in words if word)
 
 
 def pretty_unit(unit: str) -> str:
     """Return a unit as it is printed: ``kg*m/s^2`` becomes ``kg m/s²``."""
     return unit.replace("*", " ").replace("^2", "²").replace("^(3/2)", "³ᐟ²")
+
+
+def unit_after(number: str, unit: str) -> str:
+    """Return a number with its unit, if it has one: ``0.05 kg m/s``."""
+    return number if unit in ("", "1") else f"{number} {pretty_unit(unit)}"
+
+
+def edges_of(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the borders of cells about increasing values, midway between them."""
+    if len(values) == 1:
+        half = 0.5 * abs(values[0]) or 0.5
+        return np.array([values[0] - half, values[0] + half])
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
+
+
+def draw_cells(axes: Axes, x: Any, y: Any, values: Any, **look: Any) -> Any:
+    """Draw a framed map of cells between the edges x and y; NaN and masked cells stay empty."""
+    cells = axes.pcolormesh(
+        x, y, np.ma.masked_invalid(values), shading="flat", rasterized=True, **look
+    )
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    return cells
+
+
+def fill_cells(axes: Axes, x: Any, y: Any, mask: NDArray[np.bool_], colour: str) -> None:
+    """Fill the cells of a mask with one colour."""
+    from matplotlib.colors import ListedColormap
+
+    draw_cells(axes, x, y, np.where(mask, 0.0, np.nan), cmap=ListedColormap([colour]))
+
+
+def colour_bar(cells: Any, text: str = "", **options: Any) -> Any:
+    """Add the scale of colours of a map, beside its panel or the panels ``ax``, and return it."""
+    bar = cells.axes.get_figure(root=True).colorbar(
+        cells, **{"ax": cells.axes, "pad": 0.02, **options}
+    )
+    bar.set_label(text)
+    bar.outline.set_visible(False)
+    return bar
+
+
+def swatch(colour: str, text: str) -> Any:
+    """Return the legend entry of a filled colour."""
+    from matplotlib.patches import Patch
+
+    return Patch(facecolor=colour, edgecolor=INK, linewidth=THIN, label=text)
+
+
+def plain_ticks(axis: Axis, digits: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
+    """Write the ticks of a logarithmic axis as plain numbers with these first digits."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=digits))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def panel_letter(axes: Axes, letter: str, *, dx: float = 0.0, dy: float = 4.0) -> None:

@@ -9,7 +9,6 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.response_period_map import edges_of
 from latolato.figures.analyses.sentences import UPRIGHT, degrees, listed, percent, shakes, times
 
 if TYPE_CHECKING:
@@ -39,8 +38,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     colours: Any = ListedColormap([_UNRESOLVED, *_COLOURS, _OTHER])
     norm = BoundaryNorm(np.arange(-1, len(_COLOURS) + 2) - 0.5, len(_COLOURS) + 2)
     x, y = dataset["initial_angle"], dataset["initial_angular_velocity"]
-    edges = edges_of(x.values), edges_of(y.values)
-    panel.pcolormesh(*edges, table.T, cmap=colours, norm=norm, rasterized=True)
+    edges = style.edges_of(x.values), style.edges_of(y.values)
+    style.draw_cells(panel, *edges, table.T, cmap=colours, norm=norm)
     limits = panel.get_xlim(), panel.get_ylim()
     place, speed = np.nonzero(dataset["uncertain"].values)
     figure.draw_without_rendering()  # lays out the cells, which set the size of the dots
@@ -54,8 +53,6 @@ def draw(dataset: xr.Dataset) -> Figure:
         _draw_attractor(panel, dataset.sel(attractor=number), _COLOURS[number])
     panel.set_xlim(limits[0])
     panel.set_ylim(limits[1])
-    for spine in panel.spines.values():
-        spine.set_visible(True)
     if limits[0][1] - limits[0][0] > 0.9 * math.pi:
         style.pi_ticks(panel.xaxis, parts=4 if limits[0][1] - limits[0][0] < 4.0 else 2)
     panel.set_xlabel(style.label(x))
@@ -91,11 +88,6 @@ def _title(dataset: xr.Dataset) -> str:
 
 def _legend(dataset: xr.Dataset) -> list[Any]:
     """Return one entry for each attractor: what it is, and its share."""
-    from matplotlib.patches import Patch
-
-    def patch(colour: str, text: str) -> Any:
-        return Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
-
     entries = []
     numbers = dataset["attractor"].values
     for number in numbers[numbers < len(_COLOURS)]:
@@ -113,16 +105,16 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
         text = f"{what}, up to {angle:.0f}°"
         if status != "rest" and math.isfinite(turns):
             text += f", {turns:.3g} per period"
-        entries.append(patch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
+        entries.append(style.swatch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
     rest = numbers >= len(_COLOURS)
     if rest.any():
         share = 100.0 * dataset["basin_fraction"].values[rest].sum()
-        entries.append(patch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
+        entries.append(style.swatch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
         moving = 100.0 * dataset["not_settled_fraction"].item()
         still = f", {moving:.2f} % not settled" if moving else ""
-        entries.append(patch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
+        entries.append(style.swatch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
     return entries
 
 

@@ -89,7 +89,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     top = float(np.max(y, initial=0.0))
     angles.set_ylim(0.0 if top > _FLAT else -_FLAT, max(1.06 * top, _FLAT))
     style.degree_axis(angles)
-    angles.set_title("\n".join(title_of(_without(dataset, name), {}, "")), fontsize=style.SMALL)
+    angles.set_title("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL)
     moduli.set_ylabel(r"moduli of multipliers $|\mu|$")
     moduli.set_xlabel(style.label(dataset[name]))
     moduli.set_xlim(*_limits(x, span))
@@ -159,18 +159,6 @@ def _mark(axes: Axes, dataset: xr.Dataset) -> list[Any]:
             )  # fmt: skip
             handles.append(handle)
     return handles
-
-
-def _without(dataset: xr.Dataset, parameter: str) -> xr.Dataset:
-    """Return a dataset whose attributes do not tell the first value of what varies."""
-    targets = {
-        "frequency_ratio": "drive_frequency", "amplitude_ratio": "drive_amplitude",
-        "drive_acceleration_ratio": "drive_amplitude",
-    }  # fmt: skip
-    dropped = {parameter, targets.get(parameter, parameter)}
-    return dataset.drop_attrs(deep=False).assign_attrs(
-        {key: value for key, value in dataset.attrs.items() if key not in dropped}
-    )
 
 
 def verdict(dataset: xr.Dataset) -> str:

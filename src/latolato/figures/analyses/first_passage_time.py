@@ -75,8 +75,8 @@ def verdict(dataset: xr.Dataset) -> str:
     if status == "not exponential":
         tail = "but not by pure chance: first the motion must grow"
         return f"{text}, after some {number(mean)} s, {tail}."
-    told = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
-    return f"{text}, by chance, after {told} s on average."
+    time = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
+    return f"{text}, by chance, after {time} s on average."
 
 
 QUESTION = Question(

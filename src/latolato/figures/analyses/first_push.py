@@ -9,7 +9,6 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.response_period_map import edges_of
 from latolato.figures.analyses.sentences import listed, number, times
 
 if TYPE_CHECKING:
@@ -75,23 +74,12 @@ def _draw_curves(panel: Any, dataset: xr.Dataset) -> None:
 
 def _draw_map(figure: Any, panel: Any, dataset: xr.Dataset) -> None:
     """Draw a map over frequency and phase; white where no push is needed."""
-    import matplotlib as mpl
-    from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
-
     values = dataset["first_push"].transpose("drive_phase", "frequency_ratio").values
     x, y = dataset["frequency_ratio"], dataset["drive_phase"]
-    borders: dict[str, Any] = {"shading": "flat", "rasterized": True}
-    corners = edges_of(x.values), edges_of(y.values)
-    needed = np.ma.masked_invalid(np.where(values > 0.0, values, math.nan))
-    cells = panel.pcolormesh(*corners, needed, cmap=mpl.colormaps["viridis"], **borders)
-    nothing = np.ma.masked_array(np.zeros(values.shape), ~np.isnan(values))
-    panel.pcolormesh(*corners, nothing, cmap=ListedColormap([style.GREY]), **borders)
-    bar = figure.colorbar(cells, ax=panel, pad=0.02, aspect=28)
-    bar.set_label(style.label(dataset["first_push"]))
-    bar.outline.set_visible(False)
-    for spine in panel.spines.values():
-        spine.set_visible(True)
+    edges = style.edges_of(x.values), style.edges_of(y.values)
+    cells = style.draw_cells(panel, *edges, np.where(values > 0.0, values, math.nan))
+    style.fill_cells(panel, *edges, np.isnan(values), style.GREY)
+    style.colour_bar(cells, style.label(dataset["first_push"]), aspect=28)
     style.pi_ticks(panel.yaxis)
     panel.set_ylabel(style.label(y))
     handles = []
@@ -100,9 +88,7 @@ def _draw_map(figure: Any, panel: Any, dataset: xr.Dataset) -> None:
         (np.isnan(values), style.GREY, "no push is enough"),
     ):
         if mask.any():
-            handles.append(
-                Patch(facecolor=colour, edgecolor=style.INK, linewidth=style.THIN, label=text)
-            )
+            handles.append(style.swatch(colour, text))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
 
@@ -121,9 +107,9 @@ def verdict(dataset: xr.Dataset) -> str:
     pushed = np.flatnonzero(status == "push")
     if pushed.size:
         best = pushed[np.argmin(push[pushed])]
-        told = number(float(push[best]))
+        least = number(float(push[best]))
         parts.append(
-            f"at {pushed.size} it needs a push, the least being {told} {unit} "
+            f"at {pushed.size} it needs a push, the least being {least} {unit} "
             f"(known to {number(float(error[best]), 1)}) for ω/ω₀ = {number(float(ratio[best]))}"
         )
     if none.any():

@@ -83,11 +83,11 @@ def _rows(dataset: xr.Dataset) -> list[tuple[str, str]]:
         return [("defect", tex_number(value_of("defect"), 2))]
     rows = []
     for i, value in enumerate(dataset["multipliers"].values, start=1):
-        shown = tex_number(value.real, 5)
+        text = tex_number(value.real, 5)
         if value.imag:
             sign = "+" if value.imag > 0 else "\N{MINUS SIGN}"
-            shown += f" {sign} {tex_number(abs(value.imag), 5)} i"
-        rows.append((rf"$\mu_{i}$", shown))
+            text += f" {sign} {tex_number(abs(value.imag), 5)} i"
+        rows.append((rf"$\mu_{i}$", text))
     rate = value_of("growth_rate")
     rows += [
         ("growth rate", tex_number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),

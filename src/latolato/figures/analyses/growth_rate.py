@@ -12,7 +12,7 @@ from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import POSITION_WORDS, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
+from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import parameters_in_words
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.growth_rate))
     names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']}\n{parameters_in_words(about, *names)}")
+    axes.set_title(f"{about['position']}\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

@@ -12,8 +12,8 @@ from latolato.analysis import inverted_limits
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_stand
 from latolato.figures.analyses.sentences import millimetres, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
-from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
+from latolato.figures.analyses.stored_system import drive_of, system_of
+from latolato.figures.analyses.tongues import parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,11 +57,11 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.0, top)
-    plain_ticks(axes.xaxis)
+    style.plain_ticks(axes.xaxis)
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel("driving amplitude over length $A_0/l$")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"upright is stable inside\n{parameters_in_words(about, *names)}")
+    axes.set_title(f"upright is stable inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

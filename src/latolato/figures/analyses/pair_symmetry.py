@@ -46,9 +46,8 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     """Draw the rate over amplitude and frequency; return the entries of the legend."""
-    from matplotlib.colors import LinearSegmentedColormap, ListedColormap, TwoSlopeNorm
+    from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
     from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
     dataset = dataset.sortby(list(map(str, dataset["transverse_exponent"].dims)))
     y, x = (side_of(dataset, str(dim)) for dim in dataset["transverse_exponent"].dims)
@@ -65,23 +64,12 @@ def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     )
     # Where balls rest on each other departures vanish at once.
     rates = np.where(np.isneginf(values), scale.vmin, values)
-    options: dict[str, Any] = {"shading": "flat", "rasterized": True}
-    cells = axes.pcolormesh(
-        x.edges, y.edges, np.ma.masked_invalid(rates), cmap=colours, norm=scale, **options
-    )
+    cells = style.draw_cells(axes, x.edges, y.edges, rates, cmap=colours, norm=scale)
     lost = ~np.isfinite(rates)
     if lost.any():
-        patch = np.ma.masked_array(np.zeros(lost.shape), ~lost)
-        only: Any = ListedColormap([style.GREY])
-        axes.pcolormesh(x.edges, y.edges, patch, cmap=only, **options)
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(cells, ax=axes, pad=0.02, aspect=28, extend="both")
-    bar.set_label(style.label(dataset["transverse_exponent"]))
-    bar.ax.set_yscale("linear")
-    bar.outline.set_visible(False)
-    for spine in axes.spines.values():
-        spine.set_visible(True)
+        style.fill_cells(axes, x.edges, y.edges, lost, style.GREY)
+    text = style.label(dataset["transverse_exponent"])
+    style.colour_bar(cells, text, aspect=28, extend="both").ax.set_yscale("linear")
     for side, axis in ((x, "x"), (y, "y")):
         getattr(axes, f"set_{axis}label")(side.label)
         if side.is_log:
@@ -99,9 +87,7 @@ def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
                 linewidths=style.LINE, linestyles=look,
             )  # fmt: skip
     if lost.any():
-        handles.append(
-            Patch(fc=style.GREY, ec=style.INK, lw=style.THIN, label=f"no answer ({lost.sum()})")
-        )
+        handles.append(style.swatch(style.GREY, f"no answer ({lost.sum()})"))
     return handles
 
 
@@ -154,17 +140,17 @@ def verdict(dataset: xr.Dataset) -> str:
     if status.size > 1:
         share = 100.0 * float((status == "valid").mean())
         return f"They do in {share:.0f} % of the {status.size} cases."
-    told, value = str(status.ravel()[0]), float(rate[0])
+    state, value = str(status.ravel()[0]), float(rate[0])
     if math.isnan(value):
-        return f"There is no answer: {told}."
-    if told == "valid" and math.isinf(value):
+        return f"There is no answer: {state}."
+    if state == "valid" and math.isinf(value):
         return "Yes: they rest on each other, and every difference vanishes."
-    shown = number(value)
-    if told == "valid":
-        return f"Yes: differences between them die out, at a rate of {shown} 1/s."
-    if told == "broken":
-        return f"No: a small difference between them grows, at a rate of {shown} 1/s."
-    return f"It cannot be told in this time: the rate is {shown} 1/s."
+    text = number(value)
+    if state == "valid":
+        return f"Yes: differences between them die out, at a rate of {text} 1/s."
+    if state == "broken":
+        return f"No: a small difference between them grows, at a rate of {text} 1/s."
+    return f"It cannot be told in this time: the rate is {text} 1/s."
 
 
 QUESTION = Question(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.figures.pictures import module_of
+from latolato.figures.plot import module_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -40,27 +40,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     colours = ListedColormap(list(_CLASSES.values()))
     norm = BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names))
     x, y = dataset["frequency_ratio"], dataset["drive_amplitude"]
-    cells.pcolormesh(
-        edges_of(x.values), edges_of(y.values), _numbers(dataset), cmap=colours, norm=norm,
-        rasterized=True,
-    )  # fmt: skip
-    for spine in cells.spines.values():
-        spine.set_visible(True)
+    edges = style.edges_of(x.values), style.edges_of(y.values)
+    style.draw_cells(cells, *edges, _numbers(dataset), cmap=colours, norm=norm)
     cells.set_xlabel(style.label(x))
     cells.set_ylabel(style.label(y))
     style.panel_title(cells, "a", "response period in drive periods")
     _draw_shares(bars, dataset)
     style.panel_title(bars, "b", "shares of the cells with motion")
     return figure
-
-
-def edges_of(values: Any) -> Any:
-    """Return the borders of cells about values."""
-    if len(values) == 1:
-        half = 0.5 * abs(values[0]) or 0.5
-        return np.array([values[0] - half, values[0] + half])
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
 
 
 def _numbers(dataset: xr.Dataset) -> Any:

@@ -12,8 +12,8 @@ from latolato.analysis import self_start
 from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
 from latolato.figures.analyses.sentences import millimetres, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
-from latolato.figures.analyses.tongues import parameters_in_words, plain_ticks
+from latolato.figures.analyses.stored_system import drive_of, system_of
+from latolato.figures.analyses.tongues import parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,12 +51,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_yscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.8 * float(np.nanmin([*amplitudes, *cosine])), ceiling / 1.5)
-    plain_ticks(axes.xaxis)
-    plain_ticks(axes.yaxis)
+    style.plain_ticks(axes.xaxis)
+    style.plain_ticks(axes.yaxis)
     axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
     axes.set_ylabel(style.label(dataset.drive_amplitude))
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
-    axes.set_title(f"leaves rest inside\n{parameters_in_words(about, *names)}")
+    axes.set_title(f"leaves rest inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

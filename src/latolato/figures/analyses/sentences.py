@@ -33,7 +33,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def plus_minus(value: float, error: float) -> str:
-    """Return a number with its uncertainty, of which one digit is told, or two from 10 to 19.
+    """Return a number and its uncertainty in one digit, or two from 10 to 19.
 
     Examples
     --------
@@ -102,8 +102,8 @@ def times(count: float, what: str) -> str:
     >>> times(1, "impact"), times(2.5, "impact")
     ('1 impact', '2.5 impacts')
     """
-    shown = number(count)
-    return f"{shown} {what}{'' if shown == '1' else 's'}"
+    text = number(count)
+    return f"{text} {what}{'' if text == '1' else 's'}"
 
 
 def listed(parts: list[str], last: str = "and") -> str:

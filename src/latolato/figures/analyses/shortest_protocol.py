@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Cost, Question, ends_as_cosine, settles
@@ -42,21 +41,12 @@ def draw(dataset: xr.Dataset) -> Figure:
 def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
     """Draw the share of success over dwell and first stage, and mark the shortest protocol."""
     dwell, ratio = dataset.dwell_time.values, dataset.first_frequency_ratio.values
-    mesh = axis.pcolormesh(
-        _edges(dwell),
-        _edges(ratio),
-        dataset.success_share.values,
-        vmin=0.0,
-        vmax=1.0,
-        rasterized=True,
-    )
-    figure = axis.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(mesh, ax=axis, pad=0.02)
-    bar.set_label("share of drive phases")
-    bar.outline.set_visible(False)
-    axis.set_xlim(_edges(dwell)[0], _edges(dwell)[-1])
-    axis.set_ylim(_edges(ratio)[0], _edges(ratio)[-1])
+    x, y = style.edges_of(dwell), style.edges_of(ratio)
+    share = dataset.success_share.values
+    mesh = axis.pcolormesh(x, y, share, vmin=0.0, vmax=1.0, rasterized=True)
+    style.colour_bar(mesh, "share of drive phases")
+    axis.set_xlim(x[0], x[-1])
+    axis.set_ylim(y[0], y[-1])
     best = float(dataset.best_dwell_time), float(dataset.best_first_ratio)
     if math.isfinite(best[0]):
         axis.plot(*best, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
@@ -80,15 +70,6 @@ def _draw_angles(dataset: xr.Dataset, axis: Axes) -> None:
     axis.set_ylim(0.0, 1.1 * float(np.nanmax(angles)))
     axis.set_xlabel(_PUSH)
     axis.set_ylabel("settled angle, median over drive phases [°]")
-
-
-def _edges(values: NDArray[np.float64]) -> list[float]:
-    """Return the edges of cells around values."""
-    first, last = float(values[0]), float(values[-1])
-    if len(values) == 1:
-        return [0.95 * first, 1.05 * first]
-    middle = (0.5 * (values[1:] + values[:-1])).tolist()
-    return [2.0 * first - middle[0], *middle, 2.0 * last - middle[-1]]
 
 
 def _draw_pushes(dataset: xr.Dataset, axis: Axes) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import millimetres, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
+from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         text = f"{1e3 * amplitude:.4g} mm"
         style.note(axes, text, (ratio, amplitude / length), (6.0, 0.0))
     names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"hanging is unstable inside\n{parameters_in_words(about, *names)}")
+    axes.set_title(f"hanging is unstable inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

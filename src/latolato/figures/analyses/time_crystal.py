@@ -117,9 +117,7 @@ def _draw_order(point: xr.Dataset, axis: Axes) -> None:
 
 def verdict(dataset: xr.Dataset) -> str:
     """Tell whether there is a line at half the frequency, and how long it keeps its phase."""
-    heights = dataset["peak_amplitude"].fillna(-1.0)
-    best = np.unravel_index(int(np.argmax(heights.values)), heights.shape)
-    point = dataset.isel(dict(zip(map(str, heights.dims), best, strict=True)))
+    point = _strongest(dataset)
     status, peak = str(point["status"].item()), float(point["peak_frequency"])
     angle = degrees(float(point["peak_amplitude"]))
     life, least = float(point["lifetime"]), float(point["lifetime_low"])

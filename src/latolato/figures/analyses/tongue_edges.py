@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_shaken
 from latolato.figures.analyses.sentences import POSITION_WORDS, millimetres, number
-from latolato.figures.analyses.stored_laws import drive_of, system_of
+from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
 
 if TYPE_CHECKING:
@@ -40,7 +40,9 @@ def draw(dataset: xr.Dataset) -> Figure:
             shift = (-5.0, 5.0) if side == "right" else (5.0, 5.0)
             style.note(axes, f"{edge:.6f}", (edge, amplitude / length), shift, ha=side, va="bottom")
     names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']} is unstable inside\n{parameters_in_words(about, *names)}")
+    axes.set_title(
+        f"{about['position']} is unstable inside\n{parameters_in_words(dataset, *names)}"
+    )
     return figure
 
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from latolato.analysis import tongue_edges
 from latolato.figures import style
+from latolato.figures.map_title import in_words
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
 
 _ORDERS = (1, 2, 3)
 _COLOURS = {1: style.BLUE, 2: style.RED, 3: style.GREEN}
@@ -84,23 +85,7 @@ def _edges(
     return float(edges.low), float(edges.high)
 
 
-def parameters_in_words(about: Any, *names: str) -> str:
+def parameters_in_words(dataset: xr.Dataset, *names: str) -> str:
     """Return parameters other than zero in words, such as ``C = 0.05 kg m/s``."""
-    from latolato.core.quantities import QUANTITIES
-
-    parts = []
-    for name in names:
-        if about.get(name):
-            quantity = QUANTITIES[name]
-            unit = "" if quantity.unit == "1" else f" {style.pretty_unit(quantity.unit)}"
-            parts.append(f"${quantity.symbol}$ = {about[name]:.4g}{unit}")
-    return ", ".join(parts)
-
-
-def plain_ticks(axis: Axis) -> None:
-    """Write the ticks of a logarithmic axis as plain numbers at 1, 2 and 5."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_formatter(NullFormatter())
+    values = {name: dataset.attrs.get(name) for name in names}
+    return ", ".join(in_words(dataset, name, value) for name, value in values.items() if value)

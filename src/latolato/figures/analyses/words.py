@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from latolato.figures import style
-from latolato.figures.map_title import title_of
+from latolato.figures.map_title import raised, title_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,7 +46,7 @@ def write_words(
 
 def head(figure: Figure, dataset: xr.Dataset) -> None:
     """Write above a figure what system and drive it is of."""
-    figure.suptitle("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL, x=0.01, ha="left")
+    style.head(figure, "\n".join(title_of(dataset, {}, "")))
 
 
 def tex_number(value: float, digits: int = 4) -> str:
@@ -61,6 +61,5 @@ def tex_number(value: float, digits: int = 4) -> str:
         return "no value"
     text = f"{value:.{digits}g}"
     if "e" in text:
-        figures, _, power = text.partition("e")
-        return rf"${figures}\times10^{{{int(power)}}}$"
+        return raised(text)
     return text.replace("inf", "∞").replace("-", "\N{MINUS SIGN}")

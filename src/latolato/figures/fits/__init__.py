@@ -2,41 +2,15 @@
 
 from __future__ import annotations
 
-import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.figures import style
-from latolato.figures.plot import picture_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-# Where legends stand clear of the curves.
-ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
-# Letters in a line of the verdict.
-_LINE = 122
-
-
-@style.styled
-def draw_fit(dataset: xr.Dataset) -> Figure:
-    """Return the picture of a fit's dataset under its verdict.
-
-    Raises
-    ------
-    InputError
-        If the dataset holds no fit, or one without a picture.
-    """
-    if "fit" not in dataset.attrs:
-        raise InputError("the dataset holds no fit")
-    figure = picture_of("fit", str(dataset.attrs["fit"]))(dataset)
-    words = textwrap.fill(str(dataset.attrs["verdict"]), _LINE)
-    figure.suptitle(words, fontsize=style.SMALL, x=0.01, ha="left")
-    return figure
 
 
 def draw_curve(
@@ -59,7 +33,7 @@ def draw_curve(
         lw=0.6, label="fitted",
     )  # fmt: skip
     axes.set_xlabel(style.label(dataset.time))
-    axes.set_ylabel(_label(dataset[measured], unit))
+    axes.set_ylabel(style.label(dataset[measured], short=True, unit=unit))
 
 
 def draw_residual(
@@ -108,11 +82,3 @@ def draw_turning_points(axes: Axes, dataset: xr.Dataset) -> None:
         side = np.sign(dataset.swing_angle.values) == sign
         curve = dataset.swing_angle_fit.values[side]
         axes.plot(time[side], curve, color=style.RED, lw=style.THIN, ls="--")
-
-
-def _label(variable: Any, unit: str) -> str:
-    """Return a short axis label, in another unit where one is given."""
-    text = style.label(variable, short=True)
-    if not unit:
-        return text
-    return text.replace(f"[{style.pretty_unit(variable.attrs['units'])}]", f"[{unit}]")

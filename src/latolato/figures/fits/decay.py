@@ -8,7 +8,6 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.fits import (
-    ABOVE,
     draw_correlation,
     draw_curve,
     draw_residual,
@@ -35,7 +34,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     draw_curve(panels["angle"], dataset, "angle", "angle_fit")
     if "swing_time" in dataset:
         draw_turning_points(panels["angle"], dataset)
-    panels["angle"].legend(**ABOVE, ncols=3)
+    panels["angle"].legend(**style.ABOVE, ncols=3)
     draw_residual(panels["residual"], dataset, "angle_residual")
     draw_correlation(panels["correlation"], dataset, "angle_residual")
     if with_laws:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
-from latolato.figures.fits import ABOVE, draw_correlation, draw_curve, draw_residual
+from latolato.figures.fits import draw_correlation, draw_curve, draw_residual
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +21,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for start in dataset.stage_start.values[1:]:
         for name in ("height", "residual"):
             panels[name].axvline(start, color=style.ORANGE, lw=style.LINE)
-    panels["height"].legend(**ABOVE, ncols=2)
+    panels["height"].legend(**style.ABOVE, ncols=2)
     draw_residual(panels["residual"], dataset, "pivot_height_residual", 1e3, "mm")
     draw_correlation(panels["correlation"], dataset, "pivot_height_residual")
     axes = panels["harmonics"]
@@ -40,5 +40,5 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(0.0)
     axes.set_xlabel(QUANTITIES["harmonic"].long_name)
     axes.set_ylabel("amplitude $A_n$ [mm]")
-    axes.legend(**ABOVE)
+    axes.legend(**style.ABOVE)
     return figure

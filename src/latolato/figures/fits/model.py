@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.fits import ABOVE, draw_curve, draw_residual
+from latolato.figures.fits import draw_curve, draw_residual
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,5 +32,5 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes[2 * i, 0].set_xlabel("")
         if i < len(balls) - 1:
             axes[2 * i + 1, 0].set_xlabel("")
-    axes[0, 0].legend(**ABOVE, ncols=2)
+    axes[0, 0].legend(**style.ABOVE, ncols=2)
     return figure

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.fits import ABOVE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +25,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     )  # fmt: skip
     axes.set_xlabel(style.label(dataset.time))
     axes.set_ylabel(style.label(dataset.separation, short=True))
-    axes.legend(**ABOVE)
+    axes.legend(**style.ABOVE)
     pooled, sigma = float(dataset.restitution), float(dataset.restitution_sigma)
     speeds = np.abs(dataset.angular_velocity_before)
     for name, values, text in (

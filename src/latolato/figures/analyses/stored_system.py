@@ -1,4 +1,4 @@
-"""The system and the drive that the attributes of an analysis tell."""
+"""The system and the drive in the attributes of an analysis."""
 
 from __future__ import annotations
 
