@@ -15,6 +15,7 @@ import json
 import math
 import os
 import signal
+import tempfile
 from pathlib import Path
 from unittest import mock
 
@@ -58,9 +59,17 @@ ARRAYS = {
 }
 
 
+def pytest_configure(config):
+    """Give all workers a folder in which they share what takes long to compute."""
+    if not hasattr(config, "workerinput"):
+        folder = tempfile.TemporaryDirectory(prefix="latolato-tests-")
+        os.environ["LATOLATO_TEST_FOLDER"] = folder.name
+        config.add_cleanup(folder.cleanup)
+
+
 def pytest_collection_modifyitems(items):
-    """Begin with the longest: whatever comes last is waited for by one worker alone."""
-    items.sort(key=lambda item: item.path.name != "test_report.py")
+    """Begin with the figures, which take longest and share their pictures within a worker."""
+    items.sort(key=lambda item: item.path.parent.name not in ("figures", "report"))
 
 
 @pytest.fixture(scope="session", autouse=True)
