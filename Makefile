@@ -20,6 +20,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 # Pictures need no screen.
 export MPLBACKEND := Agg
+# Without bytecode every process of the tests compiles all modules again, for ten seconds or more.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help
 help: ## list the targets

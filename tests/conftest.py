@@ -9,16 +9,21 @@ own as CONTRIBUTING says, `gpu` needs a device, `docs` and `smoke` run what the 
 """
 
 import dataclasses
+import functools
 import itertools
 import json
 import math
 import os
 import signal
+import tempfile
 from pathlib import Path
+from unittest import mock
 
 import hypothesis
 import numpy as np
 import pytest
+import typer.main
+import typer.testing
 
 from latolato.core.cache import cache_directory
 from latolato.physics.drives import drives
@@ -54,9 +59,28 @@ ARRAYS = {
 }
 
 
+def pytest_configure(config):
+    """Give all workers a folder in which they share what takes long to compute."""
+    if not hasattr(config, "workerinput"):
+        folder = tempfile.TemporaryDirectory(prefix="latolato-tests-")
+        os.environ["LATOLATO_TEST_FOLDER"] = folder.name
+        config.add_cleanup(folder.cleanup)
+
+
 def pytest_collection_modifyitems(items):
-    """Begin with the longest: whatever comes last is waited for by one worker alone."""
-    items.sort(key=lambda item: item.path.name != "test_report.py")
+    """Begin with the figures, which take longest and share their pictures within a worker."""
+    items.sort(key=lambda item: item.path.parent.name not in ("figures", "report"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_tree_of_commands():
+    """Build the command line's commands once in a process; Typer does so in every call."""
+    build = functools.cache(typer.main.get_command)
+    with (
+        mock.patch.object(typer.main, "get_command", build),
+        mock.patch.object(typer.testing, "_get_command", build),
+    ):
+        yield
 
 
 def field_value(kind, field, share):

@@ -1,6 +1,7 @@
 """Branches of periodic motions: known special points, folds, grazing, and ends that are said."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -49,13 +50,18 @@ def test_a_bouncing_ball_flips_where_it_is_known_to(ratio, flip):
     assert set(branch.impacts.values) == {1}
 
 
+@cache
+def softening_branch(amplitude):
+    return continue_orbit(
+        TOY, toy_shake(2.389, amplitude), low=1.0, high=3.0, direction="down", points=300,
+        initial_angle=0.3, initial_angular_velocity=1.0,
+    )  # fmt: skip
+
+
 def test_the_softening_branch_folds_further_left_at_larger_amplitude():
     folds = []
     for amplitude in (0.02, 0.03):
-        branch = continue_orbit(
-            TOY, toy_shake(2.389, amplitude), low=1.0, high=3.0, direction="down", points=300,
-            initial_angle=0.3, initial_angular_velocity=1.0,
-        )  # fmt: skip
+        branch = softening_branch(amplitude)
         kinds = list(branch.special_kind.values)
         folds.append(branch.special_value.values[kinds.index("fold")])
         # The branch turns round at the fold and both sides are on it.
@@ -66,10 +72,7 @@ def test_the_softening_branch_folds_further_left_at_larger_amplitude():
 
 
 def test_at_a_fold_a_multiplier_is_one():
-    branch = continue_orbit(
-        TOY, toy_shake(2.389), low=1.0, high=3.0, direction="down", points=300,
-        initial_angle=0.3, initial_angular_velocity=1.0,
-    )  # fmt: skip
+    branch = softening_branch(0.03)
     at = int(np.argmin(branch.frequency_ratio.values))
     near = branch.multipliers.values[at - 1 : at + 2]
     assert np.min(np.abs(near - 1.0)) < 0.1

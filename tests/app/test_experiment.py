@@ -13,14 +13,14 @@ from latolato.experiment.track_table import read_table
 
 # How long work on a video may take [ms].
 PATIENCE = 240_000
-BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
+BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.01)
 
 
 @pytest.fixture(scope="module")
 def clip(tmp_path_factory):
     """A short free swing as a camera sees it, and its true table."""
     path = tmp_path_factory.mktemp("clips") / "swing.mp4"
-    run = ll.simulate(BALL, initial_angle=0.6, duration=8.0)
+    run = ll.simulate(BALL, initial_angle=0.6, duration=4.5)
     camera = Camera(width=480, height=360, fps=30.0)
     truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=3)
     return path, truth

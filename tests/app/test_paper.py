@@ -12,9 +12,9 @@ from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, check_size
 from latolato.app.runs import simulate_request
 from latolato.app.server import Settings, make_app
-from latolato.figures import catalogue
 from latolato.io.files import save
 from latolato.scenario.scenario import scenarios
+from quick_figures import EVIDENCE, quick_data
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/paper"
@@ -55,8 +55,8 @@ def open_client(report=None):
 
 def test_every_claim_of_the_report_is_listed():
     entries = {entry["name"]: entry for entry in paper.contents()}
-    assert list(entries) == list(catalogue.evidence())
-    for name, evidence in catalogue.evidence().items():
+    assert list(entries) == list(EVIDENCE)
+    for name, evidence in EVIDENCE.items():
         names = [statement["name"] for statement in entries[name]["statements"]]
         assert names == [statement.name for statement in evidence.statements]
         assert bool(entries[name]["caption"]) == name.startswith("fig")
@@ -81,8 +81,7 @@ def test_every_link_to_a_scenario_leads_to_what_can_be_computed(name):
 @pytest.mark.parametrize("name", QUICK)
 def test_verdicts_are_those_of_the_report(made, name):
     told, folder = made
-    evidence = catalogue.evidence()[name]
-    wanted = evidence.judge(evidence.data(quick=True))
+    wanted = EVIDENCE[name].judge(quick_data(name))
     assert [c["verdict"] for c in told[name]["claims"]] == [c.verdict.name for c in wanted]
     assert all(c["shape"] and c["says"] and c["criteria"] for c in told[name]["claims"])
     if name.startswith("fig"):
@@ -92,7 +91,7 @@ def test_verdicts_are_those_of_the_report(made, name):
 
 @pytest.mark.parametrize("name", QUICK)
 def test_every_run_behind_a_figure_opens_as_it_was_computed(made, name):
-    dataset = catalogue.evidence()[name].data(quick=True)
+    dataset = quick_data(name)
     cases = made[0][name]["cases"]
     assert len({case["label"] for case in cases}) == len(cases)
     if not cases:
@@ -132,7 +131,7 @@ def test_a_figure_is_made_once_and_then_kept(cache):
 
 def test_a_stored_report_is_shown_in_place_of_quick_figures(cache, tmp_path, made):
     told, folder = made
-    save(catalogue.evidence()["fig03"].data(quick=True), tmp_path / "fig03.nc")
+    save(quick_data("fig03"), tmp_path / "fig03.nc")
     (tmp_path / "fig03.svg").write_bytes((folder / "fig03.svg").read_bytes())
     with open_client(tmp_path) as client:
         block, _ = ask(client, {"figure": "fig03"})
@@ -143,7 +142,7 @@ def test_a_stored_report_is_shown_in_place_of_quick_figures(cache, tmp_path, mad
 
 
 def test_a_report_of_another_version_is_refused_with_one_line(cache, tmp_path):
-    save(catalogue.evidence()["fig03"].data(quick=True), tmp_path / "fig02.nc")
+    save(quick_data("fig03"), tmp_path / "fig02.nc")
     with open_client(tmp_path) as client:
         refused, _ = ask(client, {"figure": "fig02"})
     assert "make the report anew" in json.loads(refused["text"])["error"]
@@ -202,7 +201,7 @@ def test_claims_stand_beside_their_figure_and_lead_to_play(page):
     page.go_back()
     plate.get_by_label("Runs behind it (3):").select_option(index=1)
     plate.get_by_role("button", name="Open in Play").click()
-    wanted = json.loads(str(catalogue.evidence()["fig03"].data(quick=True)["scenario"].values[1]))
+    wanted = json.loads(str(quick_data("fig03")["scenario"].values[1]))
     page.wait_for_function(
         """wanted => window.latolato.views.play.player.motion.about.options.drive_frequency
           === wanted""",

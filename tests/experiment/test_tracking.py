@@ -246,7 +246,8 @@ def test_an_undeclared_lens_is_told_and_not_mended(kind, tmp_path):
         "two": lambda: _driven(TOY, 2.3, duration=2.0, initial_angle=0.9),
     }[kind]()
     path = tmp_path / "lens.mp4"
-    truth = synthesise_video(run, path, Scene(ball_radius=0.02), Camera(**SMALL, k1=-0.08), seed=1)
+    camera = Camera(**SMALL, fps=30.0, k1=-0.08)
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=1)
     clicks = truth.attrs
     pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
     balls = [

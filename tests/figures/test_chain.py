@@ -11,7 +11,7 @@ PAIR = chain.Clip(
     system=paper.COUPLED,
     drive=ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.4 * paper.COUPLED.natural_frequency),
     start=(("initial_offset", 0.3),),
-    duration=4.0,
+    duration=2.5,
     fps=60.0,
     size=(480, 360),
 )
@@ -30,7 +30,7 @@ def test_a_filmed_pair_is_tracked_as_it_moves(tables):
 
 
 def test_a_filmed_trial_is_the_row_of_a_sampled_one(tables):
-    trials = chain_trials.gather([PAIR, PAIR], by_video=[0], transient=2.0)
+    trials = chain_trials.gather([PAIR, PAIR], by_video=[0], transient=1.0)
     assert sorted(trials.source.values) == ["simulated", "synthetic video"]
     for name, tolerance in (
         ("drive_amplitude", 1.2e-4),

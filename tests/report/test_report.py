@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
 from latolato.io.files import load
 from latolato.report import page
+from quick_figures import EVIDENCE, picture_of, quick_data
 
 VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}
 
@@ -48,11 +50,27 @@ class Reader(HTMLParser):
         self.text.append(data)
 
 
+def shared(name, evidence):
+    """Return evidence whose quick data and picture are those that all tests share."""
+
+    def data(*, quick):
+        assert quick
+        return quick_data(name)
+
+    def draw(dataset):
+        assert dataset is quick_data(name)
+        return picture_of(name)
+
+    return replace(evidence, data=data, draw=draw if evidence.draw else None)
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     fractions = []
     folder = tmp_path_factory.mktemp("report") / "out"
-    result = report.reproduce(folder, quick=True, progress=fractions.append)
+    everything = {name: shared(name, each) for name, each in EVIDENCE.items()}
+    with mock.patch.object(catalogue, "evidence", return_value=everything):
+        result = report.reproduce(folder, quick=True, progress=fractions.append)
     return result, fractions
 
 

@@ -20,33 +20,53 @@ def serious_faults(page: Any) -> list[str]:
     ]
 
 
-# Panels of all views, of which none may lie on another, wherever the page is scrolled to.
+# Panels of all views, cut off by whatever they scroll in: none may lie on another, wherever the
+# page is scrolled to, nor reach beyond the window.
 _OVERLAPS = """async () => {
-  const panels = [...document.querySelectorAll(
-    "main :is(.card, .panel, .stage, details, fieldset, nav, section, aside)")]
+  const kinds =
+    ".card, .panel, .stage, .map-field, details, fieldset, figure, form, nav, section, aside";
+  const panels = [...document.querySelectorAll(`main :is(${kinds})`)]
     .filter((each) => each.checkVisibility() && each.getClientRects().length);
+  const cut = (element) => {
+    const { left, top, right, bottom } = element.getBoundingClientRect();
+    const box = { left, top, right, bottom };
+    for (let e = element.parentElement; e && e !== document.body; e = e.parentElement) {
+      if (getComputedStyle(e).overflowY === "visible") continue;
+      const frame = e.getBoundingClientRect();
+      box.left = Math.max(box.left, frame.left); box.right = Math.min(box.right, frame.right);
+      box.top = Math.max(box.top, frame.top); box.bottom = Math.min(box.bottom, frame.bottom);
+    }
+    return box;
+  };
   const name = (each) => [each.tagName.toLowerCase(), ...each.classList].join(".")
     + ` "${each.innerText.trim().slice(0, 30)}"`;
-  const found = new Set();
-  const { scrollHeight } = document.documentElement;
+  const pairs = new Set();
+  const { scrollHeight, scrollWidth } = document.scrollingElement;
   for (let top = 0; top < scrollHeight; top += innerHeight / 2) {
-    scrollTo(0, top);
+    scrollTo({ top, behavior: "instant" });
     await new Promise((done) => requestAnimationFrame(done));
-    const boxes = panels.map((each) => each.getBoundingClientRect());
+    const boxes = panels.map(cut);
     panels.forEach((one, i) => panels.slice(i + 1).forEach((other, k) => {
       if (one.contains(other)) return;
       const [a, b] = [boxes[i], boxes[i + 1 + k]];
       const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
       const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
-      if (across > 2 && down > 2) found.add(`${name(one)} and ${name(other)}`);
+      if (across > 2 && down > 2) pairs.add(`${name(one)} and ${name(other)}`);
     }));
   }
-  scrollTo(0, 0);
-  return [...found];
+  scrollTo({ top: 0, behavior: "instant" });
+  const wider = scrollWidth - innerWidth;
+  return wider > 0 ? [...pairs, `the page is ${wider} px wider than the window`] : [...pairs];
 }"""
 
+# A small laptop and a phone.
+SIZES = ({"width": 1366, "height": 768}, {"width": 390, "height": 844})
 
-def overlaps(page: Any) -> list[str]:
-    """Panels of a page that cover each other somewhere, in pairs."""
-    found: list[str] = page.evaluate(_OVERLAPS)
-    return found
+
+def assert_panels_have_room(page: Any) -> None:
+    """Fail if panels overlap on a laptop or on a phone."""
+    for size in SIZES:
+        page.set_viewport_size(size)
+        page.wait_for_timeout(200)  # curves are laid out again
+        overlaps = page.evaluate(_OVERLAPS)
+        assert not overlaps, f"{size['width']} px: " + "; ".join(overlaps)

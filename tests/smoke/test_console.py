@@ -4,6 +4,7 @@ import itertools
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -100,6 +101,8 @@ def test_command(words, tmp_path, cache, answer):
     for flag in WRITTEN:
         if flag in flags and "{" not in flags[flag]:
             assert (tmp_path / flags[flag]).exists(), f"{flag} {flags[flag]} was not written"
+    if words[0] == "reproduce" and "--output" in flags:  # others need not make one
+        shutil.copytree(tmp_path / flags["--output"], cache / "report", dirs_exist_ok=True)
 
 
 def test_the_documentation_shows_commands():

@@ -1,12 +1,14 @@
 """Every preset, map, example, question and drive on the pages; opened by links, like a user's."""
 
+import math
+
 import pytest
 
 import latolato as ll
+from browser_checks import assert_panels_have_room
 from latolato.analysis import analyses
 from latolato.app.experiment.description import EXAMPLES
 from latolato.physics.drives import drives
-from panels import assert_panels_have_room
 
 # How long a page may take to its end [ms].
 PATIENCE = 300_000
@@ -32,10 +34,26 @@ def shown(page, end):
     assert not faults(page)
 
 
+# The ends of the axes of all pictures in Play.
+ENDS = """() => {
+  const { phase, section, curves } = window.latolato.views.play.player;
+  return [phase, section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
+    curves.charts.flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
+      .map(({ min, max }) => [min, max]));
+}"""
+
+
 @pytest.mark.parametrize("scenario", RUNS)
 def test_play(page, answer, scenario):
     page.goto(f"/?view=play&scenario={scenario}")
     shown(page, "[data-runs]")
+    # Pictures come one after the other, the table of contacts last.
+    page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
+    ends = page.evaluate(ENDS)
+    assert len(ends) == 10
+    for low, high in ends:
+        assert math.isfinite(high - low)
+        assert high - low > 1e-6 * max(abs(low), abs(high))
     answer(f"{page.locator('main canvas:visible').count()} pictures")
     assert_panels_have_room(page)
 
@@ -87,9 +105,13 @@ def test_question(page, answer, question, scenario):
     assert_panels_have_room(page)
 
 
-@pytest.mark.parametrize("view", ["live", "paper"])
+# What each view shows when it has what it asks the server for; the others are opened above.
+VIEWS = {"live": "[data-ready]", "paper": "[data-judged]", "experiment": ".dropzone"}
+
+
+@pytest.mark.parametrize("view", VIEWS)
 def test_view(page, answer, view):
     page.goto(f"/?view={view}")
-    shown(page, "[data-ready], [data-judged]")
+    shown(page, VIEWS[view])
     answer(page.locator("h1").first.inner_text())
     assert_panels_have_room(page)
