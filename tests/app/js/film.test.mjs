@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { FilmClock } from "../../../src/latolato/app/static/js/film/clock.js";
-import { Track } from "../../../src/latolato/app/static/js/film/track.js";
-import { withSigma } from "../../../src/latolato/app/static/js/units.js";
+import { FilmClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
+import { Track } from "../../../src/latolato/app/static/js/experiment/track.js";
+import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
 
 test("a number is told to the second digit of its deviation", () => {
   assert.equal(withSigma(0.0027411, 1.2e-6), "0.0027411 ± 0.0000012");

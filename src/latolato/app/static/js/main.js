@@ -1,22 +1,22 @@
 /** The page: its views, its colours and what they share. */
 
-import { askJson } from "./api.js";
-import { el, tell } from "./dom.js";
-import { format, Store } from "./state.js";
+import { askJson } from "./shared/api.js";
+import { el, tell } from "./shared/dom.js";
+import { format, Store } from "./shared/state.js";
 import { t } from "./strings.js";
 
-/** @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page */
+/** @typedef {import("./shared/state.js").Page} Page */
 
 // Every view is a module that is loaded when it is first wanted, and the class that it exports.
 /** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,
  *   hide(): void}>>} */
 const VIEWS = {
-  play: async () => (await import("./views/play.js")).PlayView,
-  map: async () => (await import("./views/map.js")).MapView,
-  live: async () => (await import("./views/live.js")).LiveView,
-  paper: async () => (await import("./views/paper.js")).PaperView,
-  experiment: async () => (await import("./views/experiment.js")).ExperimentView,
-  analyse: async () => (await import("./views/analyse.js")).AnalyseView,
+  play: async () => (await import("./play/view.js")).PlayView,
+  map: async () => (await import("./map/view.js")).MapView,
+  live: async () => (await import("./live/view.js")).LiveView,
+  paper: async () => (await import("./paper/view.js")).PaperView,
+  experiment: async () => (await import("./experiment/view.js")).ExperimentView,
+  analyse: async () => (await import("./analyse/view.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];
 // A view that the server did not give is asked for again after this time.

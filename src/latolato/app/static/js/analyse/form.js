@@ -1,0 +1,163 @@
+/** The fields of one analysis: what the server says of its options, filled to take seconds. */
+
+import { el, freshId } from "../shared/dom.js";
+import { t } from "../strings.js";
+
+/** @typedef {{label: string, description: string, unit: string | null, kind: string,
+ *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field */
+/** @typedef {{title: string, first: string, unfit: Record<string, string>,
+ *   options: Record<string, any>, quick: Record<string, Record<string, string>>,
+ *   parameters: Record<string, {label: string, unit: string, low: string, high: string}>}} About
+ *   what the server says of system and drive */
+
+// The option that says what a diagram varies, and the two that say between which limits.
+const VARIED = "parameter";
+const LIMITS = ["low", "high"];
+
+/**
+ * Return what the fields begin with, by option.
+ * @param {string} name of the analysis
+ * @param {Record<string, Field>} fields
+ * @param {About} about
+ * @param {string | undefined} varied what the diagram varies
+ * @returns {Record<string, string>}
+ */
+export function beginnings(name, fields, about, varied) {
+  const found = { ...about.quick[name] };
+  if (varied === undefined || !(varied in about.parameters)) return found;
+  for (const limit of LIMITS) if (limit in fields)
+    found[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
+  return found;
+}
+
+// Names of options: those of one word are words of other sentences too, but not as “… must be”.
+const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
+
+/**
+ * Return a refusal with the words of the page for the options that it names.
+ * @param {string} text
+ * @param {Record<string, {label: string}>} words
+ * @returns {string}
+ */
+export function inWords(text, words) {
+  const said = text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
+  return said.charAt(0).toUpperCase() + said.slice(1);
+}
+
+export class AnalysisForm {
+  /** @param {(values: Record<string, string>) => void} changed called with what was changed */
+  constructor(changed) {
+    this.changed = changed;
+    this.root = el("div", { class: "asked" });
+    /** @type {Record<string, HTMLInputElement | HTMLSelectElement>} */
+    this.inputs = {};
+    /** @type {Record<string, HTMLElement>} */
+    this.errors = {};
+    /** @type {Record<string, Field>} */
+    this.fields = {};
+    /** @type {Record<string, string>} */
+    this.begun = {};
+    /** @type {Record<string, {label: string}>} what options and parameters are called */
+    this.words = {};
+    this.more = el("details", { class: "inner" });
+  }
+
+  /**
+   * Show the fields of an analysis.
+   * @param {string} name
+   * @param {{options: Record<string, Field>, first: string[]}} form
+   * @param {About} about
+   * @param {Record<string, string>} given what was typed before
+   */
+  build(name, { options: fields, first }, about, given) {
+    const same = this.name === name;
+    this.name = name;
+    this.inputs = {};
+    this.errors = {};
+    this.fields = fields;
+    this.words = { ...about.parameters, ...fields };
+    const varied = VARIED in fields
+      ? given[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
+    this.begun = beginnings(name, fields, about, varied);
+    const make = (/** @type {string} */ each) =>
+      this.field(each, fields[each], about, given[each] ?? this.begun[each] ?? "", varied,
+        first.includes(each));
+    const rest = Object.keys(fields).filter((each) => !first.includes(each));
+    const open = (same && this.more.open) || rest.some((each) => each in given);
+    this.more = el("details", { class: "inner", open }, el("summary", {}, t("moreSettings")),
+      el("div", { class: "fields" }, ...rest.map(make)));
+    this.root.replaceChildren(el("div", { class: "fields" }, ...first.map(make)),
+      ...(rest.length ? [this.more] : []));
+  }
+
+  /**
+   * @param {string} name
+   * @param {Field} field
+   * @param {About} about
+   * @param {string} value
+   * @param {string | undefined} varied
+   * @param {boolean} brief whether its description is for the pointer and for screen readers
+   */
+  field(name, field, about, value, varied, brief) {
+    const id = freshId();
+    const errorId = freshId();
+    const hintId = freshId();
+    /** @type {Record<string, string>} */
+    const choices = name === VARIED
+      ? Object.fromEntries(Object.entries(about.parameters).map(([key, one]) => [key, one.label]))
+      : field.kind === "bool" ? { false: t("no"), true: t("yes") } : field.choices;
+    const unit = field.unit ?? (varied ? about.parameters[varied]?.unit ?? "" : "");
+    const placeholder = field.default || t(field.required ? "fromScenario" : "automatic");
+    const input = Object.keys(choices).length
+      ? el("select", { id, "aria-describedby": hintId }, ...Object.entries(choices)
+        .map(([key, label]) => el("option", { value: key }, label)))
+      : el("input", { id, type: "text", autocomplete: "off", spellcheck: "false", placeholder,
+        "aria-describedby": `${hintId} ${errorId}` });
+    input.value = value || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
+      : Object.keys(choices)[0] ?? "");
+    // An address may name what is no choice; the server says so.
+    if (value && input instanceof HTMLSelectElement && input.value !== value)
+      input.prepend(el("option", { value, selected: true }, value));
+    input.addEventListener("change", () => {
+      if (name === VARIED) for (const limit of LIMITS) delete this.inputs[limit];
+      this.changed(this.changes());
+    });
+    this.inputs[name] = input;
+    const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
+    this.errors[name] = error;
+    const long = field.several || input instanceof HTMLSelectElement;
+    return el("div", { class: `field analysis ${long ? "several" : ""}` },
+      el("label", { for: id, title: field.description }, field.label),
+      el("span", { class: "entry" }, input, unit && el("span", { class: "unit" }, unit)),
+      el("p", { class: brief ? "unseen" : "hint", id: hintId }, field.description), error);
+  }
+
+  /** Return what is typed, by option; empty fields are left out. */
+  values() {
+    return Object.fromEntries(Object.entries(this.inputs)
+      .map(([name, input]) => [name, input.value.trim()]).filter(([, value]) => value !== ""));
+  }
+
+  /** Return what is typed and was not there at the beginning. */
+  changes() {
+    return Object.fromEntries(Object.entries(this.values()).filter(([name, value]) =>
+      value !== (this.begun[name] ?? this.fields[name].default.toLowerCase()) &&
+      !(this.inputs[name] instanceof HTMLSelectElement && !(name in this.begun) &&
+        this.fields[name].default === "" && name !== VARIED && value === "false")));
+  }
+
+  /**
+   * Show a refusal beside the field that it names first; returns whether there is one.
+   * @param {string | null} text
+   */
+  error(text) {
+    const found = text?.match(NAMES)?.find((word) => word in this.inputs);
+    for (const [name, place] of Object.entries(this.errors)) {
+      place.hidden = name !== found;
+      place.textContent = name === found && text ? inWords(text, this.words) : "";
+      this.inputs[name]?.setAttribute("aria-invalid", String(name === found));
+      if (name === found && this.more.contains(place)) this.more.open = true;
+    }
+    return found !== undefined;
+  }
+}
