@@ -10,7 +10,7 @@ import pytest
 
 from latolato.app.processes import EndedError, JobError, Limits, Workers
 
-UNKNOWN = {"do": "dance", "path": "/film", "name": "swing.mp4"}
+UNKNOWN = {"do": "dance", "path": "/clip", "name": "swing.mp4"}
 LIMITS = Limits(memory=8e9, cpu_time=100.0)
 
 
@@ -28,7 +28,7 @@ def test_a_process_without_limits_is_kept_for_the_next_job(tmp_path, limits, kep
         for _ in range(2):
             heard = []
             with pytest.raises(JobError, match=r"internal error \(KeyError\)"):
-                await workers.do("film", UNKNOWN, tmp_path, heard.append, seconds=60.0)
+                await workers.do("clip", UNKNOWN, tmp_path, heard.append, seconds=60.0)
             assert heard[0] == {"begun": len(numbers) == 1 and kept == 1}
             assert len(workers.idle) == kept
             numbers += [worker.process.pid for worker in workers.idle]
@@ -48,7 +48,7 @@ def test_a_process_that_ends_in_its_job_tells_how(tmp_path):
             worker.process.send_signal(signal.SIGTERM)
 
         with pytest.raises(EndedError) as caught:
-            await workers.do("film", UNKNOWN, tmp_path, hear, seconds=60.0)
+            await workers.do("clip", UNKNOWN, tmp_path, hear, seconds=60.0)
         assert caught.value.code == (1 if sys.platform == "win32" else -signal.SIGTERM)
 
     in_loop(run)
@@ -59,7 +59,7 @@ def test_whenever_a_job_is_cancelled_its_process_has_ended(tmp_path, delay):
     async def run():
         workers = Workers(anyio.CapacityLimiter(1))
         with anyio.move_on_after(delay) as scope:
-            await workers.do("film", UNKNOWN, tmp_path, started.append, seconds=60.0)
+            await workers.do("clip", UNKNOWN, tmp_path, started.append, seconds=60.0)
         assert scope.cancelled_caught
         deadline = time.monotonic() + 5.0
         while workers.busy and time.monotonic() < deadline:
@@ -77,7 +77,7 @@ def test_work_that_takes_too_long_is_ended(tmp_path):
         seen = []
         with pytest.raises(TimeoutError):
             await workers.do(
-                "film", UNKNOWN, tmp_path, lambda _: seen.extend(workers.busy), seconds=0.2
+                "clip", UNKNOWN, tmp_path, lambda _: seen.extend(workers.busy), seconds=0.2
             )
         (worker,) = set(seen)
         assert worker.process.poll() not in (None, 0)

@@ -187,7 +187,7 @@ def without_none(tables: Any) -> Any:
 
 
 def prepare_animation(given: Any) -> Job:
-    """Return the job that films what a page asks for: ``{"scenario", "options", "speed"}``.
+    """Return the job that animates what a page asks for: ``{"scenario", "options", "speed"}``.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def check_frames(scenario: Scenario, speed: float) -> None:
         )
 
 
-def film(
+def compute(
     given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
     """Write ``run.mp4`` into a folder: what the job `animate` does in its process."""

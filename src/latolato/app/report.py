@@ -76,9 +76,9 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
 
     result = []
     for name, evidence in catalogue.evidence().items():
-        is_film = evidence.needs_video
+        needs_video = evidence.needs_video
         if report is not None and (report / f"{name}.nc").is_file():
-            is_film = False
+            needs_video = False
         result.append(
             {
                 "name": name,
@@ -89,8 +89,8 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
                     {"name": s.name, "where": s.where, "words": shown(s.words)}
                     for s in evidence.statements
                 ],
-                "film": is_film,
-                "missing": chain.MISSING if is_film and chain.is_missing() else "",
+                "video": needs_video,
+                "missing": chain.MISSING if needs_video and chain.is_missing() else "",
                 "scenarios": scenarios_of(name),
             }
         )

@@ -43,7 +43,7 @@ class Settings:
         Further names by which browsers may call the server, with or without a port.
     report : Path, optional
         Folder of a reproduction report whose figures are shown.
-    films : Allowance
+    clips : Allowance
         What uploaded videos may take.
     stored : mapping
         Stored maps that pages may open, by name.
@@ -56,7 +56,7 @@ class Settings:
     token: str | None = None
     names: Sequence[str] = ()
     report: Path | None = None
-    films: Allowance = field(default_factory=Allowance)
+    clips: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
     connections: ConnectionLimits = field(default_factory=ConnectionLimits)
 
@@ -113,8 +113,8 @@ def make_app(settings: Settings) -> Starlette:
     app.state.workers = None
     app.state.jobs = None
     app.state.report = settings.report
-    app.state.films = Store(settings.films)
-    app.state.film_jobs = None
+    app.state.clips = Store(settings.clips)
+    app.state.clip_jobs = None
     app.state.maps = None
     app.state.map_cells = None
     app.state.stored = dict(settings.stored)
@@ -132,10 +132,10 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
     with compiling(partial(note, True), partial(note, False)):
         yield
-    for workers in (app.state.jobs, app.state.film_jobs):
+    for workers in (app.state.jobs, app.state.clip_jobs):
         if workers is not None:
             workers.close()
-    app.state.films.close()
+    app.state.clips.close()
 
 
 def _views() -> list[BaseRoute]:
@@ -143,9 +143,9 @@ def _views() -> list[BaseRoute]:
     from latolato.app import downloads, live, maps
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
-    from latolato.app.experiment import routes as films
+    from latolato.app.experiment import routes as clips
 
-    views = (maps, live, downloads, paper, analyses, films)
+    views = (maps, live, downloads, paper, analyses, clips)
     return [route for view in views for route in view.routes()]
 
 

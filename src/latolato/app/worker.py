@@ -33,8 +33,8 @@ from latolato.simulation.summary import plain
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
     "analyse": ("latolato.app.analyse.routes", "compute"),
-    "animate": ("latolato.app.downloads", "film"),
-    "film": ("latolato.app.experiment.jobs", "compute"),
+    "animate": ("latolato.app.downloads", "compute"),
+    "clip": ("latolato.app.experiment.jobs", "compute"),
     "figure": ("latolato.app.report", "compute"),
 }
 # Imported before a job is there, so that it begins at once.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
-    from latolato.app.experiment.store import Allowance, Film
+    from latolato.app.experiment.store import Allowance, Clip
     from latolato.app.processes import Workers
 
 Tell = Callable[[str, float], Coroutine[Any, Any, None]]
@@ -23,30 +23,30 @@ class Progress(Protocol):
         """Tell the part of a stage that is done."""
 
 
-def film_workers_of(state: Any) -> Workers:
+def clip_workers_of(state: Any) -> Workers:
     """Return the processes of the server with this state that read videos."""
     import anyio
 
     from latolato.app.processes import Limits, Workers
 
-    if state.film_jobs is None:
-        allowance: Allowance = state.films.allowance
+    if state.clip_jobs is None:
+        allowance: Allowance = state.clips.allowance
         limits = Limits(memory=allowance.memory, cpu_time=allowance.cpu_time)
-        state.film_jobs = Workers(anyio.CapacityLimiter(allowance.jobs), limits)
-    workers: Workers = state.film_jobs
+        state.clip_jobs = Workers(anyio.CapacityLimiter(allowance.jobs), limits)
+    workers: Workers = state.clip_jobs
     return workers
 
 
 async def work(
-    workers: Workers, film: Film, job: Mapping[str, Any], allowance: Allowance, tell: Tell
+    workers: Workers, clip: Clip, job: Mapping[str, Any], allowance: Allowance, tell: Tell
 ) -> dict[str, Any]:
-    """Return the result of a job on a film; its process is killed if this is cancelled.
+    """Return the result of a job on a clip; its process is killed if this is cancelled.
 
     Parameters
     ----------
     workers : Workers
         The processes that read videos.
-    film : Film
+    clip : Clip
         What it is about.
     job : mapping
         What to ``do``, and how.
@@ -67,8 +67,8 @@ async def work(
     limits = allowance.limits
     given = {
         **job,
-        "path": str(film.upload),
-        "name": film.name,
+        "path": str(clip.upload),
+        "name": clip.name,
         "limits": {name: getattr(limits, name) for name in limits.__dataclass_fields__},
     }
 
@@ -77,32 +77,32 @@ async def work(
             anyio.from_thread.run(tell, message["stage"], message["progress"])
 
     try:
-        done = await workers.do("film", given, film.folder, hear, seconds=allowance.wall_time)
+        done = await workers.do("clip", given, clip.folder, hear, seconds=allowance.wall_time)
     except TimeoutError:
         raise JobError(
-            f"work on {film.name} took more than {allowance.wall_time:g} s: cut the video"
+            f"work on {clip.name} took more than {allowance.wall_time:g} s: cut the video"
         ) from None
     except EndedError as error:
-        raise JobError(_reason(error.code, film)) from None
+        raise JobError(_reason(error.code, clip)) from None
     result: dict[str, Any] = done["result"]
     return result
 
 
-def _reason(code: int, film: Film) -> str:
+def _reason(code: int, clip: Clip) -> str:
     """Return why a process ended without an answer."""
     if code == -getattr(signal, "SIGXCPU", 24):
-        return f"work on {film.name} took too much processor time: cut the video or scale it down"
+        return f"work on {clip.name} took too much processor time: cut the video or scale it down"
     if code == -getattr(signal, "SIGKILL", 9):
-        return f"work on {film.name} took too much memory or time: cut the video or scale it down"
+        return f"work on {clip.name} took too much memory or time: cut the video or scale it down"
     if code == -getattr(signal, "SIGXFSZ", 25):
-        return f"what was made of {film.name} is too large: cut the video or scale it down"
+        return f"what was made of {clip.name} is too large: cut the video or scale it down"
     if code < 0:
-        return f"reading {film.name} broke the decoder: is the file whole? Convert it to MP4"
-    return f"work on {film.name} ended without an answer: is the file whole?"
+        return f"reading {clip.name} broke the decoder: is the file whole? Convert it to MP4"
+    return f"work on {clip.name} ended without an answer: is the file whole?"
 
 
 def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Do what a page wants of a film: what the job `film` does in its process.
+    """Do what a page wants of a clip: what the job `clip` does in its process.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
 
 
 def one_line(error: Exception, job: Mapping[str, Any]) -> str:
-    """Return why a job failed, in one line about the film's name instead of its path."""
+    """Return why a job failed, in one line about the clip's name instead of its path."""
     text = " ".join(str(error).split()) or type(error).__name__
     for quoted in (f"'{job['path']}'", str(job["path"])):
         text = text.replace(quoted, job["name"])

@@ -1,10 +1,10 @@
 """Videos of an experiment: upload, work on them with progress, results; gone with their page.
 
-A page opens the WebSocket ``/api/films/desk``, sends ``{"hello": true}`` and keeps it open. It
-receives its key, uploads with ``POST /api/films?desk=KEY`` (the body is the file, its name stands
-in the header ``X-Name``), and asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY,
-...}``. It receives ``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket
-closes, running work is killed and every file of that page is removed.
+A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
+receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
+stands in the header ``X-Name``), and asks for work in JSON frames ``{"job": 1, "do": "track",
+"clip": KEY, ...}``. It receives ``stage`` and ``progress``, and at last ``done`` or ``error``. When
+the socket closes, running work is killed and every file of that page is removed.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import answered, message_of, refusal, status_of
-from latolato.app.experiment.jobs import film_workers_of, work
-from latolato.app.experiment.store import FILES, SHOWN, Desk, Film, Store
+from latolato.app.experiment.jobs import clip_workers_of, work
+from latolato.app.experiment.store import FILES, SHOWN, Clip, Desk, Store
 from latolato.app.given import TooLargeError
 from latolato.core.errors import InputError
 
@@ -36,16 +36,16 @@ GREETING = {"hello": True}
 def routes() -> list[BaseRoute]:
     """Return the addresses of the experiment view."""
     return [
-        WebSocketRoute("/api/films/desk", _desk),
-        Route("/api/films", _upload, methods=["POST"]),
-        Route("/api/films/{film}/{file}", _file),
-        Route("/api/trials", _trials_file),
+        WebSocketRoute("/ws/experiment/desk", _desk),
+        Route("/api/experiment", _upload, methods=["POST"]),
+        Route("/api/experiment/{clip}/{file}", _file),
+        Route("/api/experiment/trials", _trials_file),
     ]
 
 
 def store_of(app: Any) -> Store:
-    """Return the films of a server."""
-    store: Store = app.state.films
+    """Return the clips of a server."""
+    store: Store = app.state.clips
     return store
 
 
@@ -56,29 +56,29 @@ async def _upload(request: Request) -> Response:
         desk = store.desk(request.query_params.get("desk"))
         announced = request.headers.get("content-length", "0")
         size = int(announced) if announced.isdigit() else 0
-        film = store.admit(desk, request.headers.get("x-name", ""), size)
+        clip = store.admit(desk, request.headers.get("x-name", ""), size)
     except InputError as error:
         return refusal(status_of(error), error)
     try:
-        with anyio.fail_after(store.allowance.upload_time), film.upload.open("xb") as file:
-            await _received(request, store, desk, film, file)
-        if film.size == 0:
-            raise InputError(f"{film.name} is empty")
-        film.is_whole = True
+        with anyio.fail_after(store.allowance.upload_time), clip.upload.open("xb") as file:
+            await _received(request, store, desk, clip, file)
+        if clip.size == 0:
+            raise InputError(f"{clip.name} is empty")
+        clip.is_whole = True
     except InputError as error:
         return refusal(status_of(error), error)
     except TimeoutError:
-        return refusal(408, InputError(f"the upload of {film.name} stood still"))
+        return refusal(408, InputError(f"the upload of {clip.name} stood still"))
     except (ClientDisconnect, OSError) as error:
-        why = f"the upload of {film.name} broke off: {type(error).__name__}"
+        why = f"the upload of {clip.name} broke off: {type(error).__name__}"
         return refusal(400, InputError(why))
     finally:
-        if not film.is_whole:
-            desk.remove(film.key)
-    return JSONResponse({"film": film.key, "name": film.name, "size": film.size})
+        if not clip.is_whole:
+            desk.remove(clip.key)
+    return JSONResponse({"clip": clip.key, "name": clip.name, "size": clip.size})
 
 
-async def _received(request: Request, store: Store, desk: Desk, film: Film, file: BinaryIO) -> None:
+async def _received(request: Request, store: Store, desk: Desk, clip: Clip, file: BinaryIO) -> None:
     """Write the body of a request to a file, as it comes."""
     parts = request.stream()
     while True:
@@ -86,18 +86,18 @@ async def _received(request: Request, store: Store, desk: Desk, film: Film, file
             part = await anext(parts, b"")
         if not part:
             return
-        if film.key not in desk.films:
+        if clip.key not in desk.clips:
             raise InputError("the page has closed")
-        store.check_size(film, film.size + len(part))
-        film.size += len(part)
+        store.check_size(clip, clip.size + len(part))
+        clip.size += len(part)
         await anyio.to_thread.run_sync(file.write, part)
 
 
 async def _file(request: Request) -> Response:
-    """Send one of the files of a film."""
+    """Send one of the files of a clip."""
     name = request.path_params["file"]
-    film = store_of(request.app).film(request.path_params["film"])
-    path = film.file(name) if film else None
+    clip = store_of(request.app).clip(request.path_params["clip"])
+    path = clip.file(name) if clip else None
     if path is None:
         raise HTTPException(404, "there is no such file; a video is removed with its page")
     headers = {"Cache-Control": "no-store"}
@@ -113,20 +113,20 @@ async def _trials_file(request: Request) -> Response:
         desk = store_of(request.app).desk(request.query_params.get("desk"))
     except InputError as error:
         raise HTTPException(404, str(error)) from None
-    return await answered(request, _trials_csv, list(desk.films.values()))
+    return await answered(request, _trials_csv, list(desk.clips.values()))
 
 
-def _trials_csv(films: list[Film]) -> Response:
+def _trials_csv(clips: list[Clip]) -> Response:
     """Return the trial table as CSV."""
     import tempfile
     from pathlib import Path
 
     from latolato.experiment.trial_table import trial_table, write_trials
 
-    rows = trial_rows(films)
+    rows = trial_rows(clips)
     if not rows:
         raise InputError("none of the videos is a trial: each needs a driven pivot")
-    rows = [{k: v for k, v in row.items() if k != "film"} for row in rows]
+    rows = [{k: v for k, v in row.items() if k != "clip"} for row in rows]
     table = trial_table({name: [row[name] for row in rows] for name in rows[0]})
     with tempfile.TemporaryDirectory() as folder:
         path = write_trials(table, Path(folder) / "trials.csv")
@@ -135,8 +135,8 @@ def _trials_csv(films: list[Film]) -> Response:
     return Response(content, media_type="text/csv; charset=utf-8", headers=headers)
 
 
-def trial_rows(films: list[Film]) -> list[dict[str, Any]]:
-    """Return the trials of films with their sets, ordered by set and frequency."""
+def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
+    """Return the trials of clips with their sets, ordered by set and frequency."""
     import math
 
     from latolato.experiment.trial_table import sets_of
@@ -144,7 +144,7 @@ def trial_rows(films: list[Film]) -> list[dict[str, Any]]:
     def known(row: Mapping[str, Any]) -> dict[str, Any]:
         return {name: math.nan if value is None else value for name, value in row.items()}
 
-    rows = [{**known(f.trial), "film": f.key, "source": f.name} for f in films if f.trial]
+    rows = [{**known(f.trial), "clip": f.key, "source": f.name} for f in clips if f.trial]
     if not rows:
         return []
     names = sets_of(
@@ -155,7 +155,7 @@ def trial_rows(films: list[Film]) -> list[dict[str, Any]]:
 
 
 async def _desk(websocket: WebSocket) -> None:
-    """Serve one page: its jobs run until it closes, and then all its films are removed."""
+    """Serve one page: its jobs run until it closes, and then all its clips are removed."""
     store = store_of(websocket.app)
     await websocket.accept()
     try:
@@ -204,7 +204,7 @@ class _Clerk:
             await self._take(frame.get("text"))
 
     async def close(self) -> None:
-        """Kill what runs and remove the films."""
+        """Kill what runs and remove the clips."""
         for task in self._jobs.values():
             task.cancel()
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
@@ -256,11 +256,11 @@ class _Clerk:
         if len(self._jobs) >= self._store.allowance.waiting:
             raise TooLargeError(f"{len(self._jobs)} jobs wait already")
         if do == "remove":
-            self._desk.remove(self._desk.film(given.get("film")).key)
+            self._desk.remove(self._desk.clip(given.get("clip")).key)
             self._run(number, self._rows())
             return
-        film, job = checked_job(self._store, self._desk, given)
-        self._run(number, self._work(film, job))
+        clip, job = checked_job(self._store, self._desk, given)
+        self._run(number, self._work(clip, job))
 
     def _run(self, number: int, doing: Any) -> None:
         """Run one job until its answer."""
@@ -288,10 +288,10 @@ class _Clerk:
 
     async def _trials(self) -> list[dict[str, Any]]:
         """Return the trial table of this page."""
-        return await anyio.to_thread.run_sync(trial_rows, list(self._desk.films.values()))
+        return await anyio.to_thread.run_sync(trial_rows, list(self._desk.clips.values()))
 
-    def _work(self, film: Film, job: dict[str, Any]) -> Any:
-        """Return what does a job on a film, when it is its turn."""
+    def _work(self, clip: Clip, job: dict[str, Any]) -> Any:
+        """Return what does a job on a clip, when it is its turn."""
 
         async def answer(number: int) -> dict[str, Any]:
             async def tell(stage: str, progress: float) -> None:
@@ -300,20 +300,20 @@ class _Clerk:
             is_new = job["do"] == "example"
             try:
                 await tell("waiting", 0.0)
-                workers = film_workers_of(self._socket.app.state)
-                result = await work(workers, film, job, self._store.allowance, tell)
+                workers = clip_workers_of(self._socket.app.state)
+                result = await work(workers, clip, job, self._store.allowance, tell)
             except BaseException:
                 if is_new:
-                    self._desk.remove(film.key)
+                    self._desk.remove(clip.key)
                 raise
             finally:
-                film.weigh()
+                clip.weigh()
             if job["do"] in ("look", "example"):
-                film.about = {"width": result["width"], "height": result["height"]}
-                film.truth = result.pop("truth", {})
-                result |= {"film": film.key, "name": film.name, "truth": film.truth}
+                clip.about = {"width": result["width"], "height": result["height"]}
+                clip.truth = result.pop("truth", {})
+                result |= {"clip": clip.key, "name": clip.name, "truth": clip.truth}
             if job["do"] == "track":
-                film.trial = result["trial"]
+                clip.trial = result["trial"]
                 result["trials"] = await self._trials()
             return result
 
@@ -328,8 +328,8 @@ def parsed(text: str) -> Any:
         raise InputError("a frame must be JSON") from None
 
 
-def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Film, dict[str, Any]]:
-    """Return the film that a frame is about and the job for its process.
+def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Clip, dict[str, Any]]:
+    """Return the clip that a frame is about and the job for its process.
 
     Raises
     ------
@@ -341,27 +341,27 @@ def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Fil
     do = given.get("do")
     if do == "example":
         kind = _one_of("kind", given.get("kind"), EXAMPLES)
-        film = store.admit(desk, f"{kind}.mp4")
-        return film, {"do": do, "kind": kind}
+        clip = store.admit(desk, f"{kind}.mp4")
+        return clip, {"do": do, "kind": kind}
     if do not in ("look", "track", "fit", "export"):
         raise InputError(f"do must be look, track, fit, export, example or remove, got {do!r}")
-    film = desk.film(given.get("film"))
-    if not film.is_whole and not film.about:
-        raise InputError(f"{film.name} is still on its way")
+    clip = desk.clip(given.get("clip"))
+    if not clip.is_whole and not clip.about:
+        raise InputError(f"{clip.name} is still on its way")
     if do == "look":
-        return film, {"do": do}
-    if not film.about:
-        raise InputError(f"{film.name} could not be read")
+        return clip, {"do": do}
+    if not clip.about:
+        raise InputError(f"{clip.name} could not be read")
     if do == "export":
-        return film, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
+        return clip, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
     description = given.get("description")
     Description.from_json(description)
-    job = {"do": do, "description": description, **film.about}
+    job = {"do": do, "description": description, **clip.about}
     if do == "fit":
         from latolato.experiment.fits import fits
 
         job["kind"] = _one_of("kind", given.get("kind"), tuple(fits))
-    return film, job
+    return clip, job
 
 
 def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:

@@ -18,8 +18,8 @@ from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 
 _LONGEST_NAME = 80
-# What lies in the folder of a film. Messages contain the name of the upload, never a path.
-UPLOAD = "film"
+# What lies in the folder of a clip. Messages contain the name of the upload, never a path.
+UPLOAD = "clip"
 FILES = {
     "shown.mp4": "video/mp4",
     "points.bin": "application/octet-stream",
@@ -42,26 +42,26 @@ class Allowance:
     ----------
     upload, stored : int
         Size of one file, and of all on the server together [bytes].
-    films, desk_films, desks : int
-        Number of films on the server, of one page, and of pages with films.
+    clips, desk_clips, desks : int
+        Number of clips on the server, of one page, and of pages with clips.
     duration : float
-        Longest film [s].
+        Longest clip [s].
     pixels, frames : int
         Largest frame, and most frames.
     memory : float
-        Address space of the process that reads a film [bytes].
+        Address space of the process that reads a clip [bytes].
     cpu_time, wall_time : float
-        Longest work on a film [s].
+        Longest work on a clip [s].
     stall, upload_time : float
         Longest pause of an upload, and longest upload [s].
     jobs, waiting : int
-        Films that are worked on at the same time, and jobs of one page that may wait.
+        Clips that are worked on at the same time, and jobs of one page that may wait.
     """
 
     upload: int = 500_000_000
     stored: int = 3_000_000_000
-    films: int = 40
-    desk_films: int = 16
+    clips: int = 40
+    desk_clips: int = 16
     desks: int = 50
     duration: float = 600.0
     pixels: int = 3840 * 2160
@@ -76,7 +76,7 @@ class Allowance:
 
     @classmethod
     def of(cls, megabytes: float | None = None, minutes: float | None = None) -> Allowance:
-        """Return the usual allowance with another size and length of a film.
+        """Return the usual allowance with another size and length of a clip.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class Allowance:
 
 
 @dataclass
-class Film:
+class Clip:
     """One upload.
 
     Attributes
@@ -137,7 +137,7 @@ class Film:
     about : dict
         The results of the work on it.
     truth : dict
-        Numbers that are true of a synthetic film.
+        Numbers that are true of a synthetic clip.
     trial : dict, optional
         Its row of the trial table.
     """
@@ -170,40 +170,40 @@ class Film:
 
 
 class Desk:
-    """The films of one open page; they go when it closes."""
+    """The clips of one open page; they go when it closes."""
 
     def __init__(self, store: Store, key: str) -> None:
         self.key = key
-        self.films: dict[str, Film] = {}
+        self.clips: dict[str, Clip] = {}
         self._store = store
 
     def close(self) -> None:
         """Remove everything of this page."""
-        for key in list(self.films):
+        for key in list(self.clips):
             self.remove(key)
         self._store.desks.pop(self.key, None)
 
     def remove(self, key: str) -> None:
-        """Remove one film."""
-        film = self.films.pop(key, None)
-        if film is not None:
-            shutil.rmtree(film.folder, ignore_errors=True)
+        """Remove one clip."""
+        clip = self.clips.pop(key, None)
+        if clip is not None:
+            shutil.rmtree(clip.folder, ignore_errors=True)
 
-    def film(self, key: Any) -> Film:
-        """Return a film of this page.
+    def clip(self, key: Any) -> Clip:
+        """Return a clip of this page.
 
         Raises
         ------
         InputError
             If there is none of that key.
         """
-        if not isinstance(key, str) or key not in self.films:
+        if not isinstance(key, str) or key not in self.clips:
             raise InputError("this video is no longer on the server: upload it again")
-        return self.films[key]
+        return self.clips[key]
 
 
 class Store:
-    """All films of a server, below one temporary folder."""
+    """All clips of a server, below one temporary folder."""
 
     def __init__(self, allowance: Allowance | None = None) -> None:
         self.allowance = allowance or Allowance()
@@ -214,7 +214,7 @@ class Store:
     def folder(self) -> Path:
         """The folder of this server, made when it is first needed."""
         if self._folder is None:
-            self._folder = Path(tempfile.mkdtemp(prefix="latolato-films-"))
+            self._folder = Path(tempfile.mkdtemp(prefix="latolato-clips-"))
         return self._folder
 
     def close(self) -> None:
@@ -226,7 +226,7 @@ class Store:
             self._folder = None
 
     def open_desk(self) -> Desk:
-        """Return a place for the films of a page.
+        """Return a place for the clips of a page.
 
         Raises
         ------
@@ -253,12 +253,12 @@ class Store:
             raise InputError("this page is not connected: load it again")
         return self.desks[key]
 
-    def film(self, key: str) -> Film | None:
-        """Return a film of any page, by its key that only its page knows."""
-        return next((d.films[key] for d in self.desks.values() if key in d.films), None)
+    def clip(self, key: str) -> Clip | None:
+        """Return a clip of any page, by its key that only its page knows."""
+        return next((d.clips[key] for d in self.desks.values() if key in d.clips), None)
 
-    def admit(self, desk: Desk, name: str, size: int = 0) -> Film:
-        """Return a new film without content.
+    def admit(self, desk: Desk, name: str, size: int = 0) -> Clip:
+        """Return a new clip without content.
 
         Raises
         ------
@@ -266,19 +266,19 @@ class Store:
             If there are too many, or `size` bytes [as announced] are too much.
         """
         most = self.allowance
-        if len(desk.films) >= most.desk_films:
-            raise TooLargeError(f"{most.desk_films} videos are open: remove one of them first")
-        if sum(len(d.films) for d in self.desks.values()) >= most.films:
-            raise TooLargeError(f"the server holds {most.films} videos: try again later")
+        if len(desk.clips) >= most.desk_clips:
+            raise TooLargeError(f"{most.desk_clips} videos are open: remove one of them first")
+        if sum(len(d.clips) for d in self.desks.values()) >= most.clips:
+            raise TooLargeError(f"the server holds {most.clips} videos: try again later")
         key = secrets.token_urlsafe(12)
-        film = Film(key, self.folder / key, shown_name(name))
-        self.check_size(film, size)
-        film.folder.mkdir()
-        desk.films[key] = film
-        return film
+        clip = Clip(key, self.folder / key, shown_name(name))
+        self.check_size(clip, size)
+        clip.folder.mkdir()
+        desk.clips[key] = clip
+        return clip
 
-    def check_size(self, film: Film, size: int) -> None:
-        """Refuse a film of `size` bytes if that is too much.
+    def check_size(self, clip: Clip, size: int) -> None:
+        """Refuse a clip of `size` bytes if that is too much.
 
         Raises
         ------
@@ -288,10 +288,10 @@ class Store:
         most = self.allowance
         if size > most.upload:
             raise TooLargeError(
-                f"{film.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
+                f"{clip.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
                 "cut it, or start the application with --video-megabytes"
             )
-        others = sum(f.size for d in self.desks.values() for f in d.films.values() if f is not film)
+        others = sum(f.size for d in self.desks.values() for f in d.clips.values() if f is not clip)
         if others + size > most.stored:
             raise TooLargeError("the server holds too many videos: remove some, or try again later")
 

@@ -309,9 +309,9 @@ export const STRINGS = {
   held: "held",
   failed: "did not hold",
   // experiment
-  filmDrop: "Drop a video here, or choose one",
-  filmDropHint: "MP4, MOV, WebM, AVI: up to {size} MB, {minutes} minutes, {pixels}",
-  filmPrivate: "It stays on this computer’s server and is removed when this page closes.",
+  clipDrop: "Drop a video here, or choose one",
+  clipDropHint: "MP4, MOV, WebM, AVI: up to {size} MB, {minutes} minutes, {pixels}",
+  clipPrivate: "It stays on this computer’s server and is removed when this page closes.",
   exampleHint: "No video at hand? Let the computer film one, with known truth:",
   example_decay: "A free swing that dies away",
   example_driven: "A pendulum on a driven pivot",
@@ -321,11 +321,11 @@ export const STRINGS = {
   step2: "Pivot and balls are found by themselves. Correct them in the first frame; give the "
     + "length from pivot to ball centre.",
   step3: "Track it. Look at every frame, at the curves, and at what they say of the motion.",
-  films: "Videos",
-  filmRemove: "Remove {name}",
-  filmsLost: "The connection to the server was lost; its videos are gone.",
+  clips: "Videos",
+  clipRemove: "Remove {name}",
+  clipsLost: "The connection to the server was lost; its videos are gone.",
   uploadTooLarge: "{name} is larger than {limit} MB, the limit for an upload.",
-  filmLabel: "Frame of the video with what was found",
+  clipLabel: "Frame of the video with what was found",
   setup: "Set-up",
   setupHint: "Drag the handles to pivot and ball centres, or move them with the arrow keys "
     + "(Shift: 10 pixels, Ctrl: a tenth). The circle is as large as length and radius say: it "

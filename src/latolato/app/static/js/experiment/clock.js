@@ -6,7 +6,7 @@ import { before } from "../shared/motion.js";
 // Times of the container are whole ticks: a frame shows a little before or after its number says.
 const SLACK = 2e-4; // s
 
-export class FilmClock extends Clock {
+export class ClipClock extends Clock {
   /** @param {HTMLVideoElement} video */
   constructor(video) {
     super();
@@ -37,7 +37,7 @@ export class FilmClock extends Clock {
   }
 
   /**
-   * Take the times of another film's frames.
+   * Take the times of another clip's frames.
    * @param {ArrayLike<number>} media in the file [s]
    * @param {ArrayLike<number>} times in the scene, from 0 [s]
    */

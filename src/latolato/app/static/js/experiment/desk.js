@@ -24,7 +24,7 @@ export class Desk {
     /** @type {WebSocket | null} */
     this.socket = null;
     this.count = 0;
-    /** How often a connection was made: films of an earlier one are gone. */
+    /** How often a connection was made: clips of an earlier one are gone. */
     this.epoch = 0;
     /** @type {Map<number, {tell: Tell, done: (result: any) => void, fail: (e: Error) => void}>} */
     this.jobs = new Map();
@@ -32,14 +32,14 @@ export class Desk {
   }
 
   connect() {
-    const socket = new WebSocket(socketAddress("/api/films/desk"));
+    const socket = new WebSocket(socketAddress("/ws/experiment/desk"));
     this.socket = socket;
     // The server closes a socket that sends nothing.
     socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
     socket.addEventListener("message", (event) => this.hear(JSON.parse(event.data)));
     socket.addEventListener("close", () => {
       this.hello = null;
-      for (const job of this.jobs.values()) job.fail(new Refusal(t("filmsLost")));
+      for (const job of this.jobs.values()) job.fail(new Refusal(t("clipsLost")));
       this.jobs.clear();
       this.changed(false);
       setTimeout(() => this.connect(), AGAIN);
@@ -88,7 +88,7 @@ export class Desk {
   }
 
   /**
-   * Return an upload; its promise gives the key of the film.
+   * Return an upload; its promise gives the key of the clip.
    * @param {File} file
    * @param {Tell} tell
    * @returns {Job}
@@ -105,7 +105,7 @@ export class Desk {
           limit: this.hello.limits.upload / 1e6 })));
         return;
       }
-      request.open("POST", `/api/films?desk=${encodeURIComponent(this.hello.desk)}`);
+      request.open("POST", `/api/experiment?desk=${encodeURIComponent(this.hello.desk)}`);
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
       request.upload.addEventListener("progress", (e) => tell("uploading", e.loaded / e.total));
@@ -123,32 +123,32 @@ export class Desk {
 }
 
 /**
- * Return the address of a file of a film.
- * @param {string} film
+ * Return the address of a file of a clip.
+ * @param {string} clip
  * @param {string} file
  */
-export function filmAddress(film, file) {
-  return `/api/films/${encodeURIComponent(film)}/${file}`;
+export function clipAddress(clip, file) {
+  return `/api/experiment/${encodeURIComponent(clip)}/${file}`;
 }
 
 /**
- * Return a file of a film as a block of arrays.
- * @param {string} film
+ * Return a file of a clip as a block of arrays.
+ * @param {string} clip
  * @param {string} file
  */
-export async function filmBlock(film, file) {
-  const response = await fetch(filmAddress(film, file));
-  if (!response.ok) throw new Refusal(t("filmsLost"));
+export async function clipBlock(clip, file) {
+  const response = await fetch(clipAddress(clip, file));
+  if (!response.ok) throw new Refusal(t("clipsLost"));
   return unpack(await response.arrayBuffer());
 }
 
 /**
- * Return an address in this page of a file of a film, which stays when the server forgets it.
- * @param {string} film
+ * Return an address in this page of a file of a clip, which stays when the server forgets it.
+ * @param {string} clip
  * @param {string} file
  */
-export async function filmCopy(film, file) {
-  const response = await fetch(filmAddress(film, file));
-  if (!response.ok) throw new Refusal(t("filmsLost"));
+export async function clipCopy(clip, file) {
+  const response = await fetch(clipAddress(clip, file));
+  if (!response.ok) throw new Refusal(t("clipsLost"));
   return URL.createObjectURL(await response.blob());
 }

@@ -16,7 +16,7 @@ const DEGREES = 180 / Math.PI;
  * Return the card of a fit; what is no headline is behind "more".
  * @param {Fit} fit
  * @param {FitKind} kind
- * @param {Record<string, number>} truth of a synthetic film
+ * @param {Record<string, number>} truth of a synthetic clip
  * @param {any} registry
  * @param {(options: Record<string, any>) => void} play
  * @param {Node} again what does it once more
@@ -47,7 +47,7 @@ export function waitingCard(kind, button) {
 }
 
 /**
- * Return the card of the fits that a film does not allow, with the reasons.
+ * Return the card of the fits that a clip does not allow, with the reasons.
  * @param {Fit[]} fits
  * @param {Record<string, FitKind>} kinds
  */
@@ -102,18 +102,18 @@ function percent(share) {
 /**
  * Return the table of trials: those of the server, and videos that are none with the reason.
  * @param {any[]} trials
- * @param {{name: string, key: string, reason: string | null}[]} films
- * @param {(film: string) => void} open
+ * @param {{name: string, key: string, reason: string | null}[]} clips
+ * @param {(clip: string) => void} open
  */
-export function trialTable(trials, films, open) {
+export function trialTable(trials, clips, open) {
   const degrees = (/** @type {number} */ v, /** @type {number} */ s) =>
     withSigma(v * DEGREES, s * DEGREES);
   const link = (/** @type {string} */ key, /** @type {string} */ name) =>
     el("button", { type: "button", class: "link", on: { click: () => open(key) } }, name);
   const nameOf = (/** @type {any} */ row) =>
-    films.find(({ key }) => key === row.film)?.name ?? row.source;
+    clips.find(({ key }) => key === row.clip)?.name ?? row.source;
   const rows = trials.map((row) => el("tr", {},
-    el("td", {}, row.set), el("td", {}, link(row.film, nameOf(row))),
+    el("td", {}, row.set), el("td", {}, link(row.clip, nameOf(row))),
     el("td", {}, withSigma(1000 * row.drive_amplitude, 1000 * row.drive_amplitude_sigma)),
     el("td", {}, withSigma(row.drive_frequency, row.drive_frequency_sigma)),
     el("td", {}, short(row.frequency_ratio ?? NaN, 4)),
@@ -121,8 +121,8 @@ export function trialTable(trials, films, open) {
     el("td", {}, degrees(row.largest_angle_after_transient, row.largest_angle_after_transient_sigma)),
     el("td", {}, t(`class_${row.class}`), row.borderline ? ` (${t("borderline")})` : ""),
     el("td", { class: "soft" }, row.note)));
-  const named = new Set(trials.map((row) => row.film));
-  const others = films.filter(({ key }) => !named.has(key)).map(({ key, name, reason }) =>
+  const named = new Set(trials.map((row) => row.clip));
+  const others = clips.filter(({ key }) => !named.has(key)).map(({ key, name, reason }) =>
     el("tr", {}, el("td", {}, "–"), el("td", {}, link(key, name)),
       el("td", { colspan: "7", class: "soft" }, reason ?? t("notTracked"))));
   const heads = ["set", "video", "trialAmplitude", "trialFrequency", "trialRatio", "trialLargest",

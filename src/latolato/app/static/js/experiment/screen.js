@@ -2,7 +2,7 @@
 
 import { colour, el, fitCanvas, freshId } from "../shared/dom.js";
 import { t } from "../strings.js";
-import { FilmClock } from "./clock.js";
+import { ClipClock } from "./clock.js";
 import { SIDES } from "./track.js";
 
 /** @typedef {import("./track.js").Track} Track */
@@ -22,12 +22,12 @@ const DARK = "#14161c";
 
 export class Screen {
   constructor() {
-    this.video = el("video", { class: "film", muted: true, playsInline: true, preload: "auto",
+    this.video = el("video", { class: "clip", muted: true, playsInline: true, preload: "auto",
       "aria-hidden": "true", tabindex: "-1" });
-    this.canvas = el("canvas", { class: "film-canvas", role: "img", "aria-label": t("filmLabel") });
-    this.over = el("div", { class: "film-over" });
-    this.box = el("div", { class: "film-box" }, this.video, this.canvas, this.over);
-    this.clock = new FilmClock(this.video);
+    this.canvas = el("canvas", { class: "clip-canvas", role: "img", "aria-label": t("clipLabel") });
+    this.over = el("div", { class: "clip-over" });
+    this.box = el("div", { class: "clip-box" }, this.video, this.canvas, this.over);
+    this.clock = new ClipClock(this.video);
     /** @type {Track | null} */
     this.track = null;
     this.isMarked = true;
@@ -101,26 +101,26 @@ export class Screen {
   }
 
   /**
-   * Show a film.
-   * @param {{url: string, width: number, height: number, duration: number, frames: number}} film
+   * Show a clip.
+   * @param {{url: string, width: number, height: number, duration: number, frames: number}} clip
    * @param {Track | null} track
    */
-  show(film, track) {
+  show(clip, track) {
     this.track = track;
-    this.size = { width: film.width, height: film.height };
-    this.box.style.aspectRatio = `${film.width} / ${film.height}`;
-    this.box.style.maxWidth = `calc(${TALLEST}vh * ${film.width / film.height})`;
-    if (this.video.src !== film.url) {
+    this.size = { width: clip.width, height: clip.height };
+    this.box.style.aspectRatio = `${clip.width} / ${clip.height}`;
+    this.box.style.maxWidth = `calc(${TALLEST}vh * ${clip.width / clip.height})`;
+    if (this.video.src !== clip.url) {
       this.clock.pause();
       this.clock.index = 0;
       this.failed.hidden = true;
-      this.video.src = film.url;
+      this.video.src = clip.url;
       this.drawn.frame = -1;
     }
-    const even = Float64Array.from({ length: film.frames }, (_, i) =>
-      (i * film.duration) / (film.frames - 1));
+    const even = Float64Array.from({ length: clip.frames }, (_, i) =>
+      (i * clip.duration) / (clip.frames - 1));
     this.clock.load(track?.media ?? even, track?.time ?? even);
-    if (this.scrub) this.scrub.max = String(film.frames - 1);
+    if (this.scrub) this.scrub.max = String(clip.frames - 1);
     if (this.marks) this.marks.hidden = !track;
     this.flags.replaceChildren(...(track?.counts() ?? []).map(({ flag, count }) =>
       el("span", { class: "flag", title: t(`flag_${flag}_hint`) },

@@ -1,7 +1,7 @@
 /** The videos of this page and what was done with them; nothing here draws. */
 
 import { t } from "../strings.js";
-import { Desk, filmBlock, filmCopy } from "./desk.js";
+import { clipBlock, clipCopy, Desk } from "./desk.js";
 import { Track } from "./track.js";
 
 /** @typedef {import("./handles.js").Place} Place */
@@ -13,17 +13,17 @@ import { Track } from "./track.js";
  *   track: Track | null,
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
  *   field: string | null, stage: string | null, share: number, mode: "setup" | "result",
- *   cancel: () => void, files: Set<string>, tracked: number}} Film
+ *   cancel: () => void, files: Set<string>, tracked: number}} Clip
  */
 
 export class Session {
   /** @param {() => void} changed called at every change */
   constructor(changed) {
     this.changed = changed;
-    /** @type {Film[]} */
-    this.films = [];
-    /** @type {Film | null} */
-    this.film = null;
+    /** @type {Clip[]} */
+    this.clips = [];
+    /** @type {Clip | null} */
+    this.clip = null;
     /** @type {any[]} */
     this.trials = [];
     this.count = 0;
@@ -35,58 +35,58 @@ export class Session {
   }
 
   /**
-   * Return whether the server has a film and what was made of it.
-   * @param {Film | null} film
+   * Return whether the server has a clip and what was made of it.
+   * @param {Clip | null} clip
    */
-  isKept(film) {
-    return Boolean(film?.key && this.desk.hello && film.epoch === this.desk.epoch);
+  isKept(clip) {
+    return Boolean(clip?.key && this.desk.hello && clip.epoch === this.desk.epoch);
   }
 
   /**
-   * Return a film that is on its way.
+   * Return a clip that is on its way.
    * @param {string} name
    * @param {File | null} file
-   * @returns {Film}
+   * @returns {Clip}
    */
   begin(name, file) {
     this.count += 1;
-    /** @type {Film} */
-    const film = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
+    /** @type {Clip} */
+    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
       proposed: {}, radius: 0, isFound: false, isPartly: false, isProposed: true, truth: {},
       track: null, fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0, mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
-    this.films.push(film);
-    this.film = film;
-    return film;
+    this.clips.push(clip);
+    this.clip = clip;
+    return clip;
   }
 
   /**
-   * Return what a job found, null if it failed or was cancelled; the film shows how far it is.
-   * @param {Film} film
+   * Return what a job found, null if it failed or was cancelled; the clip shows how far it is.
+   * @param {Clip} clip
    * @param {(tell: import("./desk.js").Tell) => import("./desk.js").Job} start
    */
-  async work(film, start) {
-    film.error = film.field = null;
-    film.stage = "waiting";
-    film.share = 0;
+  async work(clip, start) {
+    clip.error = clip.field = null;
+    clip.stage = "waiting";
+    clip.share = 0;
     const job = start((stage, share) => {
-      film.stage = stage;
-      film.share = share;
+      clip.stage = stage;
+      clip.share = share;
       this.changed();
     });
-    film.cancel = job.cancel;
+    clip.cancel = job.cancel;
     this.changed();
     try {
       return await job.promise;
     } catch (error) {
       const aborted = error instanceof DOMException && error.name === "AbortError";
-      film.error = aborted ? t("cancelled") : /** @type {Error} */ (error).message;
-      film.field = /** @type {any} */ (error).field ?? null;
+      clip.error = aborted ? t("cancelled") : /** @type {Error} */ (error).message;
+      clip.field = /** @type {any} */ (error).field ?? null;
       return null;
     } finally {
-      film.stage = null;
-      film.cancel = () => {};
+      clip.stage = null;
+      clip.cancel = () => {};
       this.changed();
     }
   }
@@ -96,23 +96,23 @@ export class Session {
    * @param {File} file
    */
   async add(file) {
-    const film = this.begin(file.name, file);
-    await this.send(film);
+    const clip = this.begin(file.name, file);
+    await this.send(clip);
   }
 
   /**
-   * Upload the file of a film; its places stay if it had some.
-   * @param {Film} film
+   * Upload the file of a clip; its places stay if it had some.
+   * @param {Clip} clip
    */
-  async send(film) {
+  async send(clip) {
     const { desk } = this;
-    const sent = await this.work(film, (tell) =>
-      desk.upload(/** @type {File} */ (film.file), tell));
+    const sent = await this.work(clip, (tell) =>
+      desk.upload(/** @type {File} */ (clip.file), tell));
     if (!sent) return;
-    film.key = sent.film;
-    film.epoch = desk.epoch;
-    const found = await this.work(film, (tell) => desk.job({ do: "look", film: film.key }, tell));
-    if (found) await this.seen(film, found);
+    clip.key = sent.clip;
+    clip.epoch = desk.epoch;
+    const found = await this.work(clip, (tell) => desk.job({ do: "look", clip: clip.key }, tell));
+    if (found) await this.seen(clip, found);
   }
 
   /**
@@ -120,125 +120,125 @@ export class Session {
    * @param {string} kind
    */
   async example(kind) {
-    const film = this.begin(t(`example_${kind}`), null);
-    const found = await this.work(film, (tell) => this.desk.job({ do: "example", kind }, tell));
+    const clip = this.begin(t(`example_${kind}`), null);
+    const found = await this.work(clip, (tell) => this.desk.job({ do: "example", kind }, tell));
     if (!found) return null;
-    film.key = found.film;
-    film.epoch = this.desk.epoch;
-    film.truth = found.truth;
-    await this.seen(film, found);
-    return film;
+    clip.key = found.clip;
+    clip.epoch = this.desk.epoch;
+    clip.truth = found.truth;
+    await this.seen(clip, found);
+    return clip;
   }
 
   /**
-   * @param {Film} film
+   * @param {Clip} clip
    * @param {any} found
    */
-  async seen(film, found) {
-    const isNew = film.about === null;
-    film.about = found;
-    if (!film.url) film.url = await filmCopy(film.key, "shown.mp4");
-    film.isFound = Boolean(found.proposal?.pivot);
-    film.isPartly = Boolean(found.proposal) && !film.isFound;
-    film.proposed = placesOf(found);
-    film.radius = found.proposal?.radius ?? 0.03 * Math.min(found.width, found.height);
-    if (isNew) film.places = { ...film.proposed };
+  async seen(clip, found) {
+    const isNew = clip.about === null;
+    clip.about = found;
+    if (!clip.url) clip.url = await clipCopy(clip.key, "shown.mp4");
+    clip.isFound = Boolean(found.proposal?.pivot);
+    clip.isPartly = Boolean(found.proposal) && !clip.isFound;
+    clip.proposed = placesOf(found);
+    clip.radius = found.proposal?.radius ?? 0.03 * Math.min(found.width, found.height);
+    if (isNew) clip.places = { ...clip.proposed };
     this.changed();
   }
 
   /**
-   * See that the server has a film, which it has not after it was started again.
-   * @param {Film} film
+   * See that the server has a clip, which it has not after it was started again.
+   * @param {Clip} clip
    */
-  async ensure(film) {
-    if (this.isKept(film)) return true;
-    if (!film.file || !this.desk.hello) {
-      film.error = t("filmsLost");
+  async ensure(clip) {
+    if (this.isKept(clip)) return true;
+    if (!clip.file || !this.desk.hello) {
+      clip.error = t("clipsLost");
       this.changed();
       return false;
     }
-    await this.send(film);
-    return film.error === null;
+    await this.send(clip);
+    return clip.error === null;
   }
 
   /**
-   * Track a film.
-   * @param {Film} film
+   * Track a clip.
+   * @param {Clip} clip
    * @param {Record<string, any>} description
    */
-  async track(film, description) {
-    if (!(await this.ensure(film))) return;
-    const found = await this.work(film, (progress) =>
-      this.desk.job({ do: "track", film: film.key, description }, progress));
+  async track(clip, description) {
+    if (!(await this.ensure(clip))) return;
+    const found = await this.work(clip, (progress) =>
+      this.desk.job({ do: "track", clip: clip.key, description }, progress));
     if (!found) return;
-    const track = new Track(await filmBlock(film.key, "points.bin"));
-    film.track = track;
-    film.fits = found.fits;
-    film.warnings = found.warnings;
-    film.noTrial = found.no_trial;
-    film.mode = "result";
-    film.files = new Set();
-    film.tracked += 1;
+    const track = new Track(await clipBlock(clip.key, "points.bin"));
+    clip.track = track;
+    clip.fits = found.fits;
+    clip.warnings = found.warnings;
+    clip.noTrial = found.no_trial;
+    clip.mode = "result";
+    clip.files = new Set();
+    clip.tracked += 1;
     this.trials = found.trials;
     track.isDriven = Boolean(found.fits.drive?.values);
-    await this.lay(film, found.fits);
+    await this.lay(clip, found.fits);
   }
 
   /**
    * Do one fit again.
-   * @param {Film} film
+   * @param {Clip} clip
    * @param {string} kind
    * @param {Record<string, any>} description
    */
-  async fit(film, kind, description) {
-    if (!this.isKept(film)) {
-      film.error = t("filmsLost");
+  async fit(clip, kind, description) {
+    if (!this.isKept(clip)) {
+      clip.error = t("clipsLost");
       this.changed();
       return;
     }
-    const found = await this.work(film, (progress) =>
-      this.desk.job({ do: "fit", kind, film: film.key, description }, progress));
+    const found = await this.work(clip, (progress) =>
+      this.desk.job({ do: "fit", kind, clip: clip.key, description }, progress));
     if (!found) return;
-    film.fits = { ...film.fits, [kind]: found };
-    await this.lay(film, { [kind]: found });
+    clip.fits = { ...clip.fits, [kind]: found };
+    await this.lay(clip, { [kind]: found });
   }
 
   /**
-   * Take the computed motion of a film if a fit made one.
-   * @param {Film} film
+   * Take the computed motion of a clip if a fit made one.
+   * @param {Clip} clip
    * @param {Record<string, any>} fits
    */
-  async lay(film, fits) {
-    if (film.track && Object.values(fits).some((fit) => fit.model))
-      film.track.model = await filmBlock(film.key, "model.bin");
+  async lay(clip, fits) {
+    if (clip.track && Object.values(fits).some((fit) => fit.model))
+      clip.track.model = await clipBlock(clip.key, "model.bin");
     this.changed();
   }
 
   /**
    * Have a file made; returns whether it is there.
-   * @param {Film} film
+   * @param {Clip} clip
    * @param {string} file
    */
-  async make(film, file) {
-    const found = await this.work(film, (tell) =>
-      this.desk.job({ do: "export", file, film: film.key }, tell));
-    if (found) film.files.add(file);
+  async make(clip, file) {
+    const found = await this.work(clip, (tell) =>
+      this.desk.job({ do: "export", file, clip: clip.key }, tell));
+    if (found) clip.files.add(file);
     this.changed();
     return found !== null;
   }
 
   /**
-   * Remove a film here and on the server.
-   * @param {Film} film
+   * Remove a clip here and on the server.
+   * @param {Clip} clip
    */
-  async remove(film) {
-    film.cancel();
-    this.films = this.films.filter((each) => each !== film);
-    if (this.film === film) this.film = this.films[this.films.length - 1] ?? null;
-    if (film.url) URL.revokeObjectURL(film.url);
+  async remove(clip) {
+    clip.cancel();
+    this.clips = this.clips.filter((each) => each !== clip);
+    if (this.clip === clip) this.clip = this.clips[this.clips.length - 1] ?? null;
+    if (clip.url) URL.revokeObjectURL(clip.url);
     this.changed();
-    if (!this.isKept(film)) return;
-    const found = await this.desk.job({ do: "remove", film: film.key }).promise.catch(() => null);
+    if (!this.isKept(clip)) return;
+    const found = await this.desk.job({ do: "remove", clip: clip.key }).promise.catch(() => null);
     if (found) this.trials = found.trials;
     this.changed();
   }

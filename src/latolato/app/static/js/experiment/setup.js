@@ -68,31 +68,31 @@ export class Setup {
   }
 
   /**
-   * Show how far a film is, what can be done next, and what went wrong.
-   * @param {import("./session.js").Film} film
+   * Show how far a clip is, what can be done next, and what went wrong.
+   * @param {import("./session.js").Clip} clip
    */
-  update(film) {
-    const isSetup = film.mode === "setup";
-    this.busy.hidden = film.stage === null;
-    this.bar.value = film.share;
-    this.stage.textContent = t("progressOf", { stage: t(`stage_${film.stage ?? "waiting"}`),
-      percent: Math.round(100 * film.share) });
-    this.body.hidden = film.about === null;
-    this.isReady = film.about !== null && film.stage === null;
-    this.track.textContent = t(film.track ? "trackAgain" : "track");
+  update(clip) {
+    const isSetup = clip.mode === "setup";
+    this.busy.hidden = clip.stage === null;
+    this.bar.value = clip.share;
+    this.stage.textContent = t("progressOf", { stage: t(`stage_${clip.stage ?? "waiting"}`),
+      percent: Math.round(100 * clip.share) });
+    this.body.hidden = clip.about === null;
+    this.isReady = clip.about !== null && clip.stage === null;
+    this.track.textContent = t(clip.track ? "trackAgain" : "track");
     this.track.hidden = this.hint.hidden = !isSetup;
     this.again.hidden = isSetup;
-    this.back.hidden = !isSetup || !film.track;
-    this.reset.hidden = !isSetup || film.isProposed || !film.isFound;
-    this.found.textContent = t(film.isFound ? "setupFound"
-      : film.isPartly ? "setupNoPivot" : "setupNotFound");
-    this.found.hidden = !isSetup || !film.isProposed;
-    const isOwn = film.field !== null && film.field in this.fields && film.about !== null;
+    this.back.hidden = !isSetup || !clip.track;
+    this.reset.hidden = !isSetup || clip.isProposed || !clip.isFound;
+    this.found.textContent = t(clip.isFound ? "setupFound"
+      : clip.isPartly ? "setupNoPivot" : "setupNotFound");
+    this.found.hidden = !isSetup || !clip.isProposed;
+    const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
     this.tellWrong();
-    if (isOwn) this.error(film.error, film.field);
-    this.failed.hidden = !film.error || isOwn;
-    this.failed.textContent = isOwn ? "" : film.error;
-    if (this.count) this.count.value = film.places.ball_2 ? "2" : "1";
+    if (isOwn) this.error(clip.error, clip.field);
+    this.failed.hidden = !clip.error || isOwn;
+    this.failed.textContent = isOwn ? "" : clip.error;
+    if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";
   }
 
   /**

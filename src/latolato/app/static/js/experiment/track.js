@@ -152,7 +152,7 @@ export class Track {
 }
 
 /**
- * Return the panels of curves for a film; they draw whichever film is on show.
+ * Return the panels of curves for a clip; they draw whichever clip is on show.
  * @param {Track} track
  * @returns {Panel[]}
  */

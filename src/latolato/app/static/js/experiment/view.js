@@ -5,7 +5,7 @@ import { el, refresh } from "../shared/dom.js";
 import { textOf } from "../shared/laws.js";
 import { short } from "../shared/units.js";
 import { t } from "../strings.js";
-import { dropCard, exportsCard, filmList } from "./cards.js";
+import { dropCard, exportsCard, clipList } from "./cards.js";
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
@@ -14,11 +14,11 @@ import { Setup } from "./setup.js";
 import { panelsOf } from "./track.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
-/** @typedef {import("./session.js").Film} Film */
+/** @typedef {import("./session.js").Clip} Clip */
 
 /** What of an example's truth somebody would have measured before. */
 const KNOWN = ["length", "radius", "mass"];
-/** A link with this part films an example and measures it. */
+/** A link with this part clips an example and measures it. */
 const LINKED = "experiment.example";
 
 export class ExperimentView {
@@ -34,17 +34,17 @@ export class ExperimentView {
     /** @type {Record<string, import("./desk.js").FitKind>} */
     this.kinds = {};
     this.shown = "";
-    this.drop = el("div", { class: "film-drop" });
-    this.list = el("div", { class: "film-list" });
-    this.form = el("div", { class: "film-form" });
-    this.exports = el("div", { class: "film-exports" });
+    this.drop = el("div", { class: "clip-drop" });
+    this.list = el("div", { class: "clip-list" });
+    this.form = el("div", { class: "clip-form" });
+    this.exports = el("div", { class: "clip-exports" });
     this.welcome = el("div", { class: "welcome" },
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
         el("ol", {}, ...["step1", "step2", "step3"].map((s) => el("li", {}, t(s))))));
     this.notes = el("p", { class: "notes", role: "status" });
     this.cards = el("div", { class: "cards" });
     this.player = el("div", { class: "player" }, this.screen.root, curves, this.cards);
-    this.trials = el("section", { class: "card film-trials" });
+    this.trials = el("section", { class: "card clip-trials" });
     this.side = el("aside", { class: "side" }, this.list, this.form, this.exports);
     this.root = el("div", { class: "view split experiment", on: {
       dragover: (/** @type {DragEvent} */ e) => this.dragged(e, true),
@@ -82,36 +82,36 @@ export class ExperimentView {
   /** Draw everything that depends on the session. */
   update() {
     if (!this.session) return;
-    const { desk, film } = this.session;
+    const { desk, clip } = this.session;
     if (desk.hello && !this.setup) this.build(desk.hello);
-    const state = film?.stage ?? film?.mode ?? "empty";
+    const state = clip?.stage ?? clip?.mode ?? "empty";
     this.root.dataset.state = state;
-    this.root.classList.toggle("empty", !film);
-    const place = film ? this.side : this.welcome;
+    this.root.classList.toggle("empty", !clip);
+    const place = clip ? this.side : this.welcome;
     if (this.drop.parentElement !== place) place.append(this.drop);
-    const { films } = this.session;
-    refresh(this.list, [films.map((f) => [f.id, f.stage !== null]), film?.id], () =>
-      [filmList(this.session, (each) => this.open(each))]);
-    this.form.hidden = !film;
-    if (film) this.setup?.update(film);
-    const isKept = this.session.isKept(film);
+    const { clips } = this.session;
+    refresh(this.list, [clips.map((f) => [f.id, f.stage !== null]), clip?.id], () =>
+      [clipList(this.session, (each) => this.open(each))]);
+    this.form.hidden = !clip;
+    if (clip) this.setup?.update(clip);
+    const isKept = this.session.isKept(clip);
     refresh(this.exports,
-      [film?.id, film?.tracked, film?.stage !== null, [...film?.files ?? []], isKept],
-      () => (film?.track && isKept ? [exportsCard(this.session, film)] : []));
-    this.welcome.hidden = film !== null;
-    this.player.hidden = !film?.about || !film.url;
-    this.player.classList.toggle("alone", film?.mode === "setup");
+      [clip?.id, clip?.tracked, clip?.stage !== null, [...clip?.files ?? []], isKept],
+      () => (clip?.track && isKept ? [exportsCard(this.session, clip)] : []));
+    this.welcome.hidden = clip !== null;
+    this.player.hidden = !clip?.about || !clip.url;
+    this.player.classList.toggle("alone", clip?.mode === "setup");
     const isGone = desk.epoch > 0 && !desk.hello;
-    const warnings = film?.mode === "result" ? film.warnings : [];
+    const warnings = clip?.mode === "result" ? clip.warnings : [];
     this.notes.textContent = [...(isGone ? [t("offline")] : []),
       ...warnings.map((text) => t("warning", { text }))].join(" ");
-    if (film?.about && film.url) this.showFilm(film);
+    if (clip?.about && clip.url) this.showClip(clip);
     this.updateTrials();
   }
 
-  /** @param {Film | undefined} film */
-  open(film) {
-    this.session.film = film ?? this.session.film;
+  /** @param {Clip | undefined} clip */
+  open(clip) {
+    this.session.clip = clip ?? this.session.clip;
     this.update();
   }
 
@@ -123,7 +123,7 @@ export class ExperimentView {
       track: () => this.tracked(),
       mode: (mode) => this.mode(mode),
       reset: () => this.asFound(),
-      cancel: () => this.session.film?.cancel(),
+      cancel: () => this.session.clip?.cancel(),
     });
     this.setup = setup;
     this.form.replaceChildren(setup.root);
@@ -136,27 +136,27 @@ export class ExperimentView {
 
   /** @param {string} kind */
   async example(kind) {
-    const film = await this.session.example(kind);
-    if (!film || this.session.film !== film) return;
-    const values = KNOWN.filter((name) => name in film.truth).map((name) => {
+    const clip = await this.session.example(kind);
+    if (!clip || this.session.clip !== clip) return;
+    const values = KNOWN.filter((name) => name in clip.truth).map((name) => {
       const unit = this.page.registry.options[name].units[0];
-      return [name, `${short(film.truth[name] / unit.size)} ${unit.name}`];
+      return [name, `${short(clip.truth[name] / unit.size)} ${unit.name}`];
     });
     this.setup?.fill(Object.fromEntries(values));
     this.resized();
   }
 
-  /** @param {Film} film */
-  showFilm(film) {
-    const track = film.mode === "result" ? film.track : null;
-    const about = /** @type {NonNullable<Film["about"]>} */ (film.about);
-    const signature = JSON.stringify([film.id, film.mode, film.tracked,
-      Object.entries(film.fits).map(([k, f]) => [k, f.verdict]), film.stage !== null]);
+  /** @param {Clip} clip */
+  showClip(clip) {
+    const track = clip.mode === "result" ? clip.track : null;
+    const about = /** @type {NonNullable<Clip["about"]>} */ (clip.about);
+    const signature = JSON.stringify([clip.id, clip.mode, clip.tracked,
+      Object.entries(clip.fits).map(([k, f]) => [k, f.verdict]), clip.stage !== null]);
     if (signature === this.shown) return;
     this.shown = signature;
-    this.screen.show({ ...about, url: film.url }, track);
-    this.handles.radius = film.radius;
-    this.handles.show(track ? null : film.places);
+    this.screen.show({ ...about, url: clip.url }, track);
+    this.handles.radius = clip.radius;
+    this.handles.show(track ? null : clip.places);
     if (!track) this.screen.clock.go(0);
     this.resized();
     this.curves.root.hidden = !track;
@@ -164,25 +164,25 @@ export class ExperimentView {
       this.curves.panels = panelsOf(track);
       for (const task of this.curves.show(/** @type {any} */ (track))) task();
     }
-    this.updateCards(track ? film : null);
+    this.updateCards(track ? clip : null);
   }
 
-  /** @param {Film | null} film */
-  updateCards(film) {
-    if (!film) {
+  /** @param {Clip | null} clip */
+  updateCards(clip) {
+    if (!clip) {
       this.cards.replaceChildren();
       return;
     }
     const button = (/** @type {string} */ kind, /** @type {string} */ text) => el("button", {
-      type: "button", disabled: film.stage !== null,
-      on: { click: () => void this.session.fit(film, kind, this.description(film)) } }, text);
-    const fits = Object.values(film.fits);
+      type: "button", disabled: clip.stage !== null,
+      on: { click: () => void this.session.fit(clip, kind, this.description(clip)) } }, text);
+    const fits = Object.values(clip.fits);
     const cards = fits.filter((fit) => !fit.error).map((fit) => fitCard(fit, this.kinds[fit.kind],
-      film.truth, this.page.registry, (options) => this.play(options),
+      clip.truth, this.page.registry, (options) => this.play(options),
       button(fit.kind, t("fitAgain"))));
-    const balls = film.track?.hasAngles ? film.track.count : 0;
+    const balls = clip.track?.hasAngles ? clip.track.count : 0;
     const waiting = Object.values(this.kinds).filter((kind) =>
-      kind.is_slow && kind.fewest_balls <= balls && !film.fits[kind.kind]);
+      kind.is_slow && kind.fewest_balls <= balls && !clip.fits[kind.kind]);
     cards.push(...waiting.map((kind) => waitingCard(kind,
       button(kind.kind, t("fitOnce", { name: kind.title.toLowerCase() })))));
     const refused = fits.filter((fit) => fit.error);
@@ -191,72 +191,72 @@ export class ExperimentView {
   }
 
   updateTrials() {
-    const { films, trials, desk } = this.session;
-    this.trials.hidden = !films.some((film) => film.track);
-    // Of a film that was not tracked: what the server said when it could not read it.
-    const named = films.map(({ key, name, track, noTrial, about, error }) => ({ key, name,
+    const { clips, trials, desk } = this.session;
+    this.trials.hidden = !clips.some((clip) => clip.track);
+    // Of a clip that was not tracked: what the server said when it could not read it.
+    const named = clips.map(({ key, name, track, noTrial, about, error }) => ({ key, name,
       reason: track ? noTrial : about ? null : error }));
     refresh(this.trials, [trials, named, desk.hello?.desk], () => [el("h2", {}, t("trials")),
       el("p", { class: "hint" }, t("trialsHint")),
-      trialTable(trials, named, (key) => this.open(films.find((film) => film.key === key))),
+      trialTable(trials, named, (key) => this.open(clips.find((clip) => clip.key === key))),
       trials.length > 0 && desk.hello ? el("a", { download: "trials.csv",
-        href: `/api/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
+        href: `/api/experiment/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
       t("export_trials")) : ""]);
   }
 
-  /** Return the description of a film: places, quantities, and who placed the handles. */
-  description(/** @type {Film} */ film) {
-    const { pivot, ball_1, ball_2 } = film.places;
+  /** Return the description of a clip: places, quantities, and who placed the handles. */
+  description(/** @type {Clip} */ clip) {
+    const { pivot, ball_1, ball_2 } = clip.places;
     const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
-    return { ...this.setup?.values, is_proposed: film.isProposed,
+    return { ...this.setup?.values, is_proposed: clip.isProposed,
       pivot: this.setup?.unseen?.checked ? null : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };
   }
 
   tracked() {
-    const { film } = this.session;
-    if (!film) return;
-    void this.session.track(film, this.description(film));
+    const { clip } = this.session;
+    if (!clip) return;
+    void this.session.track(clip, this.description(clip));
     this.setup?.cancel.focus();
   }
 
   /** @param {"setup" | "result"} mode */
   mode(mode) {
-    const { film } = this.session;
-    if (!film) return;
-    film.mode = mode;
+    const { clip } = this.session;
+    if (!clip) return;
+    clip.mode = mode;
     this.update();
   }
 
   /** Take the handles as they were moved. */
   corrected() {
-    const { film } = this.session;
-    if (!film) return;
-    film.places = { ...this.handles.places };
-    film.isProposed = false;
-    this.setup?.update(film);
+    const { clip } = this.session;
+    if (!clip) return;
+    clip.places = { ...this.handles.places };
+    clip.isProposed = false;
+    this.setup?.update(clip);
   }
 
   asFound() {
-    const { film } = this.session;
-    if (!film) return;
-    film.places = { ...film.proposed };
-    film.isProposed = true;
-    this.handles.show(film.places);
-    this.setup?.update(film);
+    const { clip } = this.session;
+    if (!clip) return;
+    clip.places = { ...clip.proposed };
+    clip.isProposed = true;
+    this.handles.show(clip.places);
+    this.setup?.update(clip);
   }
 
   /** @param {number} balls */
   counted(balls) {
-    const { film } = this.session;
-    if (!film?.about) return;
-    const { pivot, ball_1 } = film.places;
-    film.places = { pivot, ball_1 };
-    if (balls === 2) film.places.ball_2 = film.proposed.ball_2
+    const { clip } = this.session;
+    if (!clip?.about) return;
+    const { pivot, ball_1 } = clip.places;
+    clip.places = { pivot, ball_1 };
+    if (balls === 2) clip.places.ball_2 = clip.proposed.ball_2
       ?? { u: Math.max(0, 2 * pivot.u - ball_1.u), v: ball_1.v };
-    film.isProposed = false;
-    this.handles.show(film.places);
-    this.setup?.update(film);
+    clip.isProposed = false;
+    this.handles.show(clip.places);
+    this.setup?.update(clip);
   }
 
   /** Draw the ball's edge as length and radius say. */

@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {{name: string, label: string, title: string, caption: string,
- *   statements: {name: string, where: string, words: string}[], film: boolean, missing: string,
+ *   statements: {name: string, where: string, words: string}[], video: boolean, missing: string,
  *   scenarios: string[]}} Entry */
 /** @typedef {{name: string, where: string, words: string, finding: string,
  *   criteria: [string, boolean][], assumption: string, verdict: string, says: string,
@@ -44,7 +44,7 @@ export class PaperView {
         this.main));
     this.near = new IntersectionObserver((entries) => {
       const near = entries.filter((e) => e.isIntersecting).map((e) => e.target);
-      this.want(this.plates.filter((p) => near.includes(p.root) && !p.entry.film));
+      this.want(this.plates.filter((p) => near.includes(p.root) && !p.entry.video));
     }, { rootMargin: MARGIN });
     for (const event of ["wheel", "pointerdown", "keydown", "touchstart"])
       this.root.addEventListener(event, () => { this.anchor = null; }, { passive: true });
@@ -80,7 +80,7 @@ export class PaperView {
 
   /** Make every figure that needs no video. */
   makeAll() {
-    this.want(this.plates.filter((plate) => !plate.entry.film));
+    this.want(this.plates.filter((plate) => !plate.entry.video));
   }
 
   /**
@@ -135,7 +135,7 @@ export class PaperView {
           el("b", {}, String(number)), ` ${t(`shape_${verdict}`)} ${t(verdict)}`);
       }),
       el("li", { class: "soft" }, t("paperOpen", { count: total - claims.length, total })));
-    this.all.hidden = this.plates.every((p) => p.entry.film || p.isMade);
+    this.all.hidden = this.plates.every((p) => p.entry.video || p.isMade);
     this.root.dataset.judged = String(claims.length);
   }
 }
@@ -165,24 +165,24 @@ class Plate {
       } } }, el("b", {}, entry.label), ` ${entry.title}`), this.marks);
     this.heading = el("h2", { tabindex: "-1" }, name);
     this.job = new JobLine();
-    this.filmed = el("button", { type: "button", on: { click: () => this.view.want([this]) } },
+    this.start = el("button", { type: "button", on: { click: () => this.view.want([this]) } },
       t("paperFilm"));
     this.picture = el("div", { class: "picture" });
     this.links = el("div", { class: "links" }, ...this.scenarioLinks());
     this.list = el("div", { class: "claims" }, ...entry.statements.map((s) => openClaim(s)));
-    this.film = entry.film ? this.filmButton() : null;
+    this.offer = entry.video ? this.videoOffer() : null;
     this.root = el("section", { class: `card plate ${entry.caption ? "" : "text"}`, id },
       this.heading,
       el("div", { class: "plate-body" },
-        el("div", {}, this.picture, this.film, this.job.root,
+        el("div", {}, this.picture, this.offer, this.job.root,
           entry.caption && el("p", { class: "hint" }, entry.caption), this.links),
         this.list));
   }
 
-  filmButton() {
+  videoOffer() {
     const { missing } = this.entry;
-    this.filmed.disabled = missing !== "";
-    return el("div", { class: "filming" }, this.filmed,
+    this.start.disabled = missing !== "";
+    return el("div", {}, this.start,
       el("p", { class: "hint" }, missing || t("paperFilmHint")));
   }
 
@@ -203,26 +203,26 @@ class Plate {
    * @param {Plate} making
    */
   wait({ entry }) {
-    this.filmed.disabled = true;
+    this.start.disabled = true;
     const leave = () => {
       this.view.drop(this);
       this.release();
-      if (this.view.isShown) this.filmed.focus({ preventScroll: true });
+      if (this.view.isShown) this.start.focus({ preventScroll: true });
     };
     // Figures that come by themselves are not read out.
-    if (!this.film) this.job.wait(t("paperTurn"), leave, "off");
+    if (!this.offer) this.job.wait(t("paperTurn"), leave, "off");
     else this.job.wait(t("paperWaits", { name: entry.caption ? entry.label : entry.title }), leave);
   }
 
-  /** Let the film be asked for again. */
+  /** Let the video be asked for again. */
   release() {
-    this.filmed.disabled = this.entry.missing !== "";
+    this.start.disabled = this.entry.missing !== "";
   }
 
   /** Compute, draw and judge. */
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
-    this.filmed.disabled = true;
+    this.start.disabled = true;
     const block = await this.job.run("/ws/paper", { figure: this.entry.name });
     this.picture.classList.remove("waiting");
     if (!block) {
@@ -231,7 +231,7 @@ class Plate {
     }
     this.isMade = true;
     this.claims = block.about.claims;
-    this.film?.remove();
+    this.offer?.remove();
     if (block.arrays.svg) this.showPicture(fileOf(block, "svg", "image/svg+xml"));
     const { made, source } = block.about;
     this.list.replaceChildren(...this.claims.map(judgedClaim),

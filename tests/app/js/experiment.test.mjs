@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { FilmClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
+import { ClipClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
 import { Track } from "../../../src/latolato/app/static/js/experiment/track.js";
 import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
 
@@ -43,7 +43,7 @@ test("places are those of the frame", () => {
 test("the clock asks for the middle of a frame and tells the one on show", () => {
   const video = new EventTarget();
   Object.assign(video, { seeking: false, currentTime: 0, pause() {}, paused: true });
-  const clock = new FilmClock(video);
+  const clock = new ClipClock(video);
   clock.load(Float64Array.from([0, 0.1, 0.3]), Float64Array.from([0, 0.1, 0.3]));
   clock.go(1);
   assert.ok(video.currentTime > 0.1 && video.currentTime < 0.3);

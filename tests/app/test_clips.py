@@ -58,13 +58,13 @@ class Page:
 
     def upload(self, content, name="swing.mp4", desk=None):
         return self.client.post(
-            f"/api/films?desk={desk or self.desk}", content=content, headers={"x-name": name}
+            f"/api/experiment?desk={desk or self.desk}", content=content, headers={"x-name": name}
         )
 
-    def film(self, content, name="swing.mp4"):
+    def clip(self, content, name="swing.mp4"):
         answer = self.upload(content, name)
         assert answer.status_code == 200, answer.text
-        return answer.json()["film"]
+        return answer.json()["clip"]
 
     def begin(self, **what):
         self.count += 1
@@ -81,20 +81,20 @@ class Page:
     def do(self, **what):
         return self.answer(self.begin(**what))
 
-    def file(self, film, name):
-        return self.client.get(f"/api/films/{film}/{name}")
+    def file(self, clip, name):
+        return self.client.get(f"/api/experiment/{clip}/{name}")
 
 
 @contextlib.contextmanager
 def opened(allowance=None):
-    """A page of a server, and the server's films."""
-    app = make_app(Settings(films=allowance or Allowance()))
+    """A page of a server, and the server's clips."""
+    app = make_app(Settings(clips=allowance or Allowance()))
     with TestClient(app, base_url=HOME) as client:
-        with client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
+        with client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
             socket.send_json(GREETING)
-            yield Page(client, socket), app.state.films
+            yield Page(client, socket), app.state.clips
         deadline = time.monotonic() + 10.0
-        while app.state.films.desks and time.monotonic() < deadline:
+        while app.state.clips.desks and time.monotonic() < deadline:
             time.sleep(0.02)
 
 
@@ -111,7 +111,7 @@ def lasting_page():
 
 
 def workers(parent=None):
-    """Processes that read films for a process, by default for this one."""
+    """Processes that read clips for a process, by default for this one."""
     parent = parent or os.getpid()
     found = []
     for status in Path("/proc").glob("[0-9]*/stat"):
@@ -129,15 +129,15 @@ def one_line(message):
     assert "error" in message, message
     text = message["error"]
     assert 0 < len(text) < 400
-    assert not [part for part in ("\n", "/tmp", "latolato-films", "Traceback") if part in text]
+    assert not [part for part in ("\n", "/tmp", "latolato-clips", "Traceback") if part in text]
     return text
 
 
 def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
     path, truth = clip
     with opened() as (page, store):
-        film = page.film(path.read_bytes(), "..%2F..%2Fmy%20swing.mp4")
-        seen = page.do(do="look", film=film)["done"]
+        clip = page.clip(path.read_bytes(), "..%2F..%2Fmy%20swing.mp4")
+        seen = page.do(do="look", clip=clip)["done"]
         assert (seen["width"], seen["height"], seen["frames"]) == (200, 160, truth.sizes["frame"])
         for name in ("pivot", "ball_1"):
             place = seen["proposal"]["pivot" if name == "pivot" else "balls"]
@@ -149,7 +149,7 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
             "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
             "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
         }  # fmt: skip
-        done = page.do(do="track", film=film, description=description)["done"]
+        done = page.do(do="track", clip=clip, description=description)["done"]
         damping = done["fits"]["decay"]["values"]["damping"]
         assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
         assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
@@ -157,31 +157,31 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         assert "pivot is at rest" in done["no_trial"]
         assert done["fits"]["decay"]["play"]["system"] == "pendulum"
 
-        about, points = unpack(page.file(film, "points.bin").content)
-        table = page.file(film, "track.csv").content
+        about, points = unpack(page.file(clip, "points.bin").content)
+        table = page.file(clip, "track.csv").content
         kept = path.parent / "table.csv"
         kept.write_bytes(table)
         np.testing.assert_allclose(points["angle"][0], read_table(kept)["angle_1"], atol=1e-6)
         assert read_table(kept).attrs["source"] == "my swing.mp4"
-        assert 'video = "my swing.mp4"' in page.file(film, "setup.toml").text
-        _, ghost = unpack(page.file(film, "model.bin").content)
+        assert 'video = "my swing.mp4"' in page.file(clip, "setup.toml").text
+        _, ghost = unpack(page.file(clip, "model.bin").content)
         away = np.hypot(*(ghost["centre"] - points["centre"]))
         assert np.nanmax(away) < 0.5  # pixels
         for name in ("overlay.mp4", "report.html", "track.nc"):
-            assert page.file(film, name).status_code == 404
-        assert page.do(do="export", film=film, file="overlay.mp4")["done"]
-        answer = page.file(film, "overlay.mp4")
+            assert page.file(clip, name).status_code == 404
+        assert page.do(do="export", clip=clip, file="overlay.mp4")["done"]
+        answer = page.file(clip, "overlay.mp4")
         assert answer.status_code == 200
         assert answer.headers["content-disposition"] == "attachment"
-        part = page.client.get(f"/api/films/{film}/shown.mp4", headers={"range": "bytes=0-9"})
+        part = page.client.get(f"/api/experiment/{clip}/shown.mp4", headers={"range": "bytes=0-9"})
         assert (part.status_code, len(part.content)) == (206, 10)
         folder = store.folder
-        assert [each.name for each in folder.iterdir()] == [film]
+        assert [each.name for each in folder.iterdir()] == [clip]
         page.socket.close()
         while store.desks:
             time.sleep(0.02)
         assert not list(folder.iterdir())
-        assert page.file(film, "track.csv").status_code == 404
+        assert page.file(clip, "track.csv").status_code == 404
     assert not folder.exists()
     assert about["balls"] == 1
 
@@ -247,7 +247,7 @@ def bad_files(clip, folder):
 def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, tmp_path):
     jobs = {}
     for name, content, said in bad_files(clip[0], tmp_path):
-        jobs[page.begin(do="look", film=page.film(content, name))] = (name, said)
+        jobs[page.begin(do="look", clip=page.clip(content, name))] = (name, said)
     while jobs:
         message = page.socket.receive_json()
         if "stage" in message:
@@ -267,7 +267,7 @@ def test_flipped_bits_break_nothing(page, clip):
         broken = bytearray(whole)
         for _ in range(40):
             broken[chance.randrange(len(broken))] ^= 1 << chance.randrange(8)
-        jobs.add(page.begin(do="look", film=page.film(bytes(broken))))
+        jobs.add(page.begin(do="look", clip=page.clip(bytes(broken))))
     while jobs:
         message = page.socket.receive_json()
         if "stage" in message:
@@ -329,7 +329,7 @@ def test_what_is_cancelled_or_whose_page_has_gone_is_killed_and_removed():
 
 def test_uploads_are_limited_in_size_number_and_sum(clip):
     content = clip[0].read_bytes()
-    most = Allowance(upload=len(content), stored=2 * len(content) + 10, desk_films=3, desks=1)
+    most = Allowance(upload=len(content), stored=2 * len(content) + 10, desk_clips=3, desks=1)
     with opened(most) as (page, store):
         answer = page.upload(content + b"x")
         assert answer.status_code == 413
@@ -337,37 +337,37 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         parts = (content[i : i + 1000] for i in range(0, len(content) + 1000, 1000))
         # In pieces of unknown number it is refused when it has become too large.
         answer = page.client.post(
-            f"/api/films?desk={page.desk}", content=(p or b"too much" for p in parts)
+            f"/api/experiment?desk={page.desk}", content=(p or b"too much" for p in parts)
         )
         assert answer.status_code == 413
         assert not list(store.folder.iterdir())
-        page.film(content)
-        page.film(content)
+        page.clip(content)
+        page.clip(content)
         answer = page.upload(content)
         assert answer.status_code == 413
         assert "too many videos" in answer.json()["error"]
-        page.film(b"small")
+        page.clip(b"small")
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)
-        with page.client.websocket_connect("/api/films/desk", headers=HEADERS) as other:
+        with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as other:
             assert "1 pages with videos are open" in other.receive_json()["error"]
-        first = next(iter(store.desks.values())).films
+        first = next(iter(store.desks.values())).clips
         key = next(iter(first))
-        assert "done" in page.do(do="remove", film=key)
+        assert "done" in page.do(do="remove", clip=key)
         assert key not in first
         assert page.upload(b"small").status_code == 200
 
 
 def upload_with(receive, allowance=None):
     """Return the status of an upload whose body comes from a function, and what is left."""
-    app = make_app(Settings(films=allowance or Allowance()))
-    store = app.state.films
+    app = make_app(Settings(clips=allowance or Allowance()))
+    store = app.state.clips
     desk = store.open_desk()
     sent = []
 
     async def run():
         scope = {
-            "type": "http", "method": "POST", "path": "/api/films", "http_version": "1.1",
+            "type": "http", "method": "POST", "path": "/api/experiment", "http_version": "1.1",
             "query_string": f"desk={desk.key}".encode(), "scheme": "http", "root_path": "",
             "headers": [(b"host", b"127.0.0.1:8000"), (b"x-name", b"swing.mp4")],
         }  # fmt: skip
@@ -410,37 +410,37 @@ def test_the_name_of_an_upload_is_never_a_path(page, name):
     assert 0 < len(name_there) <= 80
     assert not set("/\\\0\n") & set(name_there)
     assert name_there == shown_name(name) or "é" in name
-    page.do(do="remove", film=answer.json()["film"])
+    page.do(do="remove", clip=answer.json()["clip"])
 
 
 @pytest.mark.parametrize(
     "path",
-    ["film", "..%2Ffilm", "../film", "%2e%2e/%2e%2e/etc/passwd", "track.csv", "setup.toml/", ""],
+    ["clip", "..%2Fclip", "../clip", "%2e%2e/%2e%2e/etc/passwd", "track.csv", "setup.toml/", ""],
 )
-def test_only_the_results_of_a_film_are_sent(page, path):
-    film = page.film(b"secret")
-    assert page.client.get(f"/api/films/{film}/{path}").status_code in (404, 405)
-    assert page.client.get(f"/api/films/guess/{path}").status_code in (404, 405)
-    page.do(do="remove", film=film)
+def test_only_the_results_of_a_clip_are_sent(page, path):
+    clip = page.clip(b"secret")
+    assert page.client.get(f"/api/experiment/{clip}/{path}").status_code in (404, 405)
+    assert page.client.get(f"/api/experiment/guess/{path}").status_code in (404, 405)
+    page.do(do="remove", clip=clip)
 
 
 def test_another_page_needs_its_own_place(page):
     answer = page.upload(b"x", desk="guess")
     assert answer.status_code == 422
     assert "not connected" in answer.json()["error"]
-    assert page.client.get("/api/trials?desk=guess").status_code == 404
-    with page.client.websocket_connect("/api/films/desk", headers=HEADERS) as socket:
+    assert page.client.get("/api/experiment/trials?desk=guess").status_code == 404
+    with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
         other = Page(page.client, socket)
-        film = page.film(b"x")
-        assert "no longer on the server" in one_line(other.do(do="look", film=film))
-        page.do(do="remove", film=film)
+        clip = page.clip(b"x")
+        assert "no longer on the server" in one_line(other.do(do="look", clip=clip))
+        page.do(do="remove", clip=clip)
 
 
 FRAMES = st.one_of(
     st.text(max_size=60),
     st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"job": true}']),
     st.dictionaries(
-        st.sampled_from(["job", "do", "film", "description", "kind", "file"]),
+        st.sampled_from(["job", "do", "clip", "description", "kind", "file"]),
         st.one_of(
             st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=10),
             st.sampled_from(["look", "track", "fit", "export"]), st.lists(st.integers()),
@@ -482,18 +482,18 @@ def test_the_description_of_a_video_is_checked(description, message):
         Description.from_json(description)
 
 
-def test_a_server_that_is_stopped_removes_its_films_and_ends_their_work(tmp_path, monkeypatch):
+def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path, monkeypatch):
     from websockets.sync.client import connect
 
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     server = start_server()
-    address = server.address.replace("http", "ws") + "api/films/desk"
+    address = server.address.replace("http", "ws") + "ws/experiment/desk"
     with connect(address, origin=server.address.rstrip("/")) as socket:
         assert json.loads(socket.recv())["desk"]
         socket.send(json.dumps({"job": 1, "do": "example", "kind": "toy"}))
         while not (found := workers(server.process.pid)):
             time.sleep(0.02)
-        assert list(tmp_path.glob("latolato-app-*/latolato-films-*/*"))
+        assert list(tmp_path.glob("latolato-app-*/latolato-clips-*/*"))
         stop_server(server)
     assert not list(tmp_path.glob("latolato-app-*"))
     # Also without a word from the server the worker would end: its input is closed.
