@@ -22,7 +22,6 @@ import latolato as ll
 from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
 from latolato.app.experiment.description import Description
-from latolato.app.experiment.routes import GREETING
 from latolato.app.experiment.store import Allowance, shown_name
 from latolato.app.experiment.work import WORK
 from latolato.app.server import Settings, make_app
@@ -53,8 +52,8 @@ class Page:
 
     def __init__(self, client, socket):
         self.client, self.socket = client, socket
+        socket.send_json({"hello": True})
         self.desk = socket.receive_json()["desk"]
-        self.count = 0
 
     def upload(self, content, name="swing.mp4", desk=None):
         return self.client.post(
@@ -66,23 +65,37 @@ class Page:
         assert answer.status_code == 200, answer.text
         return answer.json()["clip"]
 
+    @contextlib.contextmanager
     def begin(self, **what):
-        self.count += 1
-        self.socket.send_json({"job": self.count, **what})
-        return self.count
-
-    def answer(self, job):
-        """The last message of a job; those of others are none of ours."""
-        while True:
-            message = self.socket.receive_json()
-            if message["job"] == job and "stage" not in message:
-                return message
+        """A job whose frames are not read yet; in the end its socket closes."""
+        with self.client.websocket_connect("/ws/experiment", headers=HEADERS) as socket:
+            socket.send_json({"desk": self.desk, **what})
+            yield socket
 
     def do(self, **what):
-        return self.answer(self.begin(**what))
+        """The result of a job, with its arrays, or the refusal."""
+        with self.begin(**what) as socket:
+            return end_of(socket)
+
+    def remove(self, clip):
+        answer = self.client.post("/api/experiment/remove", json={"desk": self.desk, "clip": clip})
+        assert answer.status_code == 200, answer.text
+        return answer.json()["trials"]
 
     def file(self, clip, name):
         return self.client.get(f"/api/experiment/{clip}/{name}")
+
+
+def end_of(socket):
+    """The last frame of a job."""
+    while True:
+        message = socket.receive()
+        if "bytes" in message:
+            about, arrays = unpack(message["bytes"])
+            return {"done": about, **arrays}
+        frame = json.loads(message["text"])
+        if "state" not in frame:
+            return frame
 
 
 @contextlib.contextmanager
@@ -91,7 +104,6 @@ def opened(allowance=None):
     app = make_app(Settings(clips=allowance or Allowance()))
     with TestClient(app, base_url=HOME) as client:
         with client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
-            socket.send_json(GREETING)
             yield Page(client, socket), app.state.clips
         deadline = time.monotonic() + 10.0
         while app.state.clips.desks and time.monotonic() < deadline:
@@ -124,6 +136,14 @@ def workers(parent=None):
     return found
 
 
+def wait(is_so):
+    """Wait until something is so."""
+    deadline = time.monotonic() + 20.0
+    while not is_so():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
 def one_line(message):
     """The refusal in a message, which must be one line without a path of the server."""
     assert "error" in message, message
@@ -149,7 +169,8 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
             "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
             "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
         }  # fmt: skip
-        done = page.do(do="track", clip=clip, description=description)["done"]
+        answer = page.do(do="track", clip=clip, description=description)
+        done = answer["done"]
         damping = done["fits"]["decay"]["values"]["damping"]
         assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
         assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
@@ -157,14 +178,14 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         assert "pivot is at rest" in done["no_trial"]
         assert done["fits"]["decay"]["play"]["system"] == "pendulum"
 
-        about, points = unpack(page.file(clip, "points.bin").content)
+        about, points = unpack(answer["points"].tobytes())
         table = page.file(clip, "track.csv").content
         kept = path.parent / "table.csv"
         kept.write_bytes(table)
         np.testing.assert_allclose(points["angle"][0], read_table(kept)["angle_1"], atol=1e-6)
         assert read_table(kept).attrs["source"] == "my swing.mp4"
         assert 'video = "my swing.mp4"' in page.file(clip, "setup.toml").text
-        _, ghost = unpack(page.file(clip, "model.bin").content)
+        _, ghost = unpack(answer["model"].tobytes())
         away = np.hypot(*(ghost["centre"] - points["centre"]))
         assert np.nanmax(away) < 0.5  # pixels
         for name in ("overlay.mp4", "report.html", "track.nc"):
@@ -245,36 +266,28 @@ def bad_files(clip, folder):
 
 
 def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, tmp_path):
-    jobs = {}
-    for name, content, said in bad_files(clip[0], tmp_path):
-        jobs[page.begin(do="look", clip=page.clip(content, name))] = (name, said)
-    while jobs:
-        message = page.socket.receive_json()
-        if "stage" in message:
-            continue
-        name, said = jobs.pop(message["job"])
-        text = one_line(message)
-        assert re.search(said, text), (name, text)
-        assert name in text
+    with contextlib.ExitStack() as jobs:
+        answers = [
+            (name, said, jobs.enter_context(page.begin(do="look", clip=page.clip(content, name))))
+            for name, content, said in bad_files(clip[0], tmp_path)
+        ]
+        for name, said, socket in answers:
+            text = one_line(end_of(socket))
+            assert re.search(said, text), (name, text)
+            assert name in text
     assert page.client.get("/api/registry").status_code == 200
 
 
 def test_flipped_bits_break_nothing(page, clip):
     whole = clip[0].read_bytes()
     chance = random.Random(7)
-    jobs = set()
     for _ in range(5):
         broken = bytearray(whole)
         for _ in range(40):
             broken[chance.randrange(len(broken))] ^= 1 << chance.randrange(8)
-        jobs.add(page.begin(do="look", clip=page.clip(bytes(broken))))
-    while jobs:
-        message = page.socket.receive_json()
-        if "stage" in message:
-            continue
-        jobs.remove(message["job"])
-        if "done" not in message:
-            one_line(message)
+        answer = page.do(do="look", clip=page.clip(bytes(broken)))
+        if "done" not in answer:
+            one_line(answer)
     assert page.client.get("/api/registry").status_code == 200
 
 
@@ -309,22 +322,13 @@ def test_work_that_takes_too_much_is_ended_with_a_reason(allowance, said):
 
 def test_what_is_cancelled_or_whose_page_has_gone_is_killed_and_removed():
     with opened() as (page, store):
-        job = page.begin(do="example", kind="toy")
-        while page.socket.receive_json().get("stage") == "waiting" and not workers():
-            pass
-        page.socket.send_json({"do": "cancel", "job": job})
-        message = page.answer(job)
-        assert message == {"job": job, "cancelled": True}
-        assert not workers()
-        assert not list(store.folder.iterdir())
-        page.begin(do="example", kind="toy")
-        while not workers():
-            time.sleep(0.01)
-        page.socket.close()
-        while store.desks:
-            time.sleep(0.02)
-        assert not workers()
-        assert not list(store.folder.iterdir())
+        for leave in (lambda: None, page.socket.close):
+            with page.begin(do="example", kind="toy"):
+                wait(lambda: bool(workers()))
+                leave()
+            wait(lambda: not workers())
+            wait(lambda: not list(store.folder.iterdir()))
+        assert not store.desks
 
 
 def test_uploads_are_limited_in_size_number_and_sum(clip):
@@ -350,10 +354,11 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)
         with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as other:
+            other.send_json({"hello": True})
             assert "1 pages with videos are open" in other.receive_json()["error"]
         first = next(iter(store.desks.values())).clips
         key = next(iter(first))
-        assert "done" in page.do(do="remove", clip=key)
+        assert page.remove(key) == []
         assert key not in first
         assert page.upload(b"small").status_code == 200
 
@@ -410,7 +415,7 @@ def test_the_name_of_an_upload_is_never_a_path(page, name):
     assert 0 < len(name_there) <= 80
     assert not set("/\\\0\n") & set(name_there)
     assert name_there == shown_name(name) or "é" in name
-    page.do(do="remove", clip=answer.json()["clip"])
+    page.remove(answer.json()["clip"])
 
 
 @pytest.mark.parametrize(
@@ -421,7 +426,7 @@ def test_only_the_results_of_a_clip_are_sent(page, path):
     clip = page.clip(b"secret")
     assert page.client.get(f"/api/experiment/{clip}/{path}").status_code in (404, 405)
     assert page.client.get(f"/api/experiment/guess/{path}").status_code in (404, 405)
-    page.do(do="remove", clip=clip)
+    page.remove(clip)
 
 
 def test_another_page_needs_its_own_place(page):
@@ -433,17 +438,17 @@ def test_another_page_needs_its_own_place(page):
         other = Page(page.client, socket)
         clip = page.clip(b"x")
         assert "no longer on the server" in one_line(other.do(do="look", clip=clip))
-        page.do(do="remove", clip=clip)
+        page.remove(clip)
 
 
 FRAMES = st.one_of(
     st.text(max_size=60),
-    st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"job": true}']),
+    st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"do": true}']),
     st.dictionaries(
-        st.sampled_from(["job", "do", "clip", "description", "kind", "file"]),
+        st.sampled_from(["desk", "do", "clip", "description", "kind", "file"]),
         st.one_of(
             st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=10),
-            st.sampled_from(["look", "track", "fit", "export"]), st.lists(st.integers()),
+            st.sampled_from(["KEY", "look", "track", "fit", "export"]), st.lists(st.integers()),
         ),
     ).map(json.dumps),
 )  # fmt: skip
@@ -452,13 +457,18 @@ FRAMES = st.one_of(
 @settings(max_examples=60, deadline=None)
 @given(FRAMES)
 def test_a_malformed_frame_is_answered_with_one_line(lasting_page, text):
-    lasting_page.socket.send_text(text)
-    one_line(lasting_page.socket.receive_json())
+    with lasting_page.client.websocket_connect("/ws/experiment", headers=HEADERS) as socket:
+        socket.send_text(text.replace("KEY", lasting_page.desk))
+        message = socket.receive()
+    if "text" in message:
+        one_line(json.loads(message["text"]))
+    else:
+        assert (message["code"], message["reason"]) == (1007, "a request must be JSON")
 
 
-def test_a_frame_of_bytes_is_answered_with_one_line(page):
-    page.socket.send_bytes(b"\x00\x01")
-    one_line(page.socket.receive_json())
+def test_a_page_that_is_not_served_any_more_is_no_fault(page):
+    page.socket.send_bytes(b"\x00\x01")  # nothing but its end matters
+    assert page.upload(b"x").status_code == 200
 
 
 @pytest.mark.parametrize(
@@ -487,10 +497,12 @@ def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path
 
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     server = start_server()
-    address = server.address.replace("http", "ws") + "ws/experiment/desk"
-    with connect(address, origin=server.address.rstrip("/")) as socket:
-        assert json.loads(socket.recv())["desk"]
-        socket.send(json.dumps({"job": 1, "do": "example", "kind": "toy"}))
+    home = server.address.rstrip("/")
+    address = server.address.replace("http", "ws") + "ws/experiment"
+    with connect(f"{address}/desk", origin=home) as desk, connect(address, origin=home) as socket:
+        desk.send('{"hello": true}')
+        key = json.loads(desk.recv())["desk"]
+        socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
         while not (found := workers(server.process.pid)):
             time.sleep(0.02)
         assert list(tmp_path.glob("latolato-app-*/latolato-clips-*/*"))

@@ -16,7 +16,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
-from latolato.app.blocks import pack
+from latolato.app.blocks import pack_files
 from latolato.app.given import RunRequest, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.core.errors import InputError, import_extra
@@ -60,7 +60,7 @@ async def _download(request: Request) -> Response:
 
 
 async def _animation(websocket: WebSocket) -> None:
-    await serve_job(websocket, prepare_animation)
+    await serve_job(websocket, websocket.app.state.jobs, prepare_animation)
 
 
 def request_of(query: Mapping[str, str]) -> RunRequest:
@@ -206,10 +206,8 @@ def prepare_animation(given: Any) -> Job:
     check_frames(scenario, float(speed))
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        return pack(
-            {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"},
-            {"file": _bytes(folder / "run.mp4")},
-        )
+        about = {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"}
+        return pack_files(about, {"file": folder / "run.mp4"})
 
     given = {"scenario": request.scenario, "options": dict(request.options or {}), "speed": speed}
     return Job("animate", given, finish)
@@ -243,10 +241,3 @@ def compute(
     run = simulate_for_file(scenario)
     animate(run, folder / "run.mp4", speed=given["speed"], fps=FPS, progress=progress)
     return {}
-
-
-def _bytes(path: Path) -> Any:
-    """Return a file as an array for a block."""
-    import numpy as np
-
-    return np.fromfile(path, dtype=np.uint8)

@@ -22,8 +22,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
-from latolato.app.blocks import pack
-from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.blocks import pack_files
+from latolato.app.jobs import Job, serve_job
 from latolato.core import cache
 from latolato.core.errors import InputError
 
@@ -53,14 +53,14 @@ def routes() -> list[BaseRoute]:
 
 
 async def _contents(request: Request) -> Response:
-    workers_of(request.app.state).warm()
+    request.app.state.jobs.warm()
     report = request.app.state.report
     return await answered(request, lambda: JSONResponse(contents(report)))
 
 
 async def _figure(websocket: WebSocket) -> None:
-    report = websocket.app.state.report
-    await serve_job(websocket, lambda given: prepare(given, report))
+    state = websocket.app.state
+    await serve_job(websocket, state.jobs, lambda request: prepare(request, state.report))
 
 
 def contents(report: Path | None = None) -> list[dict[str, Any]]:
@@ -146,16 +146,15 @@ def prepare(given: Any, report: Path | None = None) -> Job:
         raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(known))}")
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        block = block_of(about, folder / f"{name}.svg")
+        block = pack_files(about, {"svg": folder / f"{name}.svg"})
         _keep(name, block)
         return block
 
-    job = Job("figure", {"figure": name}, finish)
     ready = stored(name, report) if report is not None else None
     ready = ready or _kept(name)
     if ready is None and known[name].needs_video and chain.is_missing():
         raise InputError(chain.MISSING)
-    return Job(job.name, job.given, finish, ready)
+    return Job("figure", {"figure": name}, finish, ready)
 
 
 def compute(
@@ -194,7 +193,8 @@ def stored(name: str, report: Path) -> bytes | None:
             raise InputError(
                 f"'{path}' is not of this version: make the report anew ({error})"
             ) from None
-        _known[key] = block_of({"name": name, "source": "report", **about}, report / f"{name}.svg")
+        about = {"name": name, "source": "report", **about}
+        _known[key] = pack_files(about, {"svg": report / f"{name}.svg"})
     return _known[key]
 
 
@@ -300,14 +300,6 @@ def _case_label(label: Any, run: Mapping[str, Any], differing: list[str]) -> str
             told.append(f"{name} {value}".replace("_", " "))
     words = str(label).replace("_", " ")
     return f"{words}: {', '.join(told[:_MOST_TOLD])}" if told else words
-
-
-def block_of(about: Mapping[str, Any], picture: Path) -> bytes:
-    """Return what is told of a figure, and its picture if it has one, as a block."""
-    import numpy as np
-
-    arrays = {"svg": np.fromfile(picture, dtype=np.uint8)} if picture.is_file() else {}
-    return pack(about, arrays)
 
 
 @lru_cache(maxsize=1)

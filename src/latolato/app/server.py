@@ -22,6 +22,7 @@ from latolato.app.experiment.store import Allowance, Store
 from latolato.app.given import RunRequest
 from latolato.app.guard import Guard
 from latolato.app.pages import page_file, static
+from latolato.app.processes import Workers
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 
@@ -111,10 +112,10 @@ def make_app(settings: Settings) -> Starlette:
         lifespan=_lifespan,
     )
     app.state.workers = None
-    app.state.jobs = None
     app.state.report = settings.report
+    app.state.jobs = Workers()
     app.state.clips = Store(settings.clips)
-    app.state.clip_jobs = None
+    app.state.clip_jobs = settings.clips.workers
     app.state.maps = None
     app.state.map_cells = None
     app.state.stored = dict(settings.stored)
@@ -132,9 +133,8 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
     with compiling(partial(note, True), partial(note, False)):
         yield
-    for workers in (app.state.jobs, app.state.clip_jobs):
-        if workers is not None:
-            workers.close()
+    app.state.jobs.close()
+    app.state.clip_jobs.close()
     app.state.clips.close()
 
 

@@ -18,9 +18,9 @@ from starlette.websockets import WebSocket
 
 from latolato.app.analyse.forms import about_request, forms, label_of, own_options
 from latolato.app.answers import answered, json_of
-from latolato.app.blocks import pack
+from latolato.app.blocks import pack_files
 from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
-from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.jobs import Job, serve_job
 from latolato.app.lines import constructor, literal
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import question_of
@@ -57,7 +57,7 @@ def routes() -> list[BaseRoute]:
 
 
 async def _forms(request: Request) -> Response:
-    workers_of(request.app.state).warm()
+    request.app.state.jobs.warm()
     return await answered(request, lambda: JSONResponse(forms()))
 
 
@@ -82,7 +82,7 @@ async def _cost(request: Request) -> Response:
 
 
 async def _analyse(websocket: WebSocket) -> None:
-    await serve_job(websocket, prepare)
+    await serve_job(websocket, websocket.app.state.jobs, prepare)
 
 
 @dataclass(frozen=True)
@@ -305,11 +305,8 @@ def prepare(given: Any) -> Job:
     check_work(question.function, arguments)
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        import numpy as np
-
-        files = {path.suffix[1:]: np.fromfile(path, np.uint8) for path in folder.iterdir()}
         lines = {"python": question.python(arguments), "command": question.command()}
-        return pack({**about, **lines}, files)
+        return pack_files({**about, **lines}, {p.suffix[1:]: p for p in folder.iterdir()})
 
     request = question.request
     sent = {"scenario": request.scenario, "options": dict(request.options or {})}

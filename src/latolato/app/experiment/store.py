@@ -7,13 +7,18 @@ import secrets
 import shutil
 import tempfile
 import unicodedata
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+import anyio
+
 from latolato.app.given import TooLargeError
+from latolato.app.processes import Limits as ProcessLimits
+from latolato.app.processes import Workers
 from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 
@@ -22,16 +27,14 @@ _LONGEST_NAME = 80
 UPLOAD = "clip"
 FILES = {
     "shown.mp4": "video/mp4",
-    "points.bin": "application/octet-stream",
-    "model.bin": "application/octet-stream",
     "track.csv": "text/csv; charset=utf-8",
     "track.nc": "application/x-netcdf",
     "setup.toml": "application/toml",
     "overlay.mp4": "video/mp4",
     "report.html": "text/html; charset=utf-8",
 }
-# Those that the page shows itself; others are downloads.
-SHOWN = ("shown.mp4", "points.bin", "model.bin")
+# The one that the page plays itself; others are downloads.
+COPY = "shown.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +120,12 @@ class Allowance:
             memory=0.5 * self.memory,
         )
 
+    @property
+    def workers(self) -> Workers:
+        """New processes that keep to this."""
+        limits = ProcessLimits(memory=self.memory, cpu_time=self.cpu_time)
+        return Workers(self.jobs, limits, self.wall_time)
+
 
 @dataclass
 class Clip:
@@ -133,11 +142,9 @@ class Clip:
     size : int
         Bytes received, and later of all that was made of them.
     is_whole : bool
-        Whether the upload has ended.
+        Whether it is all there: uploaded, or painted.
     about : dict
         The results of the work on it.
-    truth : dict
-        Numbers that are true of a synthetic clip.
     trial : dict, optional
         Its row of the trial table.
     """
@@ -148,7 +155,6 @@ class Clip:
     size: int = 0
     is_whole: bool = False
     about: dict[str, Any] = field(default_factory=dict)
-    truth: dict[str, float] = field(default_factory=dict)
     trial: dict[str, Any] | None = None
 
     @property
@@ -170,24 +176,42 @@ class Clip:
 
 
 class Desk:
-    """The clips of one open page; they go when it closes."""
+    """The clips of one open page and the work on them; both end when it closes."""
 
     def __init__(self, store: Store, key: str) -> None:
         self.key = key
         self.clips: dict[str, Clip] = {}
+        self.running: set[anyio.CancelScope] = set()
         self._store = store
 
     def close(self) -> None:
-        """Remove everything of this page."""
-        for key in list(self.clips):
-            self.remove(key)
+        """End the work of this page and remove everything that is its own."""
+        for scope in self.running:
+            scope.cancel()
+        for clip in list(self.clips.values()):
+            self.remove(clip)
         self._store.desks.pop(self.key, None)
 
-    def remove(self, key: str) -> None:
-        """Remove one clip."""
-        clip = self.clips.pop(key, None)
-        if clip is not None:
-            shutil.rmtree(clip.folder, ignore_errors=True)
+    def remove(self, clip: Clip) -> None:
+        """Remove a clip, or what work wrote after that."""
+        self.clips.pop(clip.key, None)
+        shutil.rmtree(clip.folder, ignore_errors=True)
+
+    @contextmanager
+    def work_on(self, clip: Clip) -> Iterator[Path]:
+        """Give the folder of a clip to work that ends with this page."""
+        with anyio.CancelScope() as scope:
+            self.running.add(scope)
+            try:
+                yield clip.folder
+            finally:
+                self.running.discard(scope)
+                if clip.is_whole and clip.key in self.clips:
+                    clip.weigh()
+                else:
+                    self.remove(clip)
+        if scope.cancelled_caught:
+            raise InputError(f"the page of {clip.name} has closed")
 
     def clip(self, key: Any) -> Clip:
         """Return a clip of this page.
@@ -241,7 +265,7 @@ class Store:
         self.desks[desk.key] = desk
         return desk
 
-    def desk(self, key: str | None) -> Desk:
+    def desk(self, key: Any) -> Desk:
         """Return the place of a page.
 
         Raises
@@ -249,7 +273,7 @@ class Store:
         InputError
             If there is none: its page has closed.
         """
-        if key not in self.desks:
+        if not isinstance(key, str) or key not in self.desks:
             raise InputError("this page is not connected: load it again")
         return self.desks[key]
 

@@ -1,6 +1,7 @@
 /** The fields of one analysis: what the server says of its options, filled to take seconds. */
 
 import { el, freshId } from "../shared/dom.js";
+import { inWords, NAMES } from "../shared/words.js";
 import { t } from "../strings.js";
 
 /** @typedef {{label: string, description: string, unit: string | null, kind: string,
@@ -28,20 +29,6 @@ export function beginnings(name, fields, about, varied) {
   for (const limit of LIMITS) if (limit in fields)
     found[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
   return found;
-}
-
-// Names of options: those of one word are words of other sentences too, but not as “… must be”.
-const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
-
-/**
- * Return a refusal with the words of the page for the options that it names.
- * @param {string} text
- * @param {Record<string, {label: string}>} words
- * @returns {string}
- */
-export function inWords(text, words) {
-  const said = text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
-  return said.charAt(0).toUpperCase() + said.slice(1);
 }
 
 export class AnalysisForm {

@@ -8,9 +8,10 @@ import { heldOptions, withLaws } from "../shared/laws.js";
 import { withOptions } from "../shared/links.js";
 import { presetField } from "../shared/presets.js";
 import { FIRST } from "../shared/state.js";
+import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
 import { Answer } from "./answer.js";
-import { AnalysisForm, inWords } from "./form.js";
+import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
 import { QuestionList } from "./questions.js";
 

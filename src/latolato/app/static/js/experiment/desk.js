@@ -1,18 +1,17 @@
-/** The page's place on the server for its videos: uploads, jobs with progress, and results. */
+/** The page's place on the server for its videos: uploads, jobs, and files. */
 
 import { Refusal, socketAddress } from "../shared/api.js";
-import { unpack } from "../shared/block.js";
+import { doJob } from "../shared/jobs.js";
 import { t } from "../strings.js";
 
 const AGAIN = 2000; // ms
 
 /**
- * @typedef {(stage: string, share: number) => void} Tell
+ * @typedef {{tell: (status: import("../shared/jobs.js").Status) => void, signal: AbortSignal}} Follow
  * @typedef {{kind: string, title: string, headline: string[], hint: string, is_slow: boolean,
  *   fewest_balls: number}} FitKind
  * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],
  *   limits: {upload: number, duration: number, pixels: number}}} Hello
- * @typedef {{promise: Promise<any>, cancel: () => void}} Job
  */
 
 export class Desk {
@@ -23,11 +22,8 @@ export class Desk {
     this.hello = null;
     /** @type {WebSocket | null} */
     this.socket = null;
-    this.count = 0;
     /** How often a connection was made: clips of an earlier one are gone. */
     this.epoch = 0;
-    /** @type {Map<number, {tell: Tell, done: (result: any) => void, fail: (e: Error) => void}>} */
-    this.jobs = new Map();
     this.connect();
   }
 
@@ -36,89 +32,59 @@ export class Desk {
     this.socket = socket;
     // The server closes a socket that sends nothing.
     socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
-    socket.addEventListener("message", (event) => this.hear(JSON.parse(event.data)));
+    socket.addEventListener("message", ({ data }) => {
+      const hello = JSON.parse(data);
+      if (!hello.desk) return;
+      this.hello = hello;
+      this.epoch += 1;
+      this.changed(true);
+    });
     socket.addEventListener("close", () => {
       this.hello = null;
-      for (const job of this.jobs.values()) job.fail(new Refusal(t("clipsLost")));
-      this.jobs.clear();
       this.changed(false);
       setTimeout(() => this.connect(), AGAIN);
     });
   }
 
-  /** @param {any} message */
-  hear(message) {
-    if (message.desk) {
-      this.hello = message;
-      this.epoch += 1;
-      this.changed(true);
-      return;
-    }
-    const job = this.jobs.get(message.job);
-    if (!job) return;
-    if ("stage" in message) {
-      job.tell(message.stage, message.progress);
-      return;
-    }
-    this.jobs.delete(message.job);
-    if (message.cancelled) job.fail(new DOMException("", "AbortError"));
-    else if ("error" in message) job.fail(new Refusal(message.error, message.field));
-    else job.done(message.done);
-  }
-
   /**
-   * Return a job that the server works on; its promise fails with a Refusal, or an AbortError.
-   * @param {Record<string, any>} what
-   * @param {Tell} [tell]
-   * @returns {Job}
+   * Return the block that work on a clip ends with.
+   * @param {Record<string, any>} request
+   * @param {Follow} follow
    */
-  job(what, tell = () => {}) {
-    this.count += 1;
-    const job = this.count;
-    const send = (/** @type {any} */ message) => this.socket?.send(JSON.stringify(message));
-    const promise = new Promise((done, fail) => {
-      if (!this.hello) {
-        fail(new Refusal(t("offline")));
-        return;
-      }
-      this.jobs.set(job, { tell, done, fail });
-      send({ ...what, job });
-    });
-    return { promise, cancel: () => { if (this.jobs.has(job)) send({ do: "cancel", job }); } };
+  job(request, follow) {
+    return doJob("/ws/experiment", { desk: this.hello?.desk, ...request }, follow);
   }
 
   /**
-   * Return an upload; its promise gives the key of the clip.
+   * Upload a file; return the key of the clip.
    * @param {File} file
-   * @param {Tell} tell
-   * @returns {Job}
+   * @param {Follow} follow
+   * @returns {Promise<string>}
    */
-  upload(file, tell) {
-    const request = new XMLHttpRequest();
-    const promise = new Promise((done, fail) => {
-      if (!this.hello) {
-        fail(new Refusal(t("offline")));
-        return;
-      }
-      if (file.size > this.hello.limits.upload) {
-        fail(new Refusal(t("uploadTooLarge", { name: file.name,
-          limit: this.hello.limits.upload / 1e6 })));
-        return;
-      }
-      request.open("POST", `/api/experiment?desk=${encodeURIComponent(this.hello.desk)}`);
+  upload(file, { tell, signal }) {
+    const { hello } = this;
+    return new Promise((resolve, reject) => {
+      if (!hello) throw new Refusal(t("offline"));
+      const limit = hello.limits.upload;
+      if (file.size > limit)
+        throw new Refusal(t("uploadTooLarge", { name: file.name, limit: limit / 1e6 }));
+      const request = new XMLHttpRequest();
+      signal.addEventListener("abort", () => request.abort());
+      request.open("POST", `/api/experiment?desk=${encodeURIComponent(hello.desk)}`);
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
-      request.upload.addEventListener("progress", (e) => tell("uploading", e.loaded / e.total));
-      request.addEventListener("abort", () => fail(new DOMException("", "AbortError")));
-      request.addEventListener("error", () => fail(new Refusal(t("offline"))));
+      const show = (/** @type {number} */ progress) =>
+        tell({ state: "uploading", progress, elapsed: 0 });
+      request.upload.addEventListener("progress", (e) => show(e.loaded / e.total));
+      request.addEventListener("abort", () => reject(new DOMException("", "AbortError")));
+      request.addEventListener("error", () => reject(new Refusal(t("offline"))));
       request.addEventListener("load", () => {
-        if (request.status === 200) done(request.response);
-        else fail(new Refusal(request.response?.error ?? t("offline")));
+        if (request.status === 200) resolve(request.response.clip);
+        else reject(new Refusal(request.response?.error ?? t("offline")));
       });
-      tell("uploading", 0);
+      show(0);
       request.send(file);
     });
-    return { promise, cancel: () => request.abort() };
   }
 }
 
@@ -129,17 +95,6 @@ export class Desk {
  */
 export function clipAddress(clip, file) {
   return `/api/experiment/${encodeURIComponent(clip)}/${file}`;
-}
-
-/**
- * Return a file of a clip as a block of arrays.
- * @param {string} clip
- * @param {string} file
- */
-export async function clipBlock(clip, file) {
-  const response = await fetch(clipAddress(clip, file));
-  if (!response.ok) throw new Refusal(t("clipsLost"));
-  return unpack(await response.arrayBuffer());
 }
 
 /**

@@ -1,7 +1,9 @@
 /** The videos of this page and what was done with them; nothing here draws. */
 
+import { askJson } from "../shared/api.js";
+import { inner } from "../shared/block.js";
 import { t } from "../strings.js";
-import { clipBlock, clipCopy, Desk } from "./desk.js";
+import { clipCopy, Desk } from "./desk.js";
 import { Track } from "./track.js";
 
 /** @typedef {import("./handles.js").Place} Place */
@@ -9,7 +11,7 @@ import { Track } from "./track.js";
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number} | null,
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
- *   isFound: boolean, isPartly: boolean, isProposed: boolean, truth: Record<string, number>,
+ *   hasPivot: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null,
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
  *   field: string | null, stage: string | null, share: number, mode: "setup" | "result",
@@ -52,7 +54,7 @@ export class Session {
     this.count += 1;
     /** @type {Clip} */
     const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
-      proposed: {}, radius: 0, isFound: false, isPartly: false, isProposed: true, truth: {},
+      proposed: {}, radius: 0, hasPivot: false, hasBalls: false, isProposed: true, truth: {},
       track: null, fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0, mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
@@ -62,23 +64,24 @@ export class Session {
   }
 
   /**
-   * Return what a job found, null if it failed or was cancelled; the clip shows how far it is.
+   * Return the result of work, null if it failed or was cancelled; the clip shows how far it is.
+   * @template T
    * @param {Clip} clip
-   * @param {(tell: import("./desk.js").Tell) => import("./desk.js").Job} start
+   * @param {(follow: import("./desk.js").Follow) => Promise<T>} start
    */
   async work(clip, start) {
     clip.error = clip.field = null;
     clip.stage = "waiting";
     clip.share = 0;
-    const job = start((stage, share) => {
-      clip.stage = stage;
-      clip.share = share;
-      this.changed();
-    });
-    clip.cancel = job.cancel;
+    const own = new AbortController();
+    clip.cancel = () => own.abort();
     this.changed();
     try {
-      return await job.promise;
+      return await start({ signal: own.signal, tell: ({ state, progress = 0 }) => {
+        clip.stage = state;
+        clip.share = progress;
+        this.changed();
+      } });
     } catch (error) {
       const aborted = error instanceof DOMException && error.name === "AbortError";
       clip.error = aborted ? t("cancelled") : /** @type {Error} */ (error).message;
@@ -106,13 +109,13 @@ export class Session {
    */
   async send(clip) {
     const { desk } = this;
-    const sent = await this.work(clip, (tell) =>
-      desk.upload(/** @type {File} */ (clip.file), tell));
-    if (!sent) return;
-    clip.key = sent.clip;
+    const key = await this.work(clip, (follow) =>
+      desk.upload(/** @type {File} */ (clip.file), follow));
+    if (!key) return;
+    clip.key = key;
     clip.epoch = desk.epoch;
-    const found = await this.work(clip, (tell) => desk.job({ do: "look", clip: clip.key }, tell));
-    if (found) await this.seen(clip, found);
+    const block = await this.work(clip, (follow) => desk.job({ do: "look", clip: key }, follow));
+    if (block) await this.seen(clip, block.about);
   }
 
   /**
@@ -121,27 +124,29 @@ export class Session {
    */
   async example(kind) {
     const clip = this.begin(t(`example_${kind}`), null);
-    const found = await this.work(clip, (tell) => this.desk.job({ do: "example", kind }, tell));
-    if (!found) return null;
-    clip.key = found.clip;
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "example", kind }, follow));
+    if (!block) return null;
+    clip.key = block.about.clip;
     clip.epoch = this.desk.epoch;
-    clip.truth = found.truth;
-    await this.seen(clip, found);
+    clip.truth = block.about.truth;
+    await this.seen(clip, block.about);
     return clip;
   }
 
   /**
    * @param {Clip} clip
-   * @param {any} found
+   * @param {any} about
    */
-  async seen(clip, found) {
+  async seen(clip, about) {
     const isNew = clip.about === null;
-    clip.about = found;
+    clip.about = about;
     if (!clip.url) clip.url = await clipCopy(clip.key, "shown.mp4");
-    clip.isFound = Boolean(found.proposal?.pivot);
-    clip.isPartly = Boolean(found.proposal) && !clip.isFound;
-    clip.proposed = placesOf(found);
-    clip.radius = found.proposal?.radius ?? 0.03 * Math.min(found.width, found.height);
+    const { proposal, width, height } = about;
+    clip.hasPivot = Boolean(proposal?.pivot);
+    clip.hasBalls = Boolean(proposal);
+    clip.proposed = placesOf(about);
+    clip.radius = proposal?.radius ?? 0.03 * Math.min(width, height);
     if (isNew) clip.places = { ...clip.proposed };
     this.changed();
   }
@@ -168,20 +173,18 @@ export class Session {
    */
   async track(clip, description) {
     if (!(await this.ensure(clip))) return;
-    const found = await this.work(clip, (progress) =>
-      this.desk.job({ do: "track", clip: clip.key, description }, progress));
-    if (!found) return;
-    const track = new Track(await clipBlock(clip.key, "points.bin"));
-    clip.track = track;
-    clip.fits = found.fits;
-    clip.warnings = found.warnings;
-    clip.noTrial = found.no_trial;
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "track", clip: clip.key, description }, follow));
+    if (!block) return;
+    const { fits, warnings, no_trial: noTrial, trials } = block.about;
+    const track = new Track(inner(block, "points"));
+    Object.assign(clip, { track, fits, warnings, noTrial });
     clip.mode = "result";
     clip.files = new Set();
     clip.tracked += 1;
-    this.trials = found.trials;
-    track.isDriven = Boolean(found.fits.drive?.values);
-    await this.lay(clip, found.fits);
+    this.trials = trials;
+    track.isDriven = Boolean(fits.drive?.values);
+    this.lay(clip, fits, block);
   }
 
   /**
@@ -196,21 +199,23 @@ export class Session {
       this.changed();
       return;
     }
-    const found = await this.work(clip, (progress) =>
-      this.desk.job({ do: "fit", kind, clip: clip.key, description }, progress));
-    if (!found) return;
-    clip.fits = { ...clip.fits, [kind]: found };
-    await this.lay(clip, { [kind]: found });
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "fit", kind, clip: clip.key, description }, follow));
+    if (!block) return;
+    const fits = { [kind]: block.about };
+    clip.fits = { ...clip.fits, ...fits };
+    this.lay(clip, fits, block);
   }
 
   /**
    * Take the computed motion of a clip if a fit made one.
    * @param {Clip} clip
    * @param {Record<string, any>} fits
+   * @param {import("../shared/block.js").Block} block
    */
-  async lay(clip, fits) {
+  lay(clip, fits, block) {
     if (clip.track && Object.values(fits).some((fit) => fit.model))
-      clip.track.model = await clipBlock(clip.key, "model.bin");
+      clip.track.model = inner(block, "model");
     this.changed();
   }
 
@@ -220,11 +225,11 @@ export class Session {
    * @param {string} file
    */
   async make(clip, file) {
-    const found = await this.work(clip, (tell) =>
-      this.desk.job({ do: "export", file, clip: clip.key }, tell));
-    if (found) clip.files.add(file);
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "export", file, clip: clip.key }, follow));
+    if (block) clip.files.add(file);
     this.changed();
-    return found !== null;
+    return block !== null;
   }
 
   /**
@@ -238,23 +243,24 @@ export class Session {
     if (clip.url) URL.revokeObjectURL(clip.url);
     this.changed();
     if (!this.isKept(clip)) return;
-    const found = await this.desk.job({ do: "remove", clip: clip.key }).promise.catch(() => null);
-    if (found) this.trials = found.trials;
+    const rest = await askJson("/api/experiment/remove",
+      { desk: this.desk.hello?.desk, clip: clip.key }).catch(() => null);
+    if (rest) this.trials = rest.trials;
     this.changed();
   }
 }
 
 /**
- * Return handles where pivot and balls were found, or somewhere to begin with.
- * @param {any} found
+ * Return handles where pivot and balls are proposed, or somewhere to begin with.
+ * @param {any} about
  * @returns {Record<string, Place>}
  */
 function placesOf({ width, height, proposal }) {
   const place = (/** @type {number[]} */ [u, v]) => ({ u, v });
   const balls = proposal?.balls ?? [[0.6 * width, 0.7 * height]];
   /** @type {Record<string, Place>} */
-  const found = { pivot: place(proposal?.pivot ?? [0.5 * width, 0.2 * height]),
+  const places = { pivot: place(proposal?.pivot ?? [0.5 * width, 0.2 * height]),
     ball_1: place(balls[0]) };
-  if (balls[1]) found.ball_2 = place(balls[1]);
-  return found;
+  if (balls[1]) places.ball_2 = place(balls[1]);
+  return places;
 }

@@ -3,6 +3,7 @@
 import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
 import { toSi } from "../shared/units.js";
+import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
 
 const FIRST = ["length", "radius", "mass"];
@@ -56,12 +57,12 @@ export class Setup {
     this.reset = button("findAgain", on.reset);
     this.cancel = button("cancel", on.cancel);
     this.hint = el("p", { class: "hint" }, t("setupHint"));
-    this.found = el("p", { class: "notice" });
+    this.notice = el("p", { class: "notice" });
     this.bar = el("progress", { max: 1, "aria-label": t("track") });
     this.stage = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
     this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
-    this.body = el("div", { class: "fields" }, this.found, this.hint, quantities,
+    this.body = el("div", { class: "fields" }, this.notice, this.hint, quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
       this.busy, this.failed, this.body);
@@ -83,13 +84,13 @@ export class Setup {
     this.track.hidden = this.hint.hidden = !isSetup;
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !clip.track;
-    this.reset.hidden = !isSetup || clip.isProposed || !clip.isFound;
-    this.found.textContent = t(clip.isFound ? "setupFound"
-      : clip.isPartly ? "setupNoPivot" : "setupNotFound");
-    this.found.hidden = !isSetup || !clip.isProposed;
+    this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
+    this.notice.textContent = t(clip.hasPivot ? "setupFound"
+      : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
+    this.notice.hidden = !isSetup || !clip.isProposed;
     const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
     this.tellWrong();
-    if (isOwn) this.error(clip.error, clip.field);
+    if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
     this.failed.hidden = !clip.error || isOwn;
     this.failed.textContent = isOwn ? "" : clip.error;
     if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";

@@ -122,7 +122,7 @@ export class ExperimentView {
       count: (balls) => this.counted(balls),
       track: () => this.tracked(),
       mode: (mode) => this.mode(mode),
-      reset: () => this.asFound(),
+      reset: () => this.asProposed(),
       cancel: () => this.session.clip?.cancel(),
     });
     this.setup = setup;
@@ -237,7 +237,7 @@ export class ExperimentView {
     this.setup?.update(clip);
   }
 
-  asFound() {
+  asProposed() {
     const { clip } = this.session;
     if (!clip) return;
     clip.places = { ...clip.proposed };

@@ -35,6 +35,15 @@ export function unpack(buffer) {
 }
 
 /**
+ * Return a block that lies in another one.
+ * @param {Block} block
+ * @param {string} name of the array that holds its bytes
+ */
+export function inner(block, name) {
+  return unpack(/** @type {ArrayBuffer} */ (block.arrays[name].slice().buffer));
+}
+
+/**
  * Return evenly spaced numbers, the very ones of `numpy.linspace`.
  * @param {number} first
  * @param {number} last

@@ -5,7 +5,7 @@ import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
 
-/** @typedef {{state: string, elapsed: number, progress?: number}} Told */
+/** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
 
 // Of shorter work nobody asks how much is left.
@@ -15,11 +15,11 @@ const SOON = 5; // s
  * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
  * an AbortError where the signal ends the job.
  * @param {string} path
- * @param {any} given
- * @param {{tell?: (told: Told) => void, signal?: AbortSignal}} [options]
+ * @param {any} request
+ * @param {{tell?: (status: Status) => void, signal?: AbortSignal}} [options]
  * @returns {Promise<Block>}
  */
-export function doJob(path, given, { tell, signal } = {}) {
+export function doJob(path, request, { tell, signal } = {}) {
   return new Promise((resolve, reject) => {
     if (signal?.aborted) {
       reject(new DOMException("", "AbortError"));
@@ -33,7 +33,7 @@ export function doJob(path, given, { tell, signal } = {}) {
     };
     signal?.addEventListener("abort", abort, { once: true });
     socket.addEventListener("open", () => {
-      if (!signal?.aborted) socket.send(JSON.stringify(given));
+      if (!signal?.aborted) socket.send(JSON.stringify(request));
     });
     socket.addEventListener("message", ({ data }) => {
       if (data instanceof ArrayBuffer) resolve(unpack(data));
@@ -52,7 +52,7 @@ export function doJob(path, given, { tell, signal } = {}) {
 
 /**
  * Return how far a job is, in words.
- * @param {Told} told
+ * @param {Status} status
  * @returns {string}
  */
 export function statusText({ state, elapsed, progress }) {
@@ -92,11 +92,11 @@ export class JobLine {
   /**
    * Return what a job gives, or null if it is refused (which is shown) or cancelled.
    * @param {string} path
-   * @param {any} given
+   * @param {any} request
    * @param {number} [expected] roughly how many seconds it takes
    * @returns {Promise<Block | null>}
    */
-  async run(path, given, expected) {
+  async run(path, request, expected) {
     this.running?.abort();
     const own = this.running = new AbortController();
     this.leave = null;
@@ -104,12 +104,12 @@ export class JobLine {
     this.bar.hidden = false;
     this.error.hidden = true;
     this.line.hidden = false;
-    this.told = "";
+    this.line.dataset.status = "";
     this.expected = expected ?? 0;
     this.show({ state: "waiting", elapsed: 0 });
     try {
-      return await doJob(path, given, { signal: own.signal, tell: (told) => {
-        if (this.running === own) this.show(told);
+      return await doJob(path, request, { signal: own.signal, tell: (status) => {
+        if (this.running === own) this.show(status);
       } });
     } catch (error) {
       if (error instanceof Refusal) this.refuse(error.message);
@@ -129,18 +129,19 @@ export class JobLine {
     this.error.hidden = false;
   }
 
-  /** @param {Told} told */
-  show(told) {
-    const guessed = told.progress === undefined && told.state === "working" && this.expected > SOON;
-    const left = this.expected - told.elapsed;
-    if (guessed && left > 0) this.bar.value = told.elapsed / this.expected;
-    else if (told.progress === undefined) this.bar.removeAttribute("value");
-    else this.bar.value = told.progress;
+  /** @param {Status} status */
+  show(status) {
+    const guessed = status.progress === undefined && status.state === "working"
+      && this.expected > SOON;
+    const left = this.expected - status.elapsed;
+    if (guessed && left > 0) this.bar.value = status.elapsed / this.expected;
+    else if (status.progress === undefined) this.bar.removeAttribute("value");
+    else this.bar.value = status.progress;
     // Not at every frame: screen readers read each change.
-    const text = guessed && left > 0 ? t("job_left", { left: spanText(left) }) : statusText(told);
-    const seconds = Math.floor(told.elapsed);
-    if (`${told.state}${seconds}` === this.told) return;
-    this.told = `${told.state}${seconds}`;
+    const text = guessed && left > 0 ? t("job_left", { left: spanText(left) }) : statusText(status);
+    const seconds = Math.floor(status.elapsed);
+    if (`${status.state}${seconds}` === this.line.dataset.status) return;
+    this.line.dataset.status = `${status.state}${seconds}`;
     this.text.textContent = text;
   }
 
@@ -148,7 +149,7 @@ export class JobLine {
    * Say what work waits for that is yet to begin with `run`.
    * @param {string} text
    * @param {() => void} leave called if it is cancelled before
-   * @param {"polite" | "off"} [live] how screen readers tell it
+   * @param {"polite" | "off"} [live] how screen readers read it
    */
   wait(text, leave, live = "polite") {
     this.leave = leave;
