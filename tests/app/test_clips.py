@@ -22,7 +22,7 @@ import latolato as ll
 from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
 from latolato.app.experiment.description import Description
-from latolato.app.experiment.store import Allowance, shown_name
+from latolato.app.experiment.store import Allowance, display_name
 from latolato.app.experiment.work import WORK
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
@@ -194,7 +194,7 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         answer = page.file(clip, "overlay.mp4")
         assert answer.status_code == 200
         assert answer.headers["content-disposition"] == "attachment"
-        part = page.client.get(f"/api/experiment/{clip}/shown.mp4", headers={"range": "bytes=0-9"})
+        part = page.client.get(f"/api/experiment/{clip}/copy.mp4", headers={"range": "bytes=0-9"})
         assert (part.status_code, len(part.content)) == (206, 10)
         folder = store.folder
         assert [each.name for each in folder.iterdir()] == [clip]
@@ -414,7 +414,7 @@ def test_the_name_of_an_upload_is_never_a_path(page, name):
     name_there = answer.json()["name"]
     assert 0 < len(name_there) <= 80
     assert not set("/\\\0\n") & set(name_there)
-    assert name_there == shown_name(name) or "é" in name
+    assert name_there == display_name(name) or "é" in name
     page.remove(answer.json()["clip"])
 
 

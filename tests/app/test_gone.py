@@ -17,7 +17,7 @@ FIRST = {
     "/ws/analyse": {
         "analysis": "basins",
         "scenario": "fig02",
-        "given": {"transient_periods": "8000"},
+        "settings": {"transient_periods": "8000"},
     },
     "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
     "/ws/map": {"scenario": "fig04a"},

@@ -186,7 +186,7 @@ def without_none(tables: Any) -> Any:
     return tables
 
 
-def prepare_animation(given: Any) -> Job:
+def prepare_animation(body: Any) -> Job:
     """Return the job that animates what a page asks for: ``{"scenario", "options", "speed"}``.
 
     Raises
@@ -197,8 +197,8 @@ def prepare_animation(given: Any) -> Job:
     """
     from latolato.figures.animate import check_target
 
-    request = RunRequest.from_json(given)
-    speed = given.get("speed", 1.0)
+    request = RunRequest.from_json(body)
+    speed = body.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError(f"speed must be a number, got {speed!r}")
     check_target("run.mp4", float(speed), FPS)
@@ -209,8 +209,8 @@ def prepare_animation(given: Any) -> Job:
         about = {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"}
         return pack_files(about, {"file": folder / "run.mp4"})
 
-    given = {"scenario": request.scenario, "options": dict(request.options or {}), "speed": speed}
-    return Job("animate", given, finish)
+    run = {"scenario": request.scenario, "options": dict(request.options or {})}
+    return Job("animate", {**run, "speed": speed}, finish)
 
 
 def check_frames(scenario: Scenario, speed: float) -> None:
@@ -232,12 +232,12 @@ def check_frames(scenario: Scenario, speed: float) -> None:
 
 
 def compute(
-    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
     """Write ``run.mp4`` into a folder: what the job `animate` does in its process."""
     from latolato.figures.animate import animate
 
-    scenario = scenario_of(RunRequest.from_json(given))
+    scenario = scenario_of(RunRequest.from_json(request))
     run = simulate_for_file(scenario)
-    animate(run, folder / "run.mp4", speed=given["speed"], fps=FPS, progress=progress)
+    animate(run, folder / "run.mp4", speed=request["speed"], fps=FPS, progress=progress)
     return {}

@@ -170,15 +170,15 @@ async def _compiling(request: Request) -> Response:
 
 
 async def _run(request: Request) -> Response:
-    given = await json_of(request)
-    return await answered(request, _run_response, given)
+    body = await json_of(request)
+    return await answered(request, _run_response, body)
 
 
-def _run_response(given: Any) -> Response:
+def _run_response(body: Any) -> Response:
     from latolato.app.runs import USUAL_COLUMNS, run_block
 
-    request = RunRequest.from_json(given)
-    columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
+    request = RunRequest.from_json(body)
+    columns, samples = body.get("columns", USUAL_COLUMNS), body.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
         raise InputError("columns must be a list of names")
     return Response(run_block(request, columns, samples), media_type="application/octet-stream")

@@ -85,12 +85,12 @@ async def _received(request: Request, store: Store, desk: Desk, clip: Clip, file
 
 async def _remove(request: Request) -> Response:
     """Remove a clip: ``{"desk", "clip"}``; answer with the trials that are left."""
-    given = await json_of(request)
+    body = await json_of(request)
     try:
-        if not isinstance(given, dict):
+        if not isinstance(body, dict):
             raise InputError("a request must be an object")
-        desk: Desk = request.app.state.clips.desk(given.get("desk"))
-        desk.remove(desk.clip(given.get("clip")))
+        desk: Desk = request.app.state.clips.desk(body.get("desk"))
+        desk.remove(desk.clip(body.get("clip")))
     except InputError as error:
         return refusal(status_of(error), error)
     return await answered(request, _trials, list(desk.clips.values()))

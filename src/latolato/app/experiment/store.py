@@ -26,7 +26,7 @@ _LONGEST_NAME = 80
 # What lies in the folder of a clip. Messages contain the name of the upload, never a path.
 UPLOAD = "clip"
 FILES = {
-    "shown.mp4": "video/mp4",
+    "copy.mp4": "video/mp4",
     "track.csv": "text/csv; charset=utf-8",
     "track.nc": "application/x-netcdf",
     "setup.toml": "application/toml",
@@ -34,7 +34,7 @@ FILES = {
     "report.html": "text/html; charset=utf-8",
 }
 # The one that the page plays itself; others are downloads.
-COPY = "shown.mp4"
+COPY = "copy.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -295,7 +295,7 @@ class Store:
         if sum(len(d.clips) for d in self.desks.values()) >= most.clips:
             raise TooLargeError(f"the server holds {most.clips} videos: try again later")
         key = secrets.token_urlsafe(12)
-        clip = Clip(key, self.folder / key, shown_name(name))
+        clip = Clip(key, self.folder / key, display_name(name))
         self.check_size(clip, size)
         clip.folder.mkdir()
         desk.clips[key] = clip
@@ -320,12 +320,12 @@ class Store:
             raise TooLargeError("the server holds too many videos: remove some, or try again later")
 
 
-def shown_name(text: str) -> str:
+def display_name(text: str) -> str:
     """Return the name of an upload for messages: one line without folders or control characters.
 
     Examples
     --------
-    >>> shown_name("..%2F..%2Fetc%2Fswing%0A.mp4")
+    >>> display_name("..%2F..%2Fetc%2Fswing%0A.mp4")
     'swing.mp4'
     """
     plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")

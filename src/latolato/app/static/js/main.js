@@ -52,7 +52,7 @@ function startViews(page) {
   /** @type {Record<string, any>} */
   const made = {};
   /** @type {string | null} */
-  let shown = null;
+  let current = null;
   let again = 0;
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
@@ -71,14 +71,14 @@ function startViews(page) {
       if (name === view) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
-    if (view === shown) return;
+    if (view === current) return;
     if (!(view in VIEWS)) {
       tell(t("unknownView", { name: view }));
       page.store.set({ view: "play" }, "view");
       return;
     }
-    if (shown) made[shown].hide();
-    shown = null;
+    if (current) made[current].hide();
+    current = null;
     if (!made[view]) {
       const View = await VIEWS[view]().catch((error) => {
         if (error instanceof TypeError) return null; // not fetched
@@ -94,8 +94,8 @@ function startViews(page) {
       made[view] ??= new View(page);
       /** @type {any} */ (window).latolato = { views: made };
     }
-    if (shown === view) return;
-    shown = view;
+    if (current === view) return;
+    current = view;
     const title = t(`view_${view}`);
     // A view that shows no title of its own has one for those who hear the page.
     const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];

@@ -408,7 +408,7 @@ export const STRINGS = {
   trialFrequency: "frequency ω [rad/s]",
   trialRatio: "ω/ω₀",
   trialLargest: "largest angle [°]",
-  trialLasting: "settled angle [°]",
+  trialAfterTransient: "settled angle [°]",
   trialClass: "class",
   note: "note",
   class_none: "none",

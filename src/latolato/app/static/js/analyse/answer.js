@@ -32,15 +32,15 @@ const ARROWS = {
  */
 export function valuesAt(panel, x, y) {
   /** @type {Record<string, string>} */
-  const found = {};
+  const values = {};
   /** @type {[Side | null, number][]} */
   const sides = [[panel.x, x], [panel.y, y]];
   for (const [side, share] of sides) {
     if (!side) continue;
     const value = short(side.ends[0] + share * (side.ends[1] - side.ends[0]), 5);
-    found[side.name] = side.unit ? `${value} ${side.unit}` : value;
+    values[side.name] = side.unit ? `${value} ${side.unit}` : value;
   }
-  return found;
+  return values;
 }
 
 export class Answer {
@@ -57,7 +57,7 @@ export class Answer {
     this.chosen = chosen;
     this.at = { panel: 0, x: 0.5, y: 0.5 };
     this.mark = el("span", { class: "mark", hidden: true });
-    this.said = el("p", { class: "chosen", role: "status" });
+    this.choice = el("p", { class: "chosen", role: "status" });
     const files = Object.keys(TYPES).filter((kind) => kind in block.arrays);
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
@@ -67,7 +67,7 @@ export class Answer {
     this.root = el("div", { class: "main" },
       el("section", { class: "card" },
         el("p", { class: "finding", role: "status" }, about.verdict), ...notes,
-        block.arrays.png ? this.picture(block) : null, this.said,
+        block.arrays.png ? this.picture(block) : null, this.choice,
         el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
       this.after,
@@ -124,7 +124,7 @@ export class Answer {
       this.at.x = clip(this.at.x + step[0]);
       this.at.y = clip(this.at.y + step[1]);
       this.move();
-      this.said.textContent = this.words();
+      this.choice.textContent = this.words();
     } else if (event.key === "Enter") this.choose();
     else return;
     event.preventDefault();
@@ -147,7 +147,7 @@ export class Answer {
   }
 
   choose() {
-    this.said.textContent = "";
+    this.choice.textContent = "";
     this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y), this.words());
   }
 }

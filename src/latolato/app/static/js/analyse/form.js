@@ -24,18 +24,18 @@ const LIMITS = ["low", "high"];
  * @returns {Record<string, string>}
  */
 export function beginnings(name, fields, about, varied) {
-  const found = { ...about.quick[name] };
-  if (varied === undefined || !(varied in about.parameters)) return found;
+  const texts = { ...about.quick[name] };
+  if (varied === undefined || !(varied in about.parameters)) return texts;
   for (const limit of LIMITS) if (limit in fields)
-    found[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
-  return found;
+    texts[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
+  return texts;
 }
 
 export class AnalysisForm {
   /** @param {(values: Record<string, string>) => void} changed called with what was changed */
   constructor(changed) {
     this.changed = changed;
-    this.root = el("div", { class: "asked" });
+    this.root = el("div", { class: "settings" });
     /** @type {Record<string, HTMLInputElement | HTMLSelectElement>} */
     this.inputs = {};
     /** @type {Record<string, HTMLElement>} */
@@ -54,9 +54,9 @@ export class AnalysisForm {
    * @param {string} name
    * @param {{options: Record<string, Field>, first: string[]}} form
    * @param {About} about
-   * @param {Record<string, string>} given what was typed before
+   * @param {Record<string, string>} typed what was typed before
    */
-  build(name, { options: fields, first }, about, given) {
+  build(name, { options: fields, first }, about, typed) {
     const same = this.name === name;
     this.name = name;
     this.inputs = {};
@@ -64,13 +64,13 @@ export class AnalysisForm {
     this.fields = fields;
     this.words = { ...about.parameters, ...fields };
     const varied = VARIED in fields
-      ? given[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
+      ? typed[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
     this.begun = beginnings(name, fields, about, varied);
     const make = (/** @type {string} */ each) =>
-      this.field(each, fields[each], about, given[each] ?? this.begun[each] ?? "", varied,
+      this.field(each, fields[each], about, typed[each] ?? this.begun[each] ?? "", varied,
         first.includes(each));
     const rest = Object.keys(fields).filter((each) => !first.includes(each));
-    const open = (same && this.more.open) || rest.some((each) => each in given);
+    const open = (same && this.more.open) || rest.some((each) => each in typed);
     this.more = el("details", { class: "inner", open }, el("summary", {}, t("moreSettings")),
       el("div", { class: "fields" }, ...rest.map(make)));
     this.root.replaceChildren(el("div", { class: "fields" }, ...first.map(make)),
@@ -138,13 +138,13 @@ export class AnalysisForm {
    * @param {string | null} text
    */
   error(text) {
-    const found = text?.match(NAMES)?.find((word) => word in this.inputs);
+    const field = text?.match(NAMES)?.find((word) => word in this.inputs);
     for (const [name, place] of Object.entries(this.errors)) {
-      place.hidden = name !== found;
-      place.textContent = name === found && text ? inWords(text, this.words) : "";
-      this.inputs[name]?.setAttribute("aria-invalid", String(name === found));
-      if (name === found && this.more.contains(place)) this.more.open = true;
+      place.hidden = name !== field;
+      place.textContent = name === field && text ? inWords(text, this.words) : "";
+      this.inputs[name]?.setAttribute("aria-invalid", String(name === field));
+      if (name === field && this.more.contains(place)) this.more.open = true;
     }
-    return found !== undefined;
+    return field !== undefined;
   }
 }

@@ -8,12 +8,12 @@ import { Preview } from "../shared/preview.js";
 import { waited } from "../shared/waiting.js";
 import { t } from "../strings.js";
 
-/** @typedef {{scenario: string | null, options: Record<string, string>}} Asked */
+/** @typedef {{scenario: string | null, options: Record<string, string>}} RunRequest */
 
 export class PointRun {
   /**
    * @param {import("../shared/state.js").Page} page
-   * @param {(asked: Asked) => void} use called when the questions shall be about this point
+   * @param {(request: RunRequest) => void} use called when the questions shall be about this point
    */
   constructor(page, use) {
     this.page = page;
@@ -21,30 +21,30 @@ export class PointRun {
     this.turn = 0;
     /** @type {Preview | null} */
     this.preview = null;
-    this.said = el("p", { role: "status" });
+    this.label = el("p", { role: "status" });
     this.actions = el("div", { class: "actions" });
     this.place = el("div", {});
     this.root = el("section", { class: "card point", hidden: true },
-      el("h2", {}, t("pointTitle")), this.said, this.actions, this.place);
+      el("h2", {}, t("pointTitle")), this.label, this.actions, this.place);
   }
 
   /**
    * Show the run of a point.
-   * @param {Asked} asked
+   * @param {RunRequest} request
    * @param {string} words what the point stands for
    */
-  async show(asked, words) {
+  async show(request, words) {
     this.turn += 1;
     const { turn } = this;
     this.root.hidden = false;
-    this.said.textContent = words;
+    this.label.textContent = words;
     this.actions.replaceChildren(
-      openLink(this.page, { view: "play", ...asked }, t("openCase")),
-      el("button", { type: "button", on: { click: () => this.use(asked) } }, t("pointUse")));
+      openLink(this.page, { view: "play", ...request }, t("openCase")),
+      el("button", { type: "button", on: { click: () => this.use(request) } }, t("pointUse")));
     const note = el("p", { class: "hint" });
     this.place.prepend(note);
     try {
-      const block = await waited(note, askBlock("/api/run", asked));
+      const block = await waited(note, askBlock("/api/run", request));
       if (turn !== this.turn) return;
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);

@@ -42,7 +42,7 @@ export class AnalyseView {
     this.list = new QuestionList((name) => this.choose(name));
     this.own = new AnalysisForm((changes) => this.keep(changes));
     this.job = new JobLine();
-    this.point = new PointRun(page, (asked) => page.store.set(asked));
+    this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
     this.go = el("button", { type: "submit", class: "play", disabled: true }, t("ask"));
     this.cost = el("span", { class: "soft", role: "status" });
@@ -75,7 +75,7 @@ export class AnalyseView {
   }
 
   /** Return what all views are about. */
-  get asked() {
+  get request() {
     const { scenario, options } = this.page.store.state;
     return { scenario: scenario || (options.system ? null : FIRST), options };
   }
@@ -112,7 +112,7 @@ export class AnalyseView {
         this.forms = await askJson("/api/analyses");
         this.list.build(this.forms);
       }
-      this.about = await askJson("/api/asked", this.asked);
+      this.about = await askJson("/api/analyses/about", this.request);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
@@ -125,7 +125,7 @@ export class AnalyseView {
       return;
     }
     const about = /** @type {import("./form.js").About} */ (this.about);
-    this.presets.show(this.asked.scenario);
+    this.presets.show(this.request.scenario);
     this.laws.show(about.options);
     this.of.textContent = t("questionOf", { title: about.title || t("presetNone"),
       system: registry.systems[about.options.system].title,
@@ -155,12 +155,12 @@ export class AnalyseView {
     this.term.textContent = t("termOf", { term: form.term });
     this.term.title = `${form.summary} ${form.notes}`;
     this.reading.textContent = form.reading;
-    const given = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
+    const typed = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
       .map((name) => [name, extra[KEY + name]]));
     const why = this.about.unfit[this.what];
     this.showUnfit(why);
     this.fields.hidden = why !== undefined;
-    this.own.build(this.what, form, this.about, given);
+    this.own.build(this.what, form, this.about, typed);
     this.go.disabled = false;
     this.root.dataset.form = this.what;
     if (this.root.dataset.answered !== this.what || why) this.clear();
@@ -193,7 +193,7 @@ export class AnalyseView {
     const { options } = this.about;
     const kinds = { system: wanted, drive: shaken };
     this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
-      click: () => store.set({ scenario: this.asked.scenario, options: withLaws(registry,
+      click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
         heldOptions(registry, store.state.options, options, { system }, kinds), options, wanted,
         shaken) }) } }, text));
   }
@@ -227,8 +227,8 @@ export class AnalyseView {
    */
   async consider(wanted) {
     const values = this.own.values();
-    const given = { ...this.asked, analysis: this.what, given: values };
-    const key = JSON.stringify(given);
+    const question = { ...this.request, analysis: this.what, settings: values };
+    const key = JSON.stringify(question);
     if (this.working === key) return;
     this.working = key;
     this.turn += 1;
@@ -238,10 +238,10 @@ export class AnalyseView {
     this.own.error(null);
     this.cost.textContent = "";
     try {
-      const { seconds, refused } = await askJson("/api/analyses/cost", given);
+      const { seconds, refused } = await askJson("/api/analyses/cost", question);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
-      else if (seconds <= QUICK || wanted) await this.ask(given, seconds, turn);
+      else if (seconds <= QUICK || wanted) await this.ask(question, seconds, turn);
       else {
         this.clear();
         this.cost.textContent = t("askCost", { time: spanText(seconds) });
@@ -263,13 +263,13 @@ export class AnalyseView {
   /**
    * Ask the server and show the answer.
    * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
-   *   given: Record<string, string>}} given
+   *   settings: Record<string, string>}} question
    * @param {number} seconds that it takes
    * @param {number} turn
    */
-  async ask(given, seconds, turn) {
+  async ask(question, seconds, turn) {
     this.answer.classList.add("stale");
-    const block = await this.job.run("/ws/analyse", given, seconds);
+    const block = await this.job.run("/ws/analyse", question, seconds);
     if (turn !== this.turn) return;
     if (!block) {
       const { error } = this.job;
@@ -281,15 +281,15 @@ export class AnalyseView {
     }
     this.answer.classList.remove("stale");
     this.clear();
-    const { title } = this.forms[given.analysis];
+    const { title } = this.forms[question.analysis];
     const called = this.own.words;
     const answer = new Answer(block, title, (text) => inWords(text, called), (values, words) =>
-      void this.point.show({ scenario: given.scenario,
-        options: withOptions(given.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
+      void this.point.show({ scenario: question.scenario,
+        options: withOptions(question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
         : t("pointSaidStart", { values: words })));
     answer.after.append(this.point.root);
     this.answer.replaceChildren(answer.root);
-    this.root.dataset.answered = given.analysis;
+    this.root.dataset.answered = question.analysis;
     this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
   }
 }

@@ -74,13 +74,13 @@ function fitTable(title, names, values, truth, registry) {
       const { value, sigma, low, high, units, label, symbol } = values[name];
       const unit = registry.options[name]?.units[0] ?? { name: units, size: 1 };
       const inUnit = (/** @type {number} */ x) => x / unit.size;
-      const shown = shownUnit(unit.name);
+      const unitText = shownUnit(unit.name);
       const off = name in truth ? value / truth[name] - 1 : NaN;
       return el("tr", { "data-name": name, "data-value": String(value) },
         el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
           (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
-          ` ${shown}`, el("small", {},
+          ` ${unitText}`, el("small", {},
             [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
         compared && el("td", { class: "number" }, ...(name in truth
           ? [short(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
@@ -126,7 +126,7 @@ export function trialTable(trials, clips, open) {
     el("tr", {}, el("td", {}, "–"), el("td", {}, link(key, name)),
       el("td", { colspan: "7", class: "soft" }, reason ?? t("notTracked"))));
   const heads = ["set", "video", "trialAmplitude", "trialFrequency", "trialRatio", "trialLargest",
-    "trialLasting", "trialClass", "note"];
+    "trialAfterTransient", "trialClass", "note"];
   return el("div", { class: "table-scroll", tabindex: "0", role: "region",
     "aria-label": t("trials") },
   el("table", {}, head(heads), el("tbody", {}, ...rows, ...others)));

@@ -141,7 +141,7 @@ export class Session {
   async seen(clip, about) {
     const isNew = clip.about === null;
     clip.about = about;
-    if (!clip.url) clip.url = await clipCopy(clip.key, "shown.mp4");
+    if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
     const { proposal, width, height } = about;
     clip.hasPivot = Boolean(proposal?.pivot);
     clip.hasBalls = Boolean(proposal);

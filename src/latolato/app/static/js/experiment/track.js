@@ -91,7 +91,7 @@ export class Track {
    */
   shades() {
     /** @type {Shade[]} */
-    const found = [];
+    const spans = [];
     const { time } = this;
     for (let b = 0; b < this.count; b += 1) {
       const codes = this.values("flag", b);
@@ -100,12 +100,12 @@ export class Track {
         let k = i;
         while (k + 1 < codes.length && codes[k + 1] === codes[i]) k += 1;
         const half = 0.5 * (time[1] - time[0]);
-        found.push({ from: time[i] - half, to: time[k] + half,
+        spans.push({ from: time[i] - half, to: time[k] + half,
           paint: `flag-${this.flags[codes[i]]}` });
         i = k;
       }
     }
-    return found;
+    return spans;
   }
 
   /**
@@ -164,18 +164,18 @@ export function panelsOf(track) {
       of(motion).perBall((b) => known(of(motion).values("centre", 2 * b))) }];
   }
   /** @type {Panel[]} */
-  const found = [{ label: t("curveAngle"), height: 230, shades, curves: (motion) => [
+  const panels = [{ label: t("curveAngle"), height: 230, shades, curves: (motion) => [
     ...of(motion).perBall((b) => known(of(motion).values("angle", b), DEGREES)),
     ...of(motion).modelCurves(),
   ] }];
   if (track.model) {
-    found.push({ label: t("curveResidual"), height: 140, shades, curves: (motion) =>
+    panels.push({ label: t("curveResidual"), height: 140, shades, curves: (motion) =>
       of(motion).perBall((b) => of(motion).residual(b)).slice(0, of(motion).model?.about.balls) });
   }
   if (track.isDriven) {
-    found.push({ label: t("curvePivot"), height: 140, curves: (motion) => [{
+    panels.push({ label: t("curvePivot"), height: 140, curves: (motion) => [{
       label: t("pivot"), paint: "ink",
       values: known(of(motion).values("pivot_height", 0), 1000) }] });
   }
-  return found;
+  return panels;
 }

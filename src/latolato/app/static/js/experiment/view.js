@@ -33,7 +33,7 @@ export class ExperimentView {
     this.setup = null;
     /** @type {Record<string, import("./desk.js").FitKind>} */
     this.kinds = {};
-    this.shown = "";
+    this.signature = "";
     this.drop = el("div", { class: "clip-drop" });
     this.list = el("div", { class: "clip-list" });
     this.form = el("div", { class: "clip-form" });
@@ -152,8 +152,8 @@ export class ExperimentView {
     const about = /** @type {NonNullable<Clip["about"]>} */ (clip.about);
     const signature = JSON.stringify([clip.id, clip.mode, clip.tracked,
       Object.entries(clip.fits).map(([k, f]) => [k, f.verdict]), clip.stage !== null]);
-    if (signature === this.shown) return;
-    this.shown = signature;
+    if (signature === this.signature) return;
+    this.signature = signature;
     this.screen.show({ ...about, url: clip.url }, track);
     this.handles.radius = clip.radius;
     this.handles.show(track ? null : clip.places);

@@ -10,7 +10,7 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 
 export class Downloads {
   constructor() {
-    this.asked = { scenario: /** @type {string | null} */ (null), options: {} };
+    this.request = { scenario: /** @type {string | null} */ (null), options: {} };
     this.links = KINDS.map((kind) =>
       ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
     const id = freshId();
@@ -33,12 +33,12 @@ export class Downloads {
 
   /**
    * Return nothing; the menu is of this run from now on.
-   * @param {{scenario: string | null, options: Record<string, any>}} asked
+   * @param {{scenario: string | null, options: Record<string, any>}} request
    * @param {boolean} touching whether balls of the run can touch
    */
-  show(asked, touching) {
-    this.asked = asked;
-    const query = format({ view: "play", ...asked, extra: {} });
+  show(request, touching) {
+    this.request = request;
+    const query = format({ view: "play", ...request, extra: {} });
     for (const { kind, link } of this.links) {
       link.href = `/download/run.${kind}${query}`;
       const item = /** @type {HTMLElement} */ (link.parentElement);
@@ -47,9 +47,9 @@ export class Downloads {
   }
 
   async film() {
-    const given = { ...this.asked, speed: Number(this.speed.value) };
     this.make.disabled = true;
-    const block = await this.job.run("/ws/animation", given);
+    const block = await this.job.run("/ws/animation",
+      { ...this.request, speed: Number(this.speed.value) });
     this.make.disabled = false;
     if (!block) return;
     saveFile(fileOf(block, "file", block.about.type), block.about.name);

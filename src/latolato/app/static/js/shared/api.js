@@ -18,7 +18,7 @@ export class Refusal extends Error {
 export class Offline extends Error {}
 
 /**
- * @typedef {{scenario?: string | null, options: Record<string, any>}} Asked
+ * @typedef {{scenario?: string | null, options: Record<string, any>}} RunRequest
  */
 
 /**
@@ -38,8 +38,8 @@ export async function ask(path, body, signal) {
     throw error instanceof TypeError ? new Offline(error.message) : error;
   });
   if (response.ok) return response;
-  const told = await response.json().catch(() => ({ error: response.statusText, field: null }));
-  throw new Refusal(told.error, told.field);
+  const refusal = await response.json().catch(() => ({ error: response.statusText, field: null }));
+  throw new Refusal(refusal.error, refusal.field);
 }
 
 /**

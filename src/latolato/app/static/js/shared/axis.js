@@ -46,9 +46,9 @@ export function ticks(low, high, count = 5) {
   // The step that is asked for, or a finer one if that left less than three marks.
   for (let i = steps.findIndex((s) => s >= rough * (1 - 1e-9)); ; i -= 1) {
     const step = steps[i];
-    const found = [];
+    const marks = [];
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
-      found.push(Math.abs(k) < 1e-9 ? 0 : k * step);
-    if (found.length >= LEAST_MARKS || i === 0) return found;
+      marks.push(Math.abs(k) < 1e-9 ? 0 : k * step);
+    if (marks.length >= LEAST_MARKS || i === 0) return marks;
   }
 }

@@ -41,14 +41,14 @@ export function envelope(xs, ys, from, to, position, period) {
  */
 function slide(values, reach, extreme) {
   if (reach < 1) return values;
-  const found = new Float64Array(values.length);
+  const result = new Float64Array(values.length);
   for (let i = 0; i < values.length; i += 1) {
     let best = values[i];
     for (let k = Math.max(0, i - reach); k <= Math.min(values.length - 1, i + reach); k += 1)
       best = extreme(best, values[k]);
-    found[i] = best;
+    result[i] = best;
   }
-  return found;
+  return result;
 }
 
 /**

@@ -20,18 +20,18 @@ export function unpack(buffer) {
   const text = new TextDecoder().decode(new Uint8Array(buffer, LENGTH, begin - LENGTH));
   const { arrays: entries, ...about } = JSON.parse(text);
   /** @type {Block} */
-  const found = { about, arrays: {}, shapes: {} };
+  const block = { about, arrays: {}, shapes: {} };
   for (const { name, type, shape, offset, first, last } of entries) {
-    found.shapes[name] = shape;
+    block.shapes[name] = shape;
     if (type === "even") {
-      found.arrays[name] = even(first, last, shape[0]);
+      block.arrays[name] = even(first, last, shape[0]);
       continue;
     }
     const count = shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1);
-    found.arrays[name] = new TYPES[/** @type {keyof typeof TYPES} */ (type)](
+    block.arrays[name] = new TYPES[/** @type {keyof typeof TYPES} */ (type)](
       buffer, begin + offset, count);
   }
-  return found;
+  return block;
 }
 
 /**
@@ -50,11 +50,11 @@ export function inner(block, name) {
  * @param {number} count
  */
 function even(first, last, count) {
-  const found = new Float64Array(count);
+  const numbers = new Float64Array(count);
   const step = (last - first) / (count - 1);
-  for (let i = 0; i < count; i += 1) found[i] = i * step + first;
-  found[count - 1] = last;
-  return found;
+  for (let i = 0; i < count; i += 1) numbers[i] = i * step + first;
+  numbers[count - 1] = last;
+  return numbers;
 }
 
 /**

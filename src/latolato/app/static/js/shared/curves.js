@@ -366,14 +366,14 @@ function valueAt(times, values, time) {
  * @param {ArrayLike<number>} wanted
  */
 export function resampled(times, values, wanted) {
-  const found = new Float64Array(wanted.length);
+  const result = new Float64Array(wanted.length);
   let i = 0;
   for (let k = 0; k < wanted.length; k += 1) {
     while (i < times.length - 2 && times[i + 1] < wanted[k]) i += 1;
     const share = (wanted[k] - times[i]) / (times[i + 1] - times[i]);
-    found[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
+    result[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
   }
-  return found;
+  return result;
 }
 
 /**
@@ -382,7 +382,7 @@ export function resampled(times, values, wanted) {
  * @param {number} by
  */
 export function scaled(values, by) {
-  const found = new Float64Array(values.length);
-  for (let i = 0; i < values.length; i += 1) found[i] = values[i] * by;
-  return found;
+  const result = new Float64Array(values.length);
+  for (let i = 0; i < values.length; i += 1) result[i] = values[i] * by;
+  return result;
 }

@@ -87,12 +87,12 @@ export function fitCanvas(canvas, draw) {
 /**
  * Make the children of an element anew if what they show has changed: others keep the focus.
  * @param {HTMLElement} place
- * @param {any} shown
+ * @param {any} content
  * @param {() => (Node | string)[]} make
  */
-export function refresh(place, shown, make) {
-  const text = JSON.stringify(shown);
-  if (place.dataset.shown === text) return;
-  place.dataset.shown = text;
+export function refresh(place, content, make) {
+  const text = JSON.stringify(content);
+  if (place.dataset.content === text) return;
+  place.dataset.content = text;
   place.replaceChildren(...make());
 }

@@ -79,8 +79,8 @@ export class Form {
    * @returns {string | null}
    */
   text(name) {
-    const given = this.store.state.options[name];
-    if (given !== undefined) return given;
+    const text = this.store.state.options[name];
+    if (text !== undefined) return text;
     const value = this.resolved[name] ?? this.registry.options[name].default;
     return value === undefined || value === null ? null : textOf(this.registry.options[name], value);
   }
@@ -240,9 +240,9 @@ export class Form {
         if (document.activeElement !== input) input.value = "";
         return;
       }
-      const given = parseQuantity(text);
-      if (!(name in this.units) && given && units.some((u) => u.name === given.unit) &&
-        this.store.state.options[name] !== undefined) this.units[name] = given.unit;
+      const quantity = parseQuantity(text);
+      if (!(name in this.units) && quantity && units.some((u) => u.name === quantity.unit) &&
+        this.store.state.options[name] !== undefined) this.units[name] = quantity.unit;
       if (select instanceof HTMLSelectElement) select.value = unitOf().name;
       if (document.activeElement === input && this.store.state.options[name] !== undefined) return;
       if (text.includes(",")) {

@@ -40,39 +40,39 @@ export function withLaws(registry, options, resolved, system, drive) {
     ...Object.values(registry.drives).flatMap((/** @type {any} */ law) => law.options),
     "frequency_ratio", "frequency_ratios", "frequency_ratio_final"]);
   /** @type {Record<string, string>} */
-  const found = { system, drive };
+  const result = { system, drive };
   for (const [name, value] of Object.entries(options))
     if (name !== "system" && name !== "drive" && (known.includes(name) || !laws.has(name)))
-      found[name] = value;
+      result[name] = value;
   for (const name of known) {
     const option = registry.options[name];
-    if (name in found || name in resolved || option.default !== null) continue;
-    found[name] = textOf(option, option.usual ?? option.low ?? 0);
+    if (name in result || name in resolved || option.default !== null) continue;
+    result[name] = textOf(option, option.usual ?? option.low ?? 0);
   }
   const two = registry.systems[system].angles === 2;
-  const before = found.initial_angle ?? resolved.initial_angle;
+  const before = result.initial_angle ?? resolved.initial_angle;
   const isTwo = Array.isArray(before) || String(before ?? "").includes(",");
-  if (two && !isTwo) Object.assign(found, { initial_angle: "0.4 rad, -0.3 rad" });
-  if (two || !registry.systems[system].contacts) delete found.initial_offset;
-  if (two !== isTwo) delete found.initial_angular_velocity;
-  if (!two && (isTwo || (before === undefined && !("initial_offset" in found))))
-    found.initial_angle = "20 deg";
-  return { ...found, ...levelled(registry, found, options, drive) };
+  if (two && !isTwo) Object.assign(result, { initial_angle: "0.4 rad, -0.3 rad" });
+  if (two || !registry.systems[system].contacts) delete result.initial_offset;
+  if (two !== isTwo) delete result.initial_angular_velocity;
+  if (!two && (isTwo || (before === undefined && !("initial_offset" in result))))
+    result.initial_angle = "20 deg";
+  return { ...result, ...levelled(registry, result, options, drive) };
 }
 
 /**
  * Return a drive's lists in the length of the first that was kept: what others begin with has
  * another one.
  * @param {any} registry
- * @param {Record<string, any>} found
+ * @param {Record<string, any>} result
  * @param {Record<string, any>} kept
  * @param {string} drive
  * @returns {Record<string, string>}
  */
-function levelled(registry, found, kept, drive) {
+function levelled(registry, result, kept, drive) {
   const lists = registry.drives[drive].options.filter((/** @type {string} */ name) =>
-    registry.options[name].several && name in found);
-  const parts = (/** @type {string} */ name) => String(found[name]).split(",").map((p) => p.trim());
+    registry.options[name].several && name in result);
+  const parts = (/** @type {string} */ name) => String(result[name]).split(",").map((p) => p.trim());
   const first = lists.find((/** @type {string} */ name) => name in kept);
   if (!first) return {};
   const { length } = parts(first);
@@ -103,25 +103,25 @@ const TWINS = { drive_frequency: "frequency_ratio", initial_angle: "initial_offs
  * Return the options given, and beside them what the run on show had of what other laws know: the
  * values of a scenario do not come along by themselves.
  * @param {any} registry
- * @param {Record<string, string>} given
+ * @param {Record<string, string>} own
  * @param {Record<string, any>} resolved what the last run had, in SI units
  * @param {{system: string}} before
  * @param {{system: string, drive: string}} after
  * @returns {Record<string, string>}
  */
-export function heldOptions(registry, given, resolved, before, { system, drive }) {
+export function heldOptions(registry, own, resolved, before, { system, drive }) {
   // Where balls begin to touch, a start near the bottom would have them overlap.
   const touching = registry.systems[system].contacts && !registry.systems[before.system]?.contacts;
   /** @type {Record<string, string>} */
-  const found = {};
+  const result = {};
   for (const name of [...optionsFor(registry, system, drive), "tolerance",
     ...(touching ? ["duration"] : START)]) {
     const value = resolved[name];
-    if (value === undefined || value === null || TWINS[name] in given) continue;
+    if (value === undefined || value === null || TWINS[name] in own) continue;
     const option = registry.options[name];
     const unit = option.units[0] ?? { name: option.unit, size: 1 };
-    found[name] = typeof value === "number" && unit.name !== "1"
+    result[name] = typeof value === "number" && unit.name !== "1"
       ? `${short(value / unit.size, 12)} ${unit.name}`.trim() : textOf(option, value);
   }
-  return { ...found, ...given };
+  return { ...result, ...own };
 }

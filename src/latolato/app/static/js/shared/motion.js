@@ -108,10 +108,10 @@ export class Motion {
     const h = t1 - t0;
     if (!(h > 0)) return ball.sign * x0;
     const s = (time - t0) / h;
-    const found =
+    const angle =
       x0 * (1 + 2 * s) * (1 - s) ** 2 + x1 * s * s * (3 - 2 * s) +
       h * s * (1 - s) * (v0 * (1 - s) - v1 * s);
-    return ball.sign * found;
+    return ball.sign * angle;
   }
 
   /**

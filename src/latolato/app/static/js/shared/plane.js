@@ -96,12 +96,12 @@ export class Plane {
    * @param {string} name
    */
   paint(name) {
-    let found = this.colours.get(name);
-    if (found === undefined) {
-      found = colour(name, this.canvas);
-      this.colours.set(name, found);
+    let paint = this.colours.get(name);
+    if (paint === undefined) {
+      paint = colour(name, this.canvas);
+      this.colours.set(name, paint);
     }
-    return found;
+    return paint;
   }
 
   redraw() {

@@ -58,10 +58,10 @@ export const PANELS = [
  */
 export function summed(motion, name) {
   const rows = motion.balls.map((ball) => motion.values(name, ball.row));
-  const found = new Float64Array(motion.time.length);
+  const sum = new Float64Array(motion.time.length);
   for (const values of rows)
-    if (values) for (let i = 0; i < found.length; i += 1) found[i] += values[i];
-  return found;
+    if (values) for (let i = 0; i < sum.length; i += 1) sum[i] += values[i];
+  return sum;
 }
 
 /** How many balls one row of the ledger stands for. */

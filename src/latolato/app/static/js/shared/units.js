@@ -74,8 +74,8 @@ function superscript(power) {
  * @returns {{number: number, unit: string} | null}
  */
 export function parseQuantity(text) {
-  const found = /^\s*([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*?)\s*$/i.exec(text);
-  return found ? { number: Number(found[1].replace("−", "-")), unit: found[2] } : null;
+  const match = /^\s*([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*?)\s*$/i.exec(text);
+  return match ? { number: Number(match[1].replace("−", "-")), unit: match[2] } : null;
 }
 
 /**
@@ -85,11 +85,11 @@ export function parseQuantity(text) {
  * @returns {number | null}
  */
 export function toSi(text, units) {
-  const found = parseQuantity(text);
-  if (!found) return null;
-  if (found.unit === "") return found.number;
-  const unit = units.find((each) => each.name === found.unit || shownUnit(each.name) === found.unit);
-  return unit ? found.number * unit.size : null;
+  const quantity = parseQuantity(text);
+  if (!quantity) return null;
+  if (quantity.unit === "") return quantity.number;
+  const unit = units.find(({ name }) => [name, shownUnit(name)].includes(quantity.unit));
+  return unit ? quantity.number * unit.size : null;
 }
 
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
@@ -110,8 +110,8 @@ export function symbolParts(tex) {
     .replace(/\\,/g, " ");
   /** @type {{text: string, place: "line" | "sub" | "sup"}[]} */
   const parts = [];
-  for (const found of plain.matchAll(/([_^])(?:\{([^}]*)\}|(.))|([^_^]+)/g)) {
-    const [, mark, group, letter, rest] = found;
+  for (const match of plain.matchAll(/([_^])(?:\{([^}]*)\}|(.))|([^_^]+)/g)) {
+    const [, mark, group, letter, rest] = match;
     const text = (group ?? letter ?? rest).replace(/[{}$]/g, "");
     if (text) parts.push({ text, place: mark === "_" ? "sub" : mark === "^" ? "sup" : "line" });
   }

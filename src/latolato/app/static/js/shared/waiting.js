@@ -14,7 +14,7 @@ const AGAIN = 1000; // ms
  * @returns {Promise<T>}
  */
 export async function waited(place, answer) {
-  let said = "";
+  let message = "";
   let over = false;
   /** @type {ReturnType<typeof setTimeout>} */
   let timer;
@@ -23,8 +23,8 @@ export async function waited(place, answer) {
     const state = await askJson("/api/compiling").catch(() => null);
     if (over) return;
     if (state) {
-      said = t(state.compiling ? "preparing" : "computing");
-      if (place.textContent !== said) place.textContent = said;
+      message = t(state.compiling ? "preparing" : "computing");
+      if (place.textContent !== message) place.textContent = message;
     }
     timer = setTimeout(say, AGAIN);
   };
@@ -34,6 +34,6 @@ export async function waited(place, answer) {
   } finally {
     over = true;
     clearTimeout(timer);
-    if (said && place.textContent === said) place.textContent = "";
+    if (message && place.textContent === message) place.textContent = "";
   }
 }
