@@ -17,7 +17,7 @@ export class Downloads {
     this.speed = el("select", { id }, ...SPEEDS.map((s) =>
       el("option", { value: String(s), selected: s === 1 }, t("speedText", { speed: s }))));
     this.job = new JobLine();
-    this.make = el("button", { type: "button", on: { click: () => void this.film() } },
+    this.make = el("button", { type: "button", on: { click: () => void this.animate() } },
       t("file_mp4"));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
@@ -46,7 +46,7 @@ export class Downloads {
     }
   }
 
-  async film() {
+  async animate() {
     this.make.disabled = true;
     const block = await this.job.run("/ws/animation",
       { ...this.request, speed: Number(this.speed.value) });
