@@ -80,6 +80,7 @@ lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, types, layers
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python .ci/javascript.py
 	$(BIN)/node $(VENV)/js/node_modules/typescript/bin/tsc -p tests/app/js
 
 .PHONY: format

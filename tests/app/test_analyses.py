@@ -54,7 +54,7 @@ SMALL = {
 # What has no answer without contacts.
 OF_TWO = ("impact_map", "self_start", "pair_symmetry")
 # Closed forms: they need no compiled kernel.
-CLOSED = {"scenario": "fig02", "analysis": "tongue_edges", "given": {"order": "1"}}
+CLOSED = {"scenario": "fig02", "analysis": "tongue_edges", "settings": {"order": "1"}}
 
 
 def small(name):
@@ -136,7 +136,9 @@ def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
     for name, why in unfit.items():
         assert why.endswith(".")
         with pytest.raises(InputError):
-            app.compute({**asked, "analysis": name, "given": about["quick"][name]}, tmp_path, print)
+            app.compute(
+                {**asked, "analysis": name, "settings": about["quick"][name]}, tmp_path, print
+            )
 
 
 @pytest.mark.parametrize(
@@ -169,7 +171,7 @@ def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
 
 def test_the_cost_of_a_question_is_told_without_asking_it(client):
     def cost(**given):
-        asked = {"analysis": "basins", "scenario": "fig04a", "given": given}
+        asked = {"analysis": "basins", "scenario": "fig04a", "settings": given}
         return client.post("/api/analyses/cost", json=asked)
 
     few = cost(angle_points="10", velocity_points="10").json()["seconds"]
@@ -203,36 +205,40 @@ def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
     form = forms()[name]["options"]
     quick = about["quick"][name]
     assert set(quick) <= set(form)
-    job = app.prepare({"analysis": name, "scenario": "fig04a_push", "given": quick})
+    job = app.prepare({"analysis": name, "scenario": "fig04a_push", "settings": quick})
     assert job.name == "analyse"
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # few points and short runs
 @pytest.mark.parametrize("name", [name for name in analyses if name not in OF_TWO])
 def test_every_analysis_answers(name, tmp_path):
-    given = {"analysis": name, "options": {"duration": "6 s"}, "given": small(name)}
+    given = {"analysis": name, "options": {"duration": "6 s"}, "settings": small(name)}
     told = app.compute({**given, "scenario": "fig02"}, tmp_path, print)
-    assert load(tmp_path / "found.nc").attrs["analysis"] == name
+    assert load(tmp_path / "result.nc").attrs["analysis"] == name
     assert told["verdict"].endswith(".")
     assert "_" not in told["verdict"]
     assert "nan" not in told["verdict"]
     assert "no value" not in told["verdict"]
     assert len(told["lines"]) > 0
     assert not any("_" in label for label, _ in told["lines"])
-    assert (tmp_path / "found.svg").stat().st_size > 1000
-    assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")
-    assert f"# analysis: {name}" in (tmp_path / "found.csv").read_text(encoding="utf-8")
+    assert (tmp_path / "result.svg").stat().st_size > 1000
+    assert (tmp_path / "result.png").read_bytes().startswith(b"\x89PNG")
+    assert f"# analysis: {name}" in (tmp_path / "result.csv").read_text(encoding="utf-8")
 
 
 def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead(tmp_path):
     quick = about_request(RunRequest("toy", {}))["quick"]["shortest_protocol"]
-    given = {"analysis": "shortest_protocol", "scenario": "toy", "given": {**quick, "push": "1, 7"}}
+    given = {
+        "analysis": "shortest_protocol",
+        "scenario": "toy",
+        "settings": {**quick, "push": "1, 7"},
+    }
     with pytest.warns(RuntimeWarning, match="leads to a larger motion than rest"):
         told = app.compute(given, tmp_path, print)
     assert told["verdict"] == (
         "It cannot help: no push up to 7 rad/s leads beyond the 175° from rest."
     )
-    found = load(tmp_path / "found.nc")
+    found = load(tmp_path / "result.nc")
     assert np.isfinite(found["angle_after_push"]).all()
     # What does not exist has no unit either.
     assert dict(told["lines"])["Smallest push that reaches it"] == "none"
@@ -240,7 +246,7 @@ def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead
 
 @pytest.mark.parametrize("name", OF_TWO)
 def test_a_question_about_contacts_is_refused_for_a_pendulum_in_one_line(client, name):
-    given = {"analysis": name, "scenario": "fig02", "given": small(name)}
+    given = {"analysis": name, "scenario": "fig02", "settings": small(name)}
     text = json.loads(ask(client, given)[-2]["text"])["error"]
     assert "\n" not in text
     assert "Pendulum" in text or "pendulum" in text
@@ -248,7 +254,7 @@ def test_a_question_about_contacts_is_refused_for_a_pendulum_in_one_line(client,
 
 def test_a_question_about_contacts_is_answered_for_a_pair(tmp_path):
     told = app.compute(
-        {"analysis": "self_start", "scenario": "fig04a", "given": {}}, tmp_path, print
+        {"analysis": "self_start", "scenario": "fig04a", "settings": {}}, tmp_path, print
     )
     assert dict(told["lines"])["What was found"] == "found"
     assert "the balls part by themselves from" in told["verdict"]
@@ -260,14 +266,14 @@ def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_
     assert json.loads(told[0]["text"])["state"] == "waiting"
     about, arrays = unpack(block["bytes"])
     assert {"nc", "csv", "png", "svg"} <= set(arrays)
-    path = tmp_path / "found.nc"
+    path = tmp_path / "result.nc"
     path.write_bytes(arrays["nc"].tobytes())
     found = load(path)
 
     names: dict = {}
     lines = about["python"].splitlines()
     exec("\n".join(lines[:-1]), names)
-    xr.testing.assert_equal(found, names["found"])
+    xr.testing.assert_equal(found, names["result"])
 
     output = tmp_path / "again.nc"
     words = [*shlex.split(about["command"])[1:], "--output", str(output)]
@@ -279,7 +285,7 @@ def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_
 @pytest.mark.parametrize("name", ["basins", "bifurcation_diagram", "first_push", "growth_rate"])
 def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
     options = {"length": "50 cm", "tolerance": "1e-7", "initial_angle": "-0.1 rad"}
-    given = {"analysis": name, "scenario": "fig02", "options": options, "given": small(name)}
+    given = {"analysis": name, "scenario": "fig02", "options": options, "settings": small(name)}
     question = app.AnalysisRequest.from_json(given)
     seen = {}
 
@@ -328,23 +334,23 @@ def test_tables_of_an_answer_hold_its_numbers():
         ([], "must be an object"),
         ({}, "analysis must be a name"),
         ({"analysis": "tongues", "scenario": "fig02"}, "unknown analysis"),
-        ({**CLOSED, "given": {"order": 1}}, "object of texts"),
-        ({**CLOSED, "given": {"ordre": "1"}}, "has no option 'ordre'"),
-        ({**CLOSED, "given": {"order": "one"}}, "order must be a whole number"),
-        ({**CLOSED, "given": {"drive_amplitude": "3 kg"}}, "drive_amplitude"),
+        ({**CLOSED, "settings": {"order": 1}}, "object of texts"),
+        ({**CLOSED, "settings": {"ordre": "1"}}, "has no option 'ordre'"),
+        ({**CLOSED, "settings": {"order": "one"}}, "order must be a whole number"),
+        ({**CLOSED, "settings": {"drive_amplitude": "3 kg"}}, "drive_amplitude"),
         ({**CLOSED, "scenario": "nothing"}, "there is no scenario"),
         ({**CLOSED, "options": {"length": "-1 m"}}, "length"),
-        ({"analysis": "self_start", "scenario": "fig04a", "given": {"check": "yes"}}, "true or"),
+        ({"analysis": "self_start", "scenario": "fig04a", "settings": {"check": "yes"}}, "true or"),
         ({"analysis": "first_push", "scenario": "fig04a"}, "needs frequency_ratio"),
         (
-            {"analysis": "basins", "scenario": "fig04a", "given": {"angle_points": "900000"}},
+            {"analysis": "basins", "scenario": "fig04a", "settings": {"angle_points": "900000"}},
             "the limit is",
         ),
         (
             {
                 "analysis": "first_push",
                 "scenario": "fig04a",
-                "given": {"frequency_ratio": "1 : 2 : 1000000"},
+                "settings": {"frequency_ratio": "1 : 2 : 1000000"},
             },
             "values at most",
         ),
@@ -363,7 +369,11 @@ def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
     (tmp_path / "ratios.csv").write_text("1.5\n2\n")
     (tmp_path / "1:2:3").write_text("1.5\n2\n")
     for text in ("ratios.csv", str(tmp_path / "ratios.csv"), "ratios.csv:ratio", "1:2:3"):
-        given = {"analysis": "first_push", "scenario": "fig04a", "given": {"frequency_ratio": text}}
+        given = {
+            "analysis": "first_push",
+            "scenario": "fig04a",
+            "settings": {"frequency_ratio": text},
+        }
         with pytest.raises(ValueError, match="frequency_ratio"):
             app.prepare(given)
 
@@ -371,7 +381,7 @@ def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
 def test_work_is_estimated_from_all_that_multiplies_it():
     def steps(**given):
         question = app.AnalysisRequest.from_json(
-            {"analysis": "basins", "scenario": "fig04a", "given": given}
+            {"analysis": "basins", "scenario": "fig04a", "settings": given}
         )
         return app.steps_of(question.function, question.arguments())
 
@@ -379,14 +389,14 @@ def test_work_is_estimated_from_all_that_multiplies_it():
     assert steps(angle_points="20", velocity_points="30") == pytest.approx(6.0 * few)
     given = {"transient_periods": "1e9"}
     question = app.AnalysisRequest.from_json(
-        {"analysis": "basins", "scenario": "fig04a", "given": given}
+        {"analysis": "basins", "scenario": "fig04a", "settings": given}
     )
     with pytest.raises(TooLargeError, match="the limit is"):
         app.check_work(question.function, question.arguments())
 
 
 def test_a_page_that_goes_ends_the_computation(client):
-    given = {"analysis": "basins", "scenario": "fig02", "given": {"transient_periods": "8000"}}
+    given = {"analysis": "basins", "scenario": "fig02", "settings": {"transient_periods": "8000"}}
     with client.websocket_connect(SOCKET) as socket:
         socket.send_json(given)
         while json.loads(socket.receive()["text"])["state"] in ("waiting", "starting"):
@@ -408,10 +418,10 @@ def test_a_worker_ends_with_its_input():
 
 
 def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
-    given = {"analysis": "bifurcation_diagram", "scenario": "fig02", "given": small("basins") | {
+    given = {"analysis": "bifurcation_diagram", "scenario": "fig02", "settings": small("basins") | {
         "parameter": "frequency_ratio", "low": "1.8", "high": "2.2", "points": "5",
         "transient_periods": "10", "longest": "4"}}  # fmt: skip
-    given["given"] = {n: v for n, v in given["given"].items()
+    given["settings"] = {n: v for n, v in given["settings"].items()
                       if n in forms()["bifurcation_diagram"]["options"]}  # fmt: skip
     panels = app.compute(given, tmp_path, print)["panels"]
     assert len(panels) == 2  # stroboscopic angles and largest angles, over one axis
@@ -439,7 +449,7 @@ def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_pa
     assert row.inner_text().split()[-1] == f"{wanted.low:.6g}"
     with page.expect_download() as caught:
         page.get_by_role("button", name="NetCDF").click()
-    path = tmp_path / "found.nc"
+    path = tmp_path / "result.nc"
     caught.value.save_as(path)
     xr.testing.assert_equal(load(path), wanted)
     page.get_by_label("Number of the tongue").fill("none")
@@ -506,7 +516,7 @@ def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
 def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
     page.goto("/?view=analyse&scenario=fig02&drive_frequency=6 rad/s")
     found = page.evaluate(
-        """async () => { const { withOptions } = await import("/static/js/links.js");
+        """async () => { const { withOptions } = await import("/static/js/shared/links.js");
           return withOptions({ drive_frequency: "6 rad/s", length: "1 m" },
             { frequency_ratio: "2" }); }"""
     )

@@ -121,7 +121,7 @@ def test_a_body_that_nobody_reads_does_not_keep_a_connection():
         assert time.monotonic() < deadline
 
 
-@pytest.mark.parametrize("path", ["/api/films/desk", "/ws/live", "/ws/map", "/ws/paper"])
+@pytest.mark.parametrize("path", ["/ws/experiment/desk", "/ws/live", "/ws/map", "/ws/paper"])
 def test_a_socket_that_sends_no_frame_is_closed_with_a_reason(path):
     with serving(SHORT) as port:
         home = f"127.0.0.1:{port}"
@@ -133,13 +133,12 @@ def test_a_socket_that_sends_no_frame_is_closed_with_a_reason(path):
 def test_a_socket_that_has_sent_a_frame_stays_open():
     with serving(SHORT) as port:
         home = f"127.0.0.1:{port}"
-        with connect(f"ws://{home}/api/films/desk", origin=f"http://{home}") as found:
+        with connect(f"ws://{home}/ws/experiment/desk", origin=f"http://{home}") as found:
             found.send('{"hello": true}')
             assert "desk" in found.recv(timeout=PATIENCE)
             with pytest.raises(TimeoutError):
                 found.recv(timeout=4 * SHORT.first_frame_time)
-            found.send("{")
-            assert "error" in found.recv(timeout=PATIENCE)
+            found.ping().wait(PATIENCE)
 
 
 def test_idle_connections_of_an_address_make_room_for_requests():
@@ -160,7 +159,7 @@ def test_an_address_whose_connections_are_all_busy_gets_no_more():
     with serving(limits) as port, contextlib.ExitStack() as held:
         home = f"127.0.0.1:{port}"
         for _ in range(5):
-            busy = connect(f"ws://{home}/api/films/desk", origin=f"http://{home}")
+            busy = connect(f"ws://{home}/ws/experiment/desk", origin=f"http://{home}")
             held.enter_context(busy).send('{"hello": true}')
             busy.recv(timeout=PATIENCE)
         found = rest(opened(port))

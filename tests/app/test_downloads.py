@@ -174,12 +174,11 @@ def test_the_extra_that_animations_need_is_named(client, monkeypatch):
 
 def test_a_page_that_goes_ends_its_work(client):
     jobs = client.app.state.jobs
-    before = set() if jobs is None else set(jobs.busy) | set(jobs.idle)
+    before = set(jobs.busy) | set(jobs.idle)
     with client.websocket_connect(SOCKET) as socket:
         socket.send_json({"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1})
         while json.loads(socket.receive()["text"])["state"] == "waiting":
             pass
-        jobs = client.app.state.jobs
         (worker,) = jobs.busy
     assert worker.process.wait(timeout=20) != 0
     assert worker not in jobs.idle

@@ -97,7 +97,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     page.mouse.down()
     page.mouse.move(at[0] + 50, at[1], steps=4)
     page.mouse.up()
-    wide = page.locator(".film-box").bounding_box()["width"]
+    wide = page.locator(".clip-box").bounding_box()["width"]
     dragged = int(re.search(r"column (\d+)", handle.get_attribute("aria-label"))[1])
     assert abs(dragged - (found + 10 + 50 * 480 / wide)) <= 1.5
     page.get_by_role("button", name="As found").click()

@@ -17,7 +17,7 @@ FIRST = {
     "/ws/analyse": {
         "analysis": "basins",
         "scenario": "fig02",
-        "given": {"transient_periods": "8000"},
+        "settings": {"transient_periods": "8000"},
     },
     "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
     "/ws/map": {"scenario": "fig04a"},
@@ -91,8 +91,8 @@ def test_a_page_that_goes_before_it_is_refused_is_no_fault(app, path, given):
 
 
 @pytest.mark.parametrize("most", [0, 4])
-def test_a_desk_of_films_whose_page_goes_at_once_is_no_fault(most):
-    app = make_app(Settings(films=Allowance(desks=most)))
-    for _ in speak(Unreachable(app, 0), "/api/films/desk", None):
+def test_a_desk_of_clips_whose_page_goes_at_once_is_no_fault(most):
+    app = make_app(Settings(clips=Allowance(desks=most)))
+    for _ in speak(Unreachable(app, 0), "/ws/experiment/desk", None):
         pass
-    assert not app.state.films.desks
+    assert not app.state.clips.desks

@@ -163,7 +163,7 @@ def test_figures_that_need_a_film_say_what_is_missing(cache, monkeypatch):
 
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     entry = next(e for e in paper.contents() if e["name"] == "fig07")
-    assert entry["film"]
+    assert entry["video"]
     assert ".[video]" in entry["missing"]
     with open_client() as client:
         refused, _ = ask(client, {"figure": "fig07"})

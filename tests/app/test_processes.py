@@ -8,9 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import anyio
 import pytest
 
-from latolato.app.processes import EndedError, JobError, Limits, Workers
+from latolato.app.processes import EndedError, JobError, LateError, Limits, Workers
 
-UNKNOWN = {"do": "dance", "path": "/film", "name": "swing.mp4"}
+UNKNOWN = {"do": "dance", "path": "/clip", "name": "swing.mp4"}
 LIMITS = Limits(memory=8e9, cpu_time=100.0)
 
 
@@ -23,12 +23,12 @@ def in_loop(function):
 @pytest.mark.parametrize("limits, kept", [(None, 1), (LIMITS, 0)])
 def test_a_process_without_limits_is_kept_for_the_next_job(tmp_path, limits, kept):
     async def run():
-        workers = Workers(anyio.CapacityLimiter(1), limits)
+        workers = Workers(1, limits)
         numbers = []
         for _ in range(2):
             heard = []
             with pytest.raises(JobError, match=r"internal error \(KeyError\)"):
-                await workers.do("film", UNKNOWN, tmp_path, heard.append, seconds=60.0)
+                await workers.do("clip", UNKNOWN, tmp_path, heard.append)
             assert heard[0] == {"begun": len(numbers) == 1 and kept == 1}
             assert len(workers.idle) == kept
             numbers += [worker.process.pid for worker in workers.idle]
@@ -41,14 +41,14 @@ def test_a_process_without_limits_is_kept_for_the_next_job(tmp_path, limits, kep
 
 def test_a_process_that_ends_in_its_job_tells_how(tmp_path):
     async def run():
-        workers = Workers(anyio.CapacityLimiter(1), LIMITS)
+        workers = Workers(1, LIMITS)
 
         def hear(message):
             (worker,) = workers.busy
             worker.process.send_signal(signal.SIGTERM)
 
         with pytest.raises(EndedError) as caught:
-            await workers.do("film", UNKNOWN, tmp_path, hear, seconds=60.0)
+            await workers.do("clip", UNKNOWN, tmp_path, hear)
         assert caught.value.code == (1 if sys.platform == "win32" else -signal.SIGTERM)
 
     in_loop(run)
@@ -57,9 +57,9 @@ def test_a_process_that_ends_in_its_job_tells_how(tmp_path):
 @pytest.mark.parametrize("delay", [0.0, 0.001, 0.01, 0.1])
 def test_whenever_a_job_is_cancelled_its_process_has_ended(tmp_path, delay):
     async def run():
-        workers = Workers(anyio.CapacityLimiter(1))
+        workers = Workers(1)
         with anyio.move_on_after(delay) as scope:
-            await workers.do("film", UNKNOWN, tmp_path, started.append, seconds=60.0)
+            await workers.do("clip", UNKNOWN, tmp_path, started.append)
         assert scope.cancelled_caught
         deadline = time.monotonic() + 5.0
         while workers.busy and time.monotonic() < deadline:
@@ -73,12 +73,10 @@ def test_whenever_a_job_is_cancelled_its_process_has_ended(tmp_path, delay):
 
 def test_work_that_takes_too_long_is_ended(tmp_path):
     async def run():
-        workers = Workers(anyio.CapacityLimiter(1))
+        workers = Workers(1, seconds=0.2)
         seen = []
-        with pytest.raises(TimeoutError):
-            await workers.do(
-                "film", UNKNOWN, tmp_path, lambda _: seen.extend(workers.busy), seconds=0.2
-            )
+        with pytest.raises(LateError, match="more than 0 minutes"):
+            await workers.do("clip", UNKNOWN, tmp_path, lambda _: seen.extend(workers.busy))
         (worker,) = set(seen)
         assert worker.process.poll() not in (None, 0)
 

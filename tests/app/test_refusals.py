@@ -61,7 +61,7 @@ def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path)
 
     monkeypatch.setattr("latolato.app.analyse.routes.compute", compute)
     answers = []
-    worker.run({"job": "analyse", "given": {}, "folder": str(tmp_path)}, answers.append)
+    worker.run({"job": "analyse", "request": {}, "folder": str(tmp_path)}, answers.append)
     (answer,) = answers
     text = InputError(answer["error"], parameter=answer.get("parameter"))
     assert str(text).startswith(said)

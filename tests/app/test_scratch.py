@@ -28,7 +28,7 @@ def test_only_folders_without_a_server_are_removed(tmp_path, monkeypatch):
     other.mkdir()
     with scratch_folder() as kept:
         orphan, link = tmp_path / "latolato-app-orphan", tmp_path / "latolato-app-link"
-        (orphan / "films").mkdir(parents=True)
+        (orphan / "clips").mkdir(parents=True)
         (orphan / "lock").write_text(f"{os.getpid()} on this machine")  # its number is used again
         link.symlink_to(other)
         remove_orphans(tmp_path)
@@ -38,13 +38,15 @@ def test_only_folders_without_a_server_are_removed(tmp_path, monkeypatch):
 def test_what_a_killed_server_left_is_removed_by_the_next(tmp_path, monkeypatch):
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     killed = start_server()
-    address = killed.address.replace("http", "ws") + "api/films/desk"
-    with connect(address, origin=killed.address.rstrip("/")) as socket:
-        socket.send(json.dumps({"job": 1, "do": "example", "kind": "toy"}))
-        assert "desk" in socket.recv()
-        assert json.loads(socket.recv())["job"] == 1
+    home = killed.address.rstrip("/")
+    address = killed.address.replace("http", "ws") + "ws/experiment"
+    with connect(f"{address}/desk", origin=home) as desk, connect(address, origin=home) as socket:
+        desk.send('{"hello": true}')
+        key = json.loads(desk.recv())["desk"]
+        socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
+        assert json.loads(socket.recv())["state"] == "waiting"
         left = list(tmp_path.glob("latolato-app-*"))
-        assert list(left[0].glob("latolato-films-*/*"))
+        assert list(left[0].glob("latolato-clips-*/*"))
         killed.process.kill()
         killed.process.wait()
     killed.process.stdout.close()

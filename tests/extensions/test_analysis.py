@@ -66,8 +66,8 @@ def test_the_app_has_its_form_its_cost_and_its_answer(tmp_path):
     assert form["options"]["swings"]["label"] == "Number of swings"
     about = about_request(RunRequest.from_json(ASKED))
     assert "swing_time" not in about["unfit"]
-    request = {**ASKED, "analysis": "swing_time", "given": about["quick"]["swing_time"]}
+    request = {**ASKED, "analysis": "swing_time", "settings": about["quick"]["swing_time"]}
     assert app.prepare(request)
     answer = app.compute(request, tmp_path, print)
     assert answer["verdict"] == "A swing of 57° takes 2.14 s."
-    assert (tmp_path / "found.png").exists()
+    assert (tmp_path / "result.png").exists()

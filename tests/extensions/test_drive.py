@@ -262,10 +262,10 @@ def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
     asked = {
         "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
     }
-    given = {"analysis": "floquet", "given": {"period": "2"}}
+    given = {"analysis": "floquet", "settings": {"period": "2"}}
     answer = app_analyses.compute({**asked, **given}, tmp_path, print)
     assert answer["verdict"]
-    assert (tmp_path / "found.png").exists()
+    assert (tmp_path / "result.png").exists()
 
 
 def test_it_has_a_form_and_runs_in_the_app():

@@ -11,7 +11,7 @@ __all__ = ["browser", "page", "server", "watch"]
 
 STATIC = Path(latolato.app.__file__).parent / "static" / "js"
 MODULE = """
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
 
 export class HelloView {
   constructor(page) {
@@ -24,7 +24,7 @@ export class HelloView {
 LINES = {
     "main.js": (
         "const VIEWS = {\n",
-        '  hello: async () => (await import("./views/hello.js")).HelloView,\n',
+        '  hello: async () => (await import("./hello/view.js")).HelloView,\n',
     ),
     "strings.js": ('  view_live: "Live",\n', '  view_hello: "Hello",\n'),
 }
@@ -33,7 +33,7 @@ LINES = {
 @pytest.fixture
 def with_view(page):
     """A page whose server has the view's module and the two lines."""
-    files = {"views/hello.js": MODULE}
+    files = {"hello/view.js": MODULE}
     for name, (place, line) in LINES.items():
         text = (STATIC / name).read_text(encoding="utf-8")
         assert place in text

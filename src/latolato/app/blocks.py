@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,12 @@ def pack(about: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
     header = json.dumps(plain({**about, "arrays": entries}), allow_nan=False).encode()
     header += b" " * (-(len(header) + _LENGTH) % _ALIGNMENT)
     return b"".join([len(header).to_bytes(_LENGTH, "little"), header, *parts])
+
+
+def pack_files(about: Mapping[str, Any], files: Mapping[str, Path]) -> bytes:
+    """Return a header and the bytes of those files that are there as one block."""
+    there = {name: path for name, path in files.items() if path.is_file()}
+    return pack(about, {name: np.fromfile(path, np.uint8) for name, path in there.items()})
 
 
 def _is_even(values: NDArray[np.float64]) -> bool:

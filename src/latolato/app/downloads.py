@@ -16,7 +16,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
-from latolato.app.blocks import pack
+from latolato.app.blocks import pack_files
 from latolato.app.given import RunRequest, TooLargeError, check_size
 from latolato.app.jobs import Job, serve_job
 from latolato.core.errors import InputError, import_extra
@@ -60,7 +60,7 @@ async def _download(request: Request) -> Response:
 
 
 async def _animation(websocket: WebSocket) -> None:
-    await serve_job(websocket, prepare_animation)
+    await serve_job(websocket, websocket.app.state.jobs, prepare_animation)
 
 
 def request_of(query: Mapping[str, str]) -> RunRequest:
@@ -186,8 +186,8 @@ def without_none(tables: Any) -> Any:
     return tables
 
 
-def prepare_animation(given: Any) -> Job:
-    """Return the job that films what a page asks for: ``{"scenario", "options", "speed"}``.
+def prepare_animation(body: Any) -> Job:
+    """Return the job that animates what a page asks for: ``{"scenario", "options", "speed"}``.
 
     Raises
     ------
@@ -197,8 +197,8 @@ def prepare_animation(given: Any) -> Job:
     """
     from latolato.figures.animate import check_target
 
-    request = RunRequest.from_json(given)
-    speed = given.get("speed", 1.0)
+    request = RunRequest.from_json(body)
+    speed = body.get("speed", 1.0)
     if isinstance(speed, bool) or not isinstance(speed, (int, float)):
         raise InputError("must be a number", parameter="speed", value=speed)
     check_target("run.mp4", float(speed), FPS)
@@ -206,13 +206,11 @@ def prepare_animation(given: Any) -> Job:
     check_frames(scenario, float(speed))
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        return pack(
-            {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"},
-            {"file": _bytes(folder / "run.mp4")},
-        )
+        about = {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"}
+        return pack_files(about, {"file": folder / "run.mp4"})
 
-    given = {"scenario": request.scenario, "options": dict(request.options or {}), "speed": speed}
-    return Job("animate", given, finish)
+    run = {"scenario": request.scenario, "options": dict(request.options or {})}
+    return Job("animate", {**run, "speed": speed}, finish)
 
 
 def check_frames(scenario: Scenario, speed: float) -> None:
@@ -233,20 +231,13 @@ def check_frames(scenario: Scenario, speed: float) -> None:
         )
 
 
-def film(
-    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+def compute(
+    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
     """Write ``run.mp4`` into a folder: what the job `animate` does in its process."""
     from latolato.figures.animate import animate
 
-    scenario = scenario_of(RunRequest.from_json(given))
+    scenario = scenario_of(RunRequest.from_json(request))
     run = simulate_for_file(scenario)
-    animate(run, folder / "run.mp4", speed=given["speed"], fps=FPS, progress=progress)
+    animate(run, folder / "run.mp4", speed=request["speed"], fps=FPS, progress=progress)
     return {}
-
-
-def _bytes(path: Path) -> Any:
-    """Return a file as an array for a block."""
-    import numpy as np
-
-    return np.fromfile(path, dtype=np.uint8)

@@ -124,12 +124,12 @@ class Guard:
         is_own_site = request.headers.get("sec-fetch-site", "none") in ("none", "same-origin")
         return None if is_own_site or is_invited else _FOREIGN
 
-    def _is_token(self, *given: str) -> bool:
+    def _is_token(self, *texts: str) -> bool:
         """Return whether one of the texts is the server's token."""
         token = self._token
         if token is None:
             return False
-        return any(hmac.compare_digest(text.encode(), token.encode()) for text in given)
+        return any(hmac.compare_digest(text.encode(), token.encode()) for text in texts)
 
     def _impatient(self, receive: Receive, send: Send) -> Receive:
         """Return what receives the messages of a WebSocket, and ends one that sends no frame."""

@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,20 @@ class EndedError(JobError):
     def __init__(self, code: int) -> None:
         super().__init__("the computation ended by itself; it may have needed too much memory")
         self.code = code
+
+
+class LateError(JobError):
+    """A job that took too long.
+
+    Attributes
+    ----------
+    seconds : float
+        The time that it had [s].
+    """
+
+    def __init__(self, seconds: float) -> None:
+        super().__init__(f"this takes more than {seconds / 60:.0f} minutes: ask for less")
+        self.seconds = seconds
 
 
 @dataclass(frozen=True)
@@ -93,8 +108,8 @@ class Worker:
         )
         self.is_ready = self.is_busy = False
 
-    def run(self, job: str, given: Mapping[str, Any], folder: Path, hear: Hear) -> dict[str, Any]:
-        """Return what a job found; its files are in `folder`.
+    def run(self, job: str, request: Mapping[str, Any], folder: Path, hear: Hear) -> dict[str, Any]:
+        """Return the result of a job; its files are in `folder`.
 
         Raises
         ------
@@ -104,9 +119,9 @@ class Worker:
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         self.is_busy = True
-        request = {"job": job, "given": given, "folder": str(folder)}
+        line = json.dumps({"job": job, "request": request, "folder": str(folder)})
         with suppress(OSError):  # a process that is gone: reading tells
-            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.write(line + "\n")
             self.process.stdin.flush()
         while line := self.process.stdout.readline(_LONGEST):
             try:
@@ -153,66 +168,72 @@ class Workers:
 
     Attributes
     ----------
-    limiter : anyio.CapacityLimiter
+    most : int
         How many jobs run at the same time; others wait.
     limits : Limits, optional
         What each process may take. Without limits, one that is idle is kept for the next job.
+    seconds : float
+        Longest time of a job from its turn to its answer [s].
     """
 
-    limiter: anyio.CapacityLimiter
+    most: int = 2
     limits: Limits | None = None
+    seconds: float = 900.0
     idle: list[Worker] = field(default_factory=list)
     busy: set[Worker] = field(default_factory=set)
     is_closed: bool = False
     lock: threading.Lock = field(default_factory=threading.Lock)
 
+    @cached_property
+    def limiter(self) -> anyio.CapacityLimiter:
+        """What lets so many jobs run; made where there is a loop."""
+        return anyio.CapacityLimiter(self.most)
+
     async def do(
-        self, job: str, given: Mapping[str, Any], folder: Path, hear: Hear, *, seconds: float
+        self, job: str, request: Mapping[str, Any], folder: Path, hear: Hear
     ) -> dict[str, Any]:
-        """Return what a job found, when it is its turn; its process ends if this is cancelled.
+        """Return the result of a job, when it is its turn; its process ends if this is cancelled.
 
         Parameters
         ----------
         job : str
             One of `latolato.app.worker.JOBS`.
-        given : mapping
+        request : mapping
             What the job gets, as JSON knows it.
         folder : Path
             Where its files go.
         hear : callable
             Called, in another thread, with ``{"begun": whether its process is ready}`` and then
-            with what the job tells.
-        seconds : float
-            Longest time from its turn to its answer [s].
+            with the messages of the job.
 
         Raises
         ------
         JobError
             With the reason in one line.
-        TimeoutError
-            If it takes too long.
         """
         async with self.limiter:
             errand = _Errand()
             try:
-                with anyio.fail_after(seconds):
+                with anyio.fail_after(self.seconds):
                     return await anyio.to_thread.run_sync(
-                        self._run, errand, job, given, folder, hear, abandon_on_cancel=True
+                        self._run, errand, job, request, folder, hear, abandon_on_cancel=True
                     )
+            except TimeoutError:
+                raise LateError(self.seconds) from None
             finally:
                 if self._drop(errand):
                     with anyio.CancelScope(shield=True):
                         await anyio.to_thread.run_sync(errand.over.wait, _GRACE)
 
     def _run(
-        self, errand: _Errand, job: str, given: Mapping[str, Any], folder: Path, hear: Hear
+        self, errand: _Errand, job: str, request: Mapping[str, Any], folder: Path, hear: Hear
     ) -> dict[str, Any]:
-        """Return what a process of ours found."""
+        """Return the result of a process of ours."""
         try:
             worker = self._take(errand)
             try:
                 hear({"begun": worker.is_ready})
-                return worker.run(job, given, folder, hear)
+                return worker.run(job, request, folder, hear)
             finally:
                 self._give(worker)
         finally:

@@ -22,8 +22,8 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
-from latolato.app.blocks import pack
-from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.blocks import pack_files
+from latolato.app.jobs import Job, serve_job
 from latolato.core import cache
 from latolato.core.errors import InputError
 
@@ -40,9 +40,9 @@ _INDEX = re.compile(r"(?<![A-Za-z_])([Ayωθ])([0-9])(?![0-9A-Za-z_.])")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 # A hyphen before a number or between spaces.
 _MINUS = re.compile(r"(?<![\w.-])-(?=\d)|(?<= )-(?= )")
-# Runs of one figure that a page offers to open, and what it says of each.
+# Runs of one figure that a page offers to open, and options in the label of each.
 _MOST_CASES = 120
-_MOST_TOLD = 3
+_MOST_PARTS = 3
 # Blocks by key, name and source; one figure is some 200 kB.
 _known: dict[tuple[str, str], bytes] = {}
 
@@ -53,14 +53,14 @@ def routes() -> list[BaseRoute]:
 
 
 async def _contents(request: Request) -> Response:
-    workers_of(request.app.state).warm()
+    request.app.state.jobs.warm()
     report = request.app.state.report
     return await answered(request, lambda: JSONResponse(contents(report)))
 
 
 async def _figure(websocket: WebSocket) -> None:
-    report = websocket.app.state.report
-    await serve_job(websocket, lambda given: prepare(given, report))
+    state = websocket.app.state
+    await serve_job(websocket, state.jobs, lambda request: prepare(request, state.report))
 
 
 def contents(report: Path | None = None) -> list[dict[str, Any]]:
@@ -76,21 +76,21 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
 
     result = []
     for name, evidence in catalogue.evidence().items():
-        is_film = evidence.needs_video
+        needs_video = evidence.needs_video
         if report is not None and (report / f"{name}.nc").is_file():
-            is_film = False
+            needs_video = False
         result.append(
             {
                 "name": name,
                 "label": catalogue.title_of(name) if name.startswith("fig") else "Text",
                 "title": evidence.title,
-                "caption": shown(evidence.caption),
+                "caption": pretty(evidence.caption),
                 "statements": [
-                    {"name": s.name, "where": s.where, "words": shown(s.words)}
+                    {"name": s.name, "where": s.where, "words": pretty(s.words)}
                     for s in evidence.statements
                 ],
-                "film": is_film,
-                "missing": chain.MISSING if is_film and chain.is_missing() else "",
+                "video": needs_video,
+                "missing": chain.MISSING if needs_video and chain.is_missing() else "",
                 "scenarios": scenarios_of(name),
             }
         )
@@ -126,7 +126,7 @@ def scenarios_of(figure: str) -> list[str]:
     return _scenarios_by_figure().get(figure.removesuffix("_chain"), [])
 
 
-def prepare(given: Any, report: Path | None = None) -> Job:
+def prepare(request: Any, report: Path | None = None) -> Job:
     """Return the job that makes a figure and judges its claims: ``{"figure": name}``.
 
     Raises
@@ -138,38 +138,37 @@ def prepare(given: Any, report: Path | None = None) -> Job:
     from latolato.core.registry import suggest
     from latolato.figures import catalogue, chain
 
-    name = given.get("figure") if isinstance(given, Mapping) else None
+    name = request.get("figure") if isinstance(request, Mapping) else None
     if not isinstance(name, str):
-        raise InputError("a request must name a figure", value=given)
+        raise InputError("a request must name a figure", value=request)
     known = catalogue.evidence()
     if name not in known:
         raise InputError(f"there is no figure '{name:.40}': {suggest(name, list(known))}")
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        block = block_of(about, folder / f"{name}.svg")
+        block = pack_files(about, {"svg": folder / f"{name}.svg"})
         _keep(name, block)
         return block
 
-    job = Job("figure", {"figure": name}, finish)
     ready = stored(name, report) if report is not None else None
     ready = ready or _kept(name)
     if ready is None and known[name].needs_video and chain.is_missing():
         raise InputError(chain.MISSING)
-    return Job(job.name, job.given, finish, ready)
+    return Job("figure", {"figure": name}, finish, ready)
 
 
 def compute(
-    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
     """Draw a figure quickly and judge its claims: what the job `figure` does in its process."""
     from latolato.figures import catalogue, style
 
-    name = given["figure"]
+    name = request["figure"]
     evidence = catalogue.evidence()[name]
     dataset = evidence.data(quick=True)
     if evidence.draw:
         style.save_figure(evidence.draw(dataset), folder / f"{name}.svg")
-    return {"name": name, "source": "quick", **told(evidence, dataset)}
+    return {"name": name, "source": "quick", **about_figure(evidence, dataset)}
 
 
 def stored(name: str, report: Path) -> bytes | None:
@@ -189,19 +188,20 @@ def stored(name: str, report: Path) -> bytes | None:
     key = (f"{path.resolve()} {path.stat().st_mtime_ns}", name)
     if key not in _known:
         try:
-            about = told(catalogue.evidence()[name], load(path))
+            about = about_figure(catalogue.evidence()[name], load(path))
         except (AttributeError, KeyError) as error:
             raise InputError(
                 f"'{path}' is not of this version: make the report anew ({error})"
             ) from None
-        _known[key] = block_of({"name": name, "source": "report", **about}, report / f"{name}.svg")
+        about = {"name": name, "source": "report", **about}
+        _known[key] = pack_files(about, {"svg": report / f"{name}.svg"})
     return _known[key]
 
 
-def told(evidence: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
+def about_figure(evidence: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
     """Return the claims that a dataset decides, the runs behind it and what was filmed for it."""
     claims = [claim_of(claim) for claim in evidence.judge(dataset)]
-    made = shown(str(dataset.attrs.get("chain", "")))
+    made = pretty(str(dataset.attrs.get("chain", "")))
     return {"claims": claims, "cases": cases_of(dataset), "made": made}
 
 
@@ -212,23 +212,23 @@ def claim_of(claim: Claim) -> dict[str, Any]:
     return {
         "name": claim.name,
         "where": claim.where,
-        "words": shown(claim.words),
-        "finding": shown(claim.finding),
-        "criteria": [[shown(text), held] for text, held in claim.criteria],
-        "assumption": shown(claim.assumption),
+        "words": pretty(claim.words),
+        "finding": pretty(claim.finding),
+        "criteria": [[pretty(text), held] for text, held in claim.criteria],
+        "assumption": pretty(claim.assumption),
         "verdict": claim.verdict.name,
         "says": claim.verdict.value,
         "shape": SHAPES[claim.verdict],
-        "why": shown(claim.why),
+        "why": pretty(claim.why),
     }
 
 
-def shown(text: str) -> str:
+def pretty(text: str) -> str:
     """Return a text of the report as a page shows it: powers, indices and minus signs.
 
     Examples
     --------
-    >>> shown("A0 is at least 1e-09 m, 2-3 times l0")
+    >>> pretty("A0 is at least 1e-09 m, 2-3 times l0")
     'A₀ is at least 10⁻⁹ m, 2-3 times l0'
     """
     from latolato.report import plain
@@ -273,8 +273,8 @@ def _short_options(scenario: Scenario) -> dict[str, Any]:
     usual |= defaults_of(scenario)
     if not scenario.system.has_contacts:
         usual["contact"] = "none"
-    given = options_of(scenario)
-    return {n: v for n, v in given.items() if n in ("system", "drive") or usual.get(n, ...) != v}
+    options = options_of(scenario)
+    return {n: v for n, v in options.items() if n in ("system", "drive") or usual.get(n, ...) != v}
 
 
 def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
@@ -289,25 +289,17 @@ def _case_label(label: Any, run: Mapping[str, Any], differing: list[str]) -> str
     from latolato.figures.style import pretty_unit
     from latolato.scenario.options import law_options
 
-    told = []
+    parts = []
     for name in differing:
         value = run.get(name)
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             unit = law_options()[name].unit
             unit = "" if unit in ("", "1") else f" {pretty_unit(unit)}"
-            told.append(f"{name.replace('_', ' ')} {value:.6g}{unit}")
+            parts.append(f"{name.replace('_', ' ')} {value:.6g}{unit}")
         elif isinstance(value, str):
-            told.append(f"{name} {value}".replace("_", " "))
+            parts.append(f"{name} {value}".replace("_", " "))
     words = str(label).replace("_", " ")
-    return f"{words}: {', '.join(told[:_MOST_TOLD])}" if told else words
-
-
-def block_of(about: Mapping[str, Any], picture: Path) -> bytes:
-    """Return what is told of a figure, and its picture if it has one, as a block."""
-    import numpy as np
-
-    arrays = {"svg": np.fromfile(picture, dtype=np.uint8)} if picture.is_file() else {}
-    return pack(about, arrays)
+    return f"{words}: {', '.join(parts[:_MOST_PARTS])}" if parts else words
 
 
 @lru_cache(maxsize=1)

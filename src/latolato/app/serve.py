@@ -92,7 +92,7 @@ def serve(
         from latolato.app.map_stored import named
 
         maps = named(stored)
-    films = Allowance.of(video_megabytes, video_minutes)
+    clips = Allowance.of(video_megabytes, video_minutes)
     with _listener(host, port) as listener, scratch_folder():
         port = listener.getsockname()[1]
         settings = Settings(
@@ -101,7 +101,7 @@ def serve(
             token=secrets.token_urlsafe() if others else None,
             names=(*names, *_own_names()) if others else (),
             report=report,
-            films=films,
+            clips=clips,
             stored=maps,
         )
         address = link(_for_this_machine(host, port), settings.token)

@@ -22,6 +22,7 @@ from latolato.app.experiment.store import Allowance, Store
 from latolato.app.given import RunRequest
 from latolato.app.guard import Guard
 from latolato.app.pages import page_file, static
+from latolato.app.processes import Workers
 from latolato.core.errors import InputError
 from latolato.io.progress import compiling
 
@@ -43,7 +44,7 @@ class Settings:
         Further names by which browsers may call the server, with or without a port.
     report : Path, optional
         Folder of a reproduction report whose figures are shown.
-    films : Allowance
+    clips : Allowance
         What uploaded videos may take.
     stored : mapping
         Stored maps that pages may open, by name.
@@ -56,7 +57,7 @@ class Settings:
     token: str | None = None
     names: Sequence[str] = ()
     report: Path | None = None
-    films: Allowance = field(default_factory=Allowance)
+    clips: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
     connections: ConnectionLimits = field(default_factory=ConnectionLimits)
 
@@ -111,10 +112,10 @@ def make_app(settings: Settings) -> Starlette:
         lifespan=_lifespan,
     )
     app.state.workers = None
-    app.state.jobs = None
     app.state.report = settings.report
-    app.state.films = Store(settings.films)
-    app.state.film_jobs = None
+    app.state.jobs = Workers()
+    app.state.clips = Store(settings.clips)
+    app.state.clip_jobs = settings.clips.workers
     app.state.maps = None
     app.state.map_cells = None
     app.state.stored = dict(settings.stored)
@@ -132,10 +133,9 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
     with compiling(partial(note, True), partial(note, False)):
         yield
-    for workers in (app.state.jobs, app.state.film_jobs):
-        if workers is not None:
-            workers.close()
-    app.state.films.close()
+    app.state.jobs.close()
+    app.state.clip_jobs.close()
+    app.state.clips.close()
 
 
 def _views() -> list[BaseRoute]:
@@ -143,9 +143,9 @@ def _views() -> list[BaseRoute]:
     from latolato.app import downloads, live, maps
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
-    from latolato.app.experiment import routes as films
+    from latolato.app.experiment import routes as clips
 
-    views = (maps, live, downloads, paper, analyses, films)
+    views = (maps, live, downloads, paper, analyses, clips)
     return [route for view in views for route in view.routes()]
 
 
@@ -170,15 +170,15 @@ async def _compiling(request: Request) -> Response:
 
 
 async def _run(request: Request) -> Response:
-    given = await json_of(request)
-    return await answered(request, _run_response, given)
+    body = await json_of(request)
+    return await answered(request, _run_response, body)
 
 
-def _run_response(given: Any) -> Response:
+def _run_response(body: Any) -> Response:
     from latolato.app.runs import USUAL_COLUMNS, run_block
 
-    request = RunRequest.from_json(given)
-    columns, samples = given.get("columns", USUAL_COLUMNS), given.get("samples")
+    request = RunRequest.from_json(body)
+    columns, samples = body.get("columns", USUAL_COLUMNS), body.get("samples")
     if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
         raise InputError("columns must be a list of names")
     return Response(run_block(request, columns, samples), media_type="application/octet-stream")

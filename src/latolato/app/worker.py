@@ -1,10 +1,10 @@
 """A process for long work: reads jobs from standard input, writes how far they are.
 
-A job is one line of JSON, ``{"job": name, "given": {...}, "folder": path}``; its files go to the
+A job is one line of JSON, ``{"job": name, "request": {...}, "folder": path}``; its files go to the
 folder. Answers are lines of JSON as well: ``{"ready": true}`` once, then for each job any number of
-``{"progress": share}`` and ``{"compiling": true}``, and at last ``{"done": {...}}`` or
-``{"error": text, "parameter": name}``. The process ends when its input does, in the middle of a job
-too: whoever wanted the answer is gone.
+``{"stage": word, "progress": share}`` and ``{"compiling": true}``, and at last ``{"done": {...}}``
+or ``{"error": text, "parameter": name}``. The process ends when its input does, in the middle of a
+job too: whoever wanted the answer is gone.
 
 A process that gets limits as its argument, ``{"memory": bytes, "cpu_time": s, "file_size": bytes,
 "files": number}``, keeps them and imports nothing before its job is there. Limits are for all that
@@ -29,12 +29,12 @@ from latolato.core.errors import InputError, said_of
 from latolato.io.progress import compiling
 from latolato.simulation.summary import plain
 
-# Where the functions ``(given, folder, progress) -> dict`` are. They call
+# Where the functions ``(request, folder, progress) -> dict`` are. They call
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
     "analyse": ("latolato.app.analyse.routes", "compute"),
-    "animate": ("latolato.app.downloads", "film"),
-    "film": ("latolato.app.experiment.jobs", "compute"),
+    "animate": ("latolato.app.downloads", "compute"),
+    "clip": ("latolato.app.experiment.jobs", "compute"),
     "figure": ("latolato.app.report", "compute"),
 }
 # Imported before a job is there, so that it begins at once.
@@ -49,8 +49,8 @@ Tell = Callable[[Mapping[str, Any]], None]
 def run(job: Mapping[str, Any], tell: Tell) -> None:
     """Do one job and tell its end."""
 
-    def progress(share: float, stage: str | None = None) -> None:
-        tell({"progress": share} if stage is None else {"stage": stage, "progress": share})
+    def progress(share: float, stage: str = "working") -> None:
+        tell({"stage": stage, "progress": share})
 
     try:
         module, name = JOBS[job["job"]]
@@ -60,15 +60,15 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             compiling(lambda: tell({"compiling": True}), lambda: tell({"compiling": False})),
         ):
             warnings.simplefilter("always", RuntimeWarning)
-            result = function(job["given"], Path(job["folder"]), progress)
+            result = function(job["request"], Path(job["folder"]), progress)
     except Exception as error:
         if isinstance(error, InputError):
             tell({"error": error.worded("{parameter}"), "parameter": error.parameter})
         else:
             tell({"error": said_of(error)})
     else:
-        told = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
-        tell({"done": {**result, "warnings": list(dict.fromkeys(told))}})
+        texts = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
+        tell({"done": {**result, "warnings": list(dict.fromkeys(texts))}})
 
 
 def limit(limits: Mapping[str, float]) -> None:

@@ -9,7 +9,7 @@ import { misread } from "../../../src/latolato/app/static/js/map/address.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
-import { plainSymbol } from "../../../src/latolato/app/static/js/units.js";
+import { plainSymbol } from "../../../src/latolato/app/static/js/shared/units.js";
 
 const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
 

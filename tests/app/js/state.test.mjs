@@ -2,10 +2,10 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { newest } from "../../../src/latolato/app/static/js/api.js";
-import { envelope, isDense } from "../../../src/latolato/app/static/js/band.js";
-import { format, parse } from "../../../src/latolato/app/static/js/state.js";
-import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/units.js";
+import { newest } from "../../../src/latolato/app/static/js/shared/api.js";
+import { envelope, isDense } from "../../../src/latolato/app/static/js/shared/band.js";
+import { format, parse } from "../../../src/latolato/app/static/js/shared/state.js";
+import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/shared/units.js";
 
 const DEGREE = Math.PI / 180;
 const UNITS = [{ name: "deg", size: DEGREE }, { name: "rad", size: 1 }];

@@ -32,7 +32,7 @@ _NEAR = 1.5
 # The longest run that is proposed [s].
 _LONGEST_RUN = 3000
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
-ASKED_RUN = ("duration",)
+OWN_RUN = ("duration",)
 # Names of parameters in a text.
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
@@ -56,8 +56,8 @@ def forms() -> dict[str, Any]:
             "term": question.term,
             "reading": question.reading,
             "first": question.first,
-            "summary": shown(summary_of(function)),
-            "notes": shown(" ".join(map(plain_text, notes))),
+            "summary": pretty(summary_of(function)),
+            "notes": pretty(" ".join(map(plain_text, notes))),
             "options": {o.name: _option(o) for o in own.values()},
             "run": list(run),
         }
@@ -72,7 +72,7 @@ def own_options(
     from latolato.scenario.analysis_options import options_of
 
     both = options_of(function)
-    own = {n: o for n, o in both.items() if o.owner != "run" or n in ASKED_RUN}
+    own = {n: o for n, o in both.items() if o.owner != "run" or n in OWN_RUN}
     return own, {n: o for n, o in both.items() if n not in own}
 
 
@@ -85,7 +85,7 @@ def _option(option: Parameter) -> dict[str, Any]:
         default = ", ".join(f"{value:g}" for value in default)
     return {
         "label": label_of(option.name),
-        "description": shown(_NAMES.sub(lambda n: label_of(n[0]).lower(), option.description)),
+        "description": pretty(_NAMES.sub(lambda n: label_of(n[0]).lower(), option.description)),
         "unit": None if option.unit_of else "" if option.unit == "1" else pretty_unit(option.unit),
         "kind": option.kind.__name__,
         "several": option.several,
@@ -117,12 +117,12 @@ def label_of(name: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
 
 
-def shown(text: str) -> str:
+def pretty(text: str) -> str:
     """Return a text of a docstring with frequencies and amplitudes as a page writes them.
 
     Examples
     --------
-    >>> shown("w/w0 of A0, by default 3 w0")
+    >>> pretty("w/w0 of A0, by default 3 w0")
     'ω/ω₀ of A₀, by default 3 ω₀'
     """
     for plain, pretty in _LETTERS.items():
@@ -228,8 +228,8 @@ def _ratios_of(scenario: Scenario, usual: tuple[float, float]) -> tuple[float, f
 def _amplitudes_of(scenario: Scenario) -> tuple[float, float]:
     """Return the amplitudes [m] of a map, with that of the drive."""
     l = scenario.system.balls[0].length
-    given = float(getattr(scenario.drive, "drive_amplitude", 0.0) or 0.0)
-    return _AMPLITUDES[0] * l, max(_AMPLITUDES[1] * l, _AROUND[1] * given)
+    amplitude = float(getattr(scenario.drive, "drive_amplitude", 0.0) or 0.0)
+    return _AMPLITUDES[0] * l, max(_AMPLITUDES[1] * l, _AROUND[1] * amplitude)
 
 
 def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:

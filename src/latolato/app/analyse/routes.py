@@ -18,9 +18,9 @@ from starlette.websockets import WebSocket
 
 from latolato.app.analyse.forms import about_request, forms, label_of, own_options
 from latolato.app.answers import answered, json_of
-from latolato.app.blocks import pack
+from latolato.app.blocks import pack_files
 from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
-from latolato.app.jobs import Job, serve_job, workers_of
+from latolato.app.jobs import Job, serve_job
 from latolato.app.lines import constructor, literal
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import question_of
@@ -50,28 +50,28 @@ def routes() -> list[BaseRoute]:
     """Return the routes of the view Analyse."""
     return [
         Route("/api/analyses", _forms),
-        Route("/api/asked", _asked, methods=["POST"]),
+        Route("/api/analyses/about", _about, methods=["POST"]),
         Route("/api/analyses/cost", _cost, methods=["POST"]),
         WebSocketRoute("/ws/analyse", _analyse),
     ]
 
 
 async def _forms(request: Request) -> Response:
-    workers_of(request.app.state).warm()
+    request.app.state.jobs.warm()
     return await answered(request, lambda: JSONResponse(forms()))
 
 
-async def _asked(request: Request) -> Response:
-    given = await json_of(request)
-    return await answered(request, lambda: JSONResponse(about_request(RunRequest.from_json(given))))
+async def _about(request: Request) -> Response:
+    body = await json_of(request)
+    return await answered(request, lambda: JSONResponse(about_request(RunRequest.from_json(body))))
 
 
 async def _cost(request: Request) -> Response:
-    given = await json_of(request)
+    body = await json_of(request)
 
     def answer() -> Response:
         try:
-            question = AnalysisRequest.from_json(given)
+            question = AnalysisRequest.from_json(body)
             arguments = question.arguments()
             check_work(question.function, arguments)
         except InputError as error:  # an answer as well: what is typed is unfinished
@@ -82,7 +82,7 @@ async def _cost(request: Request) -> Response:
 
 
 async def _analyse(websocket: WebSocket) -> None:
-    await serve_job(websocket, prepare)
+    await serve_job(websocket, websocket.app.state.jobs, prepare)
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,11 @@ class AnalysisRequest:
 
     name: str
     request: RunRequest
-    given: Mapping[str, str]
+    settings: Mapping[str, str]
 
     @classmethod
     def from_json(cls, value: Any) -> AnalysisRequest:
-        """Return what a page asks: ``{"analysis", "scenario", "options", "given": {name: text}}``.
+        """Return what a page asks: ``{"analysis", "scenario", "options", "settings": texts}``.
 
         Raises
         ------
@@ -106,19 +106,21 @@ class AnalysisRequest:
         from latolato.core.registry import suggest
 
         request = RunRequest.from_json(value)
-        name, given = value.get("analysis"), value.get("given") or {}
+        name, settings = value.get("analysis"), value.get("settings") or {}
         if not isinstance(name, str):
             raise InputError("must be a name", parameter="analysis", value=name)
         function = analyses[name]
-        if not isinstance(given, Mapping) or not all(isinstance(v, str) for v in given.values()):
-            raise InputError("must be an object of texts", parameter="given")
+        if not isinstance(settings, Mapping) or not all(
+            isinstance(v, str) for v in settings.values()
+        ):
+            raise InputError("must be an object of texts", parameter="settings")
         own, _ = own_options(function)
-        for option in given:
+        for option in settings:
             if option not in own:
                 raise InputError(
                     f"has no option '{option}': {suggest(option, list(own))}", parameter=name
                 )
-        return cls(name, request, {n: v.strip() for n, v in given.items() if v.strip()})
+        return cls(name, request, {n: v.strip() for n, v in settings.items() if v.strip()})
 
     @property
     def function(self) -> Callable[..., Any]:
@@ -139,7 +141,7 @@ class AnalysisRequest:
         from latolato.scenario.analysis_options import options_of
 
         own = options_of(self.function)
-        typed = {name: _typed(own[name], text) for name, text in self.given.items()}
+        typed = {name: _typed(own[name], text) for name, text in self.settings.items()}
         scenario = self.request.to_scenario()
         call = AnalysisCall(self.name, self.function, own)
         try:
@@ -160,17 +162,17 @@ class AnalysisRequest:
             "",
             f"system = {constructor(arguments['system'])}",
         ]
-        shown = ["system"]
+        texts = ["system"]
         if arguments.get("drive") is not None:
             lines.append(f"drive = {constructor(arguments['drive'])}")
-            shown.append("drive")
+            texts.append("drive")
         for name, value in arguments.items():
             if name in ("system", "drive") or value == parameters[name].default:
                 continue
             is_law = hasattr(value, "__dataclass_fields__")
-            shown.append(f"{name}={constructor(value) if is_law else literal(value)}")
-        call = f"found = {self.name}({', '.join(shown)})"
-        return "\n".join([*lines, call, f'll.plot(found).savefig("{self.name}.png")'])
+            texts.append(f"{name}={constructor(value) if is_law else literal(value)}")
+        call = f"result = {self.name}({', '.join(texts)})"
+        return "\n".join([*lines, call, f'll.plot(result).savefig("{self.name}.png")'])
 
     def command(self) -> str:
         """Return the command that asks the same, quoted for a shell."""
@@ -187,7 +189,7 @@ class AnalysisRequest:
         request = {n: v for n, v in (self.request.options or {}).items() if v is not None}
         run = {n: v for n, v in request.items() if n in own and own[n].owner == "run"}
         law = {n: v for n, v in request.items() if n not in unfit and n not in run}
-        for name, value in {**law, **run, **self.given}.items():
+        for name, value in {**law, **run, **self.settings}.items():
             is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
             flag = "--" + name.replace("_", "-")
             if is_switch:
@@ -292,7 +294,7 @@ def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> fl
     return _LEAST_SECONDS + steps_of(function, arguments) / rate
 
 
-def prepare(given: Any) -> Job:
+def prepare(body: Any) -> Job:
     """Return the job that answers a page's question.
 
     Raises
@@ -300,49 +302,47 @@ def prepare(given: Any) -> Job:
     InputError
         For bad input, and for a question that would take very long.
     """
-    question = AnalysisRequest.from_json(given)
+    question = AnalysisRequest.from_json(body)
     arguments = question.arguments()
     check_work(question.function, arguments)
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        import numpy as np
-
-        files = {path.suffix[1:]: np.fromfile(path, np.uint8) for path in folder.iterdir()}
         lines = {"python": question.python(arguments), "command": question.command()}
-        return pack({**about, **lines}, files)
+        return pack_files({**about, **lines}, {p.suffix[1:]: p for p in folder.iterdir()})
 
     request = question.request
-    sent = {"scenario": request.scenario, "options": dict(request.options or {})}
-    return Job("analyse", {**sent, "analysis": question.name, "given": question.given}, finish)
+    sent: dict[str, Any] = {"scenario": request.scenario, "options": dict(request.options or {})}
+    sent |= {"analysis": question.name, "settings": question.settings}
+    return Job("analyse", sent, finish)
 
 
 def compute(
-    given: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
-    """Answer a question and write what is found: what the job `analyse` does in its process."""
+    """Answer a question and write the result: what the job `analyse` does in its process."""
     import warnings
 
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.io.files import save
 
-    question = AnalysisRequest.from_json(given)
+    question = AnalysisRequest.from_json(request)
     result = question.function(**question.arguments())
-    save(result, folder / "found.nc")
-    (folder / "found.csv").write_text(to_csv(result), encoding="utf-8")
+    save(result, folder / "result.nc")
+    (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
     panels: list[dict[str, Any]] = []
     try:
         figure = plot(result)
     except InputError as error:  # without a picture
         warnings.warn(str(error), RuntimeWarning, stacklevel=1)
     else:
-        save_figure(figure, folder / "found.png", dpi=_PICTURE_DPI)
-        save_figure(figure, folder / "found.svg")
+        save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
+        save_figure(figure, folder / "result.svg")
         panels = panels_of(figure, result)
-    request = question_of(question.name)
+    words = question_of(question.name)
     return {
         "analysis": question.name,
-        "verdict": request.verdict(result),
+        "verdict": words.verdict(result),
         "lines": numbers_of(result),
         "panels": panels,
     }

@@ -46,7 +46,7 @@ class Description:
     lens_k2: float = 0.0
 
     @classmethod
-    def from_json(cls, given: Any) -> Description:
+    def from_json(cls, value: Any) -> Description:
         """Return the description that a page sends.
 
         Raises
@@ -54,26 +54,26 @@ class Description:
         InputError
             For unknown names, wrong types, units and values.
         """
-        if not isinstance(given, Mapping):
-            raise InputError("the description of a video must be an object", value=given)
+        if not isinstance(value, Mapping):
+            raise InputError("the description of a video must be an object", value=value)
         quantities = (*SHARED, *(parameter.name for parameter in CAMERA))
         known = ("pivot", "balls", "is_proposed", *quantities)
-        for name in given:
+        for name in value:
             if name not in known:
                 raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
-        balls = given.get("balls") or ()
+        balls = value.get("balls") or ()
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
             raise InputError("must be one place or two", parameter="balls")
         numbers: dict[str, Any] = {
-            name: number(name, given.get(name)) for name in quantities if given.get(name)
+            name: number(name, value.get(name)) for name in quantities if value.get(name)
         }
         for name in ("length", "radius", "mass", "gravity", "slow_motion"):
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
-            pivot=None if given.get("pivot") is None else place("pivot", given["pivot"]),
+            pivot=None if value.get("pivot") is None else place("pivot", value["pivot"]),
             balls=tuple(place("balls", ball) for ball in balls),
-            is_proposed=bool(given.get("is_proposed")),
+            is_proposed=bool(value.get("is_proposed")),
             **numbers,
         )
 

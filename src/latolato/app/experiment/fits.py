@@ -120,7 +120,7 @@ def _predicted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
 def play_options(
     system: System, fit: Fit, start: tuple[float, float] | None, table: xr.Dataset
 ) -> dict[str, Any]:
-    """Return the options of a run that begins as the film does, on the pivot of a fit."""
+    """Return the options of a run that begins as the clip does, on the pivot of a fit."""
     time = table["time"].values
     angle = np.stack([table[f"angle_{b}"].values for b in range(1, balls_of(table) + 1)])
     if start is None:

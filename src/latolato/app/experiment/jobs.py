@@ -1,115 +1,152 @@
-"""Work on uploaded videos, in limited processes of their own (see `processes`)."""
+"""Work on clips: what a page may ask for, and what the job `clip` does in its limited process."""
 
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from latolato.app.given import TooLargeError
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
-    from latolato.app.experiment.store import Allowance, Film
-    from latolato.app.processes import Workers
-
-Tell = Callable[[str, float], Coroutine[Any, Any, None]]
+    from latolato.app.experiment.store import Clip, Desk, Store
+    from latolato.app.jobs import Job
 
 
 class Progress(Protocol):
     """What a job is given to say how far it is."""
 
-    def __call__(self, share: float, stage: str | None = None) -> None:
+    def __call__(self, share: float, stage: str = ...) -> None:
         """Tell the part of a stage that is done."""
 
 
-def film_workers_of(state: Any) -> Workers:
-    """Return the processes of the server with this state that read videos."""
-    import anyio
-
-    from latolato.app.processes import Limits, Workers
-
-    if state.film_jobs is None:
-        allowance: Allowance = state.films.allowance
-        limits = Limits(memory=allowance.memory, cpu_time=allowance.cpu_time)
-        state.film_jobs = Workers(anyio.CapacityLimiter(allowance.jobs), limits)
-    workers: Workers = state.film_jobs
-    return workers
-
-
-async def work(
-    workers: Workers, film: Film, job: Mapping[str, Any], allowance: Allowance, tell: Tell
-) -> dict[str, Any]:
-    """Return the result of a job on a film; its process is killed if this is cancelled.
-
-    Parameters
-    ----------
-    workers : Workers
-        The processes that read videos.
-    film : Film
-        What it is about.
-    job : mapping
-        What to ``do``, and how.
-    allowance : Allowance
-        What the work may take.
-    tell : coroutine function of (str, float)
-        Called with the stage and the part of it that is done.
+def prepare(request: Any, store: Store) -> Job:
+    """Return the job that a page asks for: ``{"desk", "do", "clip", ...}``.
 
     Raises
     ------
-    JobError
-        With the reason.
+    InputError
+        For anything that is not known, before a process begins.
     """
     import anyio
 
-    from latolato.app.processes import EndedError, JobError
+    from latolato.app.blocks import pack_files
+    from latolato.app.experiment.description import EXAMPLES, EXPORTS, Description
+    from latolato.app.jobs import Job
 
-    limits = allowance.limits
-    given = {
-        **job,
-        "path": str(film.upload),
-        "name": film.name,
-        "limits": {name: getattr(limits, name) for name in limits.__dataclass_fields__},
-    }
+    if not isinstance(request, Mapping):
+        raise InputError("a request must be an object")
+    desk, do = store.desk(request.get("desk")), request.get("do")
+    if do not in ("look", "track", "fit", "export", "example"):
+        raise InputError("must be look, track, fit, export or example", parameter="do", value=do)
+    if len(desk.running) >= store.allowance.waiting:
+        raise TooLargeError(f"{len(desk.running)} jobs wait already")
+    work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
+    if do == "example":
+        work["kind"] = _one_of("kind", request.get("kind"), EXAMPLES)
+        clip = anyio.from_thread.run_sync(store.admit, desk, f"{work['kind']}.mp4")
+    else:
+        clip = desk.clip(request.get("clip"))
+        if not clip.is_whole:
+            raise InputError(f"{clip.name} is still on its way")
+        if not clip.about and do != "look":
+            raise InputError(f"{clip.name} could not be read")
+    if do == "export":
+        work["file"] = _one_of("file", request.get("file"), EXPORTS)
+    if do in ("track", "fit"):
+        work |= {"description": request.get("description"), **clip.about}
+        Description.from_json(work["description"])
+    if do == "fit":
+        from latolato.experiment.fits import fits
 
-    def hear(message: Mapping[str, Any]) -> None:
-        if "stage" in message:
-            anyio.from_thread.run(tell, message["stage"], message["progress"])
+        work["kind"] = _one_of("kind", request.get("kind"), tuple(fits))
+    work["name"] = clip.name
+
+    def finish(about: dict[str, Any], folder: Path) -> bytes:
+        result = about["result"]
+        if do in ("look", "example"):
+            clip.about = {"width": result["width"], "height": result["height"]}
+            clip.is_whole = True
+            result["clip"] = clip.key
+        if do == "track":
+            clip.trial = result["trial"]
+            result["trials"] = trial_rows(list(desk.clips.values()))
+        files = {"track": ("points", "model"), "fit": ("model",)}.get(do, ())
+        return pack_files(result, {name: folder / f"{name}.bin" for name in files})
+
+    return Job("clip", work, finish, place=lambda: _place(desk, clip))
+
+
+@contextmanager
+def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
+    """Give the folder of a clip to a job; its process' end is told in words about the clip."""
+    from latolato.app.processes import EndedError, JobError, LateError
 
     try:
-        done = await workers.do("film", given, film.folder, hear, seconds=allowance.wall_time)
-    except TimeoutError:
+        with desk.work_on(clip) as folder:
+            yield folder
+    except LateError as error:
         raise JobError(
-            f"work on {film.name} took more than {allowance.wall_time:g} s: cut the video"
+            f"work on {clip.name} took more than {error.seconds:g} s: cut the video"
         ) from None
     except EndedError as error:
-        raise JobError(_reason(error.code, film)) from None
-    result: dict[str, Any] = done["result"]
-    return result
+        raise JobError(_reason(error.code, clip)) from None
 
 
-def _reason(code: int, film: Film) -> str:
+def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
+    """Return a word that is one of those known."""
+    if not isinstance(value, str) or value not in known:
+        raise InputError(f"must be one of {', '.join(known)}", parameter=name, value=value)
+    return value
+
+
+def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
+    """Return the trials of clips with their sets, ordered by set and frequency."""
+    import math
+
+    from latolato.experiment.trial_table import sets_of
+
+    def known(row: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: math.nan if value is None else value for name, value in row.items()}
+
+    rows = [{**known(c.trial), "clip": c.key, "source": c.name} for c in clips if c.trial]
+    if not rows:
+        return []
+    names = sets_of(
+        [row["drive_amplitude"] for row in rows], [row["drive_amplitude_sigma"] for row in rows]
+    )
+    rows = [{**row, "set": s, "set_by": "amplitude"} for row, s in zip(rows, names, strict=True)]
+    return sorted(rows, key=lambda row: (row["set"], row["drive_frequency"]))
+
+
+def _reason(code: int, clip: Clip) -> str:
     """Return why a process ended without an answer."""
     if code == -getattr(signal, "SIGXCPU", 24):
-        return f"work on {film.name} took too much processor time: cut the video or scale it down"
+        return f"work on {clip.name} took too much processor time: cut the video or scale it down"
     if code == -getattr(signal, "SIGKILL", 9):
-        return f"work on {film.name} took too much memory or time: cut the video or scale it down"
+        return f"work on {clip.name} took too much memory or time: cut the video or scale it down"
     if code == -getattr(signal, "SIGXFSZ", 25):
-        return f"what was made of {film.name} is too large: cut the video or scale it down"
+        return f"what was made of {clip.name} is too large: cut the video or scale it down"
     if code < 0:
-        return f"reading {film.name} broke the decoder: is the file whole? Convert it to MP4"
-    return f"work on {film.name} ended without an answer: is the file whole?"
+        return f"reading {clip.name} broke the decoder: is the file whole? Convert it to MP4"
+    return f"work on {clip.name} ended without an answer: is the file whole?"
 
 
-def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Do what a page wants of a film: what the job `film` does in its process.
+def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
+    """Do what a page wants of a clip: what the job `clip` does in its process.
 
     Raises
     ------
     InputError
         With the reason.
     """
-    job = {**given, "folder": str(folder)}
+    from latolato.app.experiment.store import UPLOAD
+
+    job = {**request, "folder": str(folder), "path": str(folder / UPLOAD)}
     try:
         # Here: with little memory it fails, which is reported as any other failure.
         from latolato.app.experiment.work import WORK
@@ -122,7 +159,7 @@ def compute(given: Mapping[str, Any], folder: Path, progress: Progress) -> dict[
 
 
 def one_line(error: Exception, job: Mapping[str, Any]) -> str:
-    """Return why a job failed, in one line about the film's name instead of its path."""
+    """Return why a job failed, in one line about the clip's name instead of its path."""
     text = " ".join(str(error).split()) or type(error).__name__
     for quoted in (f"'{job['path']}'", str(job["path"])):
         text = text.replace(quoted, job["name"])

@@ -1,17 +1,14 @@
 """Videos of an experiment: upload, work on them with progress, results; gone with their page.
 
-A page opens the WebSocket ``/api/films/desk``, sends ``{"hello": true}`` and keeps it open. It
-receives its key, uploads with ``POST /api/films?desk=KEY`` (the body is the file, its name stands
-in the header ``X-Name``), and asks for work in JSON frames ``{"job": 1, "do": "track", "film": KEY,
-...}``. It receives ``stage`` and ``progress``, and at last ``done`` or ``error``. When the socket
-closes, running work is killed and every file of that page is removed.
+A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
+receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
+stands in the header ``X-Name``), and asks for work at ``/ws/experiment`` (see `latolato.app.jobs`)
+by ``{"desk": KEY, "do": "track", "clip": KEY, ...}``. When the desk's socket closes, running work
+is killed and every file of that page is removed.
 """
 
 from __future__ import annotations
 
-import asyncio
-import json
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, BinaryIO
 
@@ -20,65 +17,58 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
-from latolato.app.answers import answered, message_of, refusal, status_of
-from latolato.app.experiment.jobs import film_workers_of, work
-from latolato.app.experiment.store import FILES, SHOWN, Desk, Film, Store
+from latolato.app.answers import answered, json_of, refusal, status_of
+from latolato.app.experiment.jobs import prepare, trial_rows
+from latolato.app.experiment.store import COPY, FILES, Clip, Desk, Store
 from latolato.app.given import TooLargeError
+from latolato.app.jobs import GONE, serve_job
 from latolato.core.errors import InputError
-
-_LONGEST_FRAME = 100_000
-# The first frame of a page; its first job may come much later.
-GREETING = {"hello": True}
 
 
 def routes() -> list[BaseRoute]:
     """Return the addresses of the experiment view."""
     return [
-        WebSocketRoute("/api/films/desk", _desk),
-        Route("/api/films", _upload, methods=["POST"]),
-        Route("/api/films/{film}/{file}", _file),
-        Route("/api/trials", _trials_file),
+        WebSocketRoute("/ws/experiment", _job),
+        WebSocketRoute("/ws/experiment/desk", _desk),
+        Route("/api/experiment", _upload, methods=["POST"]),
+        Route("/api/experiment/remove", _remove, methods=["POST"]),
+        Route("/api/experiment/trials", _trials_file),
+        Route("/api/experiment/{clip}/{file}", _file),
     ]
-
-
-def store_of(app: Any) -> Store:
-    """Return the films of a server."""
-    store: Store = app.state.films
-    return store
 
 
 async def _upload(request: Request) -> Response:
     """Receive one video; nothing is left of one that is refused or breaks off."""
-    store = store_of(request.app)
+    store: Store = request.app.state.clips
     try:
         desk = store.desk(request.query_params.get("desk"))
         announced = request.headers.get("content-length", "0")
         size = int(announced) if announced.isdigit() else 0
-        film = store.admit(desk, request.headers.get("x-name", ""), size)
+        clip = store.admit(desk, request.headers.get("x-name", ""), size)
     except InputError as error:
         return refusal(status_of(error), error)
     try:
-        with anyio.fail_after(store.allowance.upload_time), film.upload.open("xb") as file:
-            await _received(request, store, desk, film, file)
-        if film.size == 0:
-            raise InputError(f"{film.name} is empty")
-        film.is_whole = True
+        with anyio.fail_after(store.allowance.upload_time), clip.upload.open("xb") as file:
+            await _received(request, store, desk, clip, file)
+        if clip.size == 0:
+            raise InputError(f"{clip.name} is empty")
+        clip.is_whole = True
     except InputError as error:
         return refusal(status_of(error), error)
     except TimeoutError:
-        return refusal(408, InputError(f"the upload of {film.name} stood still"))
+        return refusal(408, InputError(f"the upload of {clip.name} stood still"))
     except (ClientDisconnect, OSError) as error:
-        why = f"the upload of {film.name} broke off: {type(error).__name__}"
+        why = f"the upload of {clip.name} broke off: {type(error).__name__}"
         return refusal(400, InputError(why))
     finally:
-        if not film.is_whole:
-            desk.remove(film.key)
-    return JSONResponse({"film": film.key, "name": film.name, "size": film.size})
+        if not clip.is_whole:
+            desk.remove(clip)
+    return JSONResponse({"clip": clip.key, "name": clip.name, "size": clip.size})
 
 
-async def _received(request: Request, store: Store, desk: Desk, film: Film, file: BinaryIO) -> None:
+async def _received(request: Request, store: Store, desk: Desk, clip: Clip, file: BinaryIO) -> None:
     """Write the body of a request to a file, as it comes."""
     parts = request.stream()
     while True:
@@ -86,22 +76,41 @@ async def _received(request: Request, store: Store, desk: Desk, film: Film, file
             part = await anext(parts, b"")
         if not part:
             return
-        if film.key not in desk.films:
+        if clip.key not in desk.clips:
             raise InputError("the page has closed")
-        store.check_size(film, film.size + len(part))
-        film.size += len(part)
+        store.check_size(clip, clip.size + len(part))
+        clip.size += len(part)
         await anyio.to_thread.run_sync(file.write, part)
 
 
+async def _remove(request: Request) -> Response:
+    """Remove a clip: ``{"desk", "clip"}``; answer with the trials that are left."""
+    body = await json_of(request)
+    try:
+        if not isinstance(body, dict):
+            raise InputError("a request must be an object")
+        desk: Desk = request.app.state.clips.desk(body.get("desk"))
+        desk.remove(desk.clip(body.get("clip")))
+    except InputError as error:
+        return refusal(status_of(error), error)
+    return await answered(request, _trials, list(desk.clips.values()))
+
+
+def _trials(clips: list[Clip]) -> Response:
+    from latolato.simulation.summary import plain
+
+    return JSONResponse({"trials": plain(trial_rows(clips))})
+
+
 async def _file(request: Request) -> Response:
-    """Send one of the files of a film."""
+    """Send one of the files of a clip."""
     name = request.path_params["file"]
-    film = store_of(request.app).film(request.path_params["film"])
-    path = film.file(name) if film else None
+    clip = request.app.state.clips.clip(request.path_params["clip"])
+    path = clip.file(name) if clip else None
     if path is None:
         raise HTTPException(404, "there is no such file; a video is removed with its page")
     headers = {"Cache-Control": "no-store"}
-    if name not in SHOWN:
+    if name != COPY:
         # The page that is downloaded is of another kind than those of this server.
         headers["Content-Disposition"] = "attachment"
     return FileResponse(path, media_type=FILES[name], headers=headers)
@@ -110,23 +119,23 @@ async def _file(request: Request) -> Response:
 async def _trials_file(request: Request) -> Response:
     """Send the trial table of a page as CSV."""
     try:
-        desk = store_of(request.app).desk(request.query_params.get("desk"))
+        desk = request.app.state.clips.desk(request.query_params.get("desk"))
     except InputError as error:
         raise HTTPException(404, str(error)) from None
-    return await answered(request, _trials_csv, list(desk.films.values()))
+    return await answered(request, _trials_csv, list(desk.clips.values()))
 
 
-def _trials_csv(films: list[Film]) -> Response:
+def _trials_csv(clips: list[Clip]) -> Response:
     """Return the trial table as CSV."""
     import tempfile
     from pathlib import Path
 
     from latolato.experiment.trial_table import trial_table, write_trials
 
-    rows = trial_rows(films)
+    rows = trial_rows(clips)
     if not rows:
         raise InputError("none of the videos is a trial: each needs a driven pivot")
-    rows = [{k: v for k, v in row.items() if k != "film"} for row in rows]
+    rows = [{k: v for k, v in row.items() if k != "clip"} for row in rows]
     table = trial_table({name: [row[name] for row in rows] for name in rows[0]})
     with tempfile.TemporaryDirectory() as folder:
         path = write_trials(table, Path(folder) / "trials.csv")
@@ -135,239 +144,43 @@ def _trials_csv(films: list[Film]) -> Response:
     return Response(content, media_type="text/csv; charset=utf-8", headers=headers)
 
 
-def trial_rows(films: list[Film]) -> list[dict[str, Any]]:
-    """Return the trials of films with their sets, ordered by set and frequency."""
-    import math
-
-    from latolato.experiment.trial_table import sets_of
-
-    def known(row: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: math.nan if value is None else value for name, value in row.items()}
-
-    rows = [{**known(f.trial), "film": f.key, "source": f.name} for f in films if f.trial]
-    if not rows:
-        return []
-    names = sets_of(
-        [row["drive_amplitude"] for row in rows], [row["drive_amplitude_sigma"] for row in rows]
-    )
-    rows = [{**row, "set": s, "set_by": "amplitude"} for row, s in zip(rows, names, strict=True)]
-    return sorted(rows, key=lambda row: (row["set"], row["drive_frequency"]))
+async def _job(websocket: WebSocket) -> None:
+    state = websocket.app.state
+    await serve_job(websocket, state.clip_jobs, lambda request: prepare(request, state.clips))
 
 
 async def _desk(websocket: WebSocket) -> None:
-    """Serve one page: its jobs run until it closes, and then all its films are removed."""
-    store = store_of(websocket.app)
+    """Keep a place for the clips of a page until it closes."""
+    store: Store = websocket.app.state.clips
     await websocket.accept()
-    try:
-        desk = store.open_desk()
-    except TooLargeError as error:
-        with suppress(RuntimeError, WebSocketDisconnect):
+    with suppress(*GONE):
+        try:
+            desk = store.open_desk()
+        except TooLargeError as error:
             await websocket.send_json({"error": str(error)})
             await websocket.close(1013)
-        return
-    clerk = _Clerk(websocket, store, desk)
-    try:
-        await clerk.serve()
-    finally:
-        await asyncio.shield(clerk.close())
-
-
-class _Clerk:
-    """Takes the frames of one page and runs its jobs."""
-
-    def __init__(self, websocket: WebSocket, store: Store, desk: Desk) -> None:
-        self._socket = websocket
-        self._store = store
-        self._desk = desk
-        self._jobs: dict[int, asyncio.Task[None]] = {}
-        self._lock = asyncio.Lock()
-
-    async def serve(self) -> None:
-        """Answer frames until the page goes."""
-        from latolato.app.experiment.description import EXAMPLES, fields, fit_kinds
-
-        most = self._store.allowance
-        await self.tell(
-            {
-                "desk": self._desk.key,
-                "fields": await anyio.to_thread.run_sync(fields),
-                "fits": await anyio.to_thread.run_sync(fit_kinds),
-                "examples": EXAMPLES,
-                "limits": {"upload": most.upload, "duration": most.duration,
-                           "pixels": most.pixels},
-            }
-        )  # fmt: skip
-        while True:
-            frame = await self._socket.receive()
-            if frame["type"] == "websocket.disconnect":
-                return
-            await self._take(frame.get("text"))
-
-    async def close(self) -> None:
-        """Kill what runs and remove the films."""
-        for task in self._jobs.values():
-            task.cancel()
-        await asyncio.gather(*self._jobs.values(), return_exceptions=True)
-        self._desk.close()
-
-    async def tell(self, message: Mapping[str, Any]) -> None:
-        """Send one frame; a page that has gone hears nothing."""
-        from latolato.simulation.summary import plain
-
-        async with self._lock:
-            try:
-                await self._socket.send_text(json.dumps(plain(dict(message)), allow_nan=False))
-            except (RuntimeError, WebSocketDisconnect):
-                return
-
-    async def _take(self, text: str | None) -> None:
-        """Begin or end a job."""
-        number = None
+            return
         try:
-            if text is None or len(text) > _LONGEST_FRAME:
-                raise InputError("a frame must be a short text")
-            given = parsed(text)
-            if not isinstance(given, dict):
-                raise InputError("a frame must be an object")
-            if given == GREETING:
-                return
-            number = given.get("job")
-            if isinstance(number, bool) or not isinstance(number, int):
-                number = None
-                raise InputError("job must be a whole number")
-            self._begin(number, given)
-        except Exception as error:
-            await self.refuse(number, error)
-
-    async def refuse(self, number: int | None, error: Exception) -> None:
-        """Tell why there is no answer."""
-        await self.tell({"job": number, **message_of(error)})
-
-    def _begin(self, number: int, given: dict[str, Any]) -> None:
-        """Begin what a frame asks for."""
-        do = given.get("do")
-        if do == "cancel":
-            task = self._jobs.get(number)
-            if task is not None:
-                task.cancel()
-            return
-        if number in self._jobs:
-            raise InputError(f"job {number} runs already")
-        if len(self._jobs) >= self._store.allowance.waiting:
-            raise TooLargeError(f"{len(self._jobs)} jobs wait already")
-        if do == "remove":
-            self._desk.remove(self._desk.film(given.get("film")).key)
-            self._run(number, self._rows())
-            return
-        film, job = checked_job(self._store, self._desk, given)
-        self._run(number, self._work(film, job))
-
-    def _run(self, number: int, doing: Any) -> None:
-        """Run one job until its answer."""
-
-        async def run() -> None:
-            try:
-                result = await doing(number)
-                await self.tell({"job": number, "done": result})
-            except asyncio.CancelledError:
-                await self.tell({"job": number, "cancelled": True})
-            except Exception as error:
-                await self.refuse(number, error)
-            finally:
-                self._jobs.pop(number, None)
-
-        self._jobs[number] = asyncio.create_task(run())
-
-    def _rows(self) -> Any:
-        """Return what answers with the trial table."""
-
-        async def answer(_: int) -> dict[str, Any]:
-            return {"trials": await self._trials()}
-
-        return answer
-
-    async def _trials(self) -> list[dict[str, Any]]:
-        """Return the trial table of this page."""
-        return await anyio.to_thread.run_sync(trial_rows, list(self._desk.films.values()))
-
-    def _work(self, film: Film, job: dict[str, Any]) -> Any:
-        """Return what does a job on a film, when it is its turn."""
-
-        async def answer(number: int) -> dict[str, Any]:
-            async def tell(stage: str, progress: float) -> None:
-                await self.tell({"job": number, "stage": stage, "progress": progress})
-
-            is_new = job["do"] == "example"
-            try:
-                await tell("waiting", 0.0)
-                workers = film_workers_of(self._socket.app.state)
-                result = await work(workers, film, job, self._store.allowance, tell)
-            except BaseException:
-                if is_new:
-                    self._desk.remove(film.key)
-                raise
-            finally:
-                film.weigh()
-            if job["do"] in ("look", "example"):
-                film.about = {"width": result["width"], "height": result["height"]}
-                film.truth = result.pop("truth", {})
-                result |= {"film": film.key, "name": film.name, "truth": film.truth}
-            if job["do"] == "track":
-                film.trial = result["trial"]
-                result["trials"] = await self._trials()
-            return result
-
-        return answer
+            await websocket.send_json(await anyio.to_thread.run_sync(_hello, store, desk))
+            while (await websocket.receive())["type"] != "websocket.disconnect":
+                pass
+        finally:
+            desk.close()
 
 
-def parsed(text: str) -> Any:
-    """Return the JSON of a frame."""
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError("a frame must be JSON") from None
+def _hello(store: Store, desk: Desk) -> Any:
+    """Return what a page must know to ask for work."""
+    from latolato.app.experiment.description import EXAMPLES, fields, fit_kinds
+    from latolato.simulation.summary import plain
 
-
-def checked_job(store: Store, desk: Desk, given: Mapping[str, Any]) -> tuple[Film, dict[str, Any]]:
-    """Return the film that a frame is about and the job for its process.
-
-    Raises
-    ------
-    InputError
-        For anything that is not known, before a process begins.
-    """
-    from latolato.app.experiment.description import EXAMPLES, EXPORTS, Description
-
-    do = given.get("do")
-    if do == "example":
-        kind = _one_of("kind", given.get("kind"), EXAMPLES)
-        film = store.admit(desk, f"{kind}.mp4")
-        return film, {"do": do, "kind": kind}
-    if do not in ("look", "track", "fit", "export"):
-        raise InputError(
-            "must be look, track, fit, export, example or remove", parameter="do", value=do
-        )
-    film = desk.film(given.get("film"))
-    if not film.is_whole and not film.about:
-        raise InputError(f"{film.name} is still on its way")
-    if do == "look":
-        return film, {"do": do}
-    if not film.about:
-        raise InputError(f"{film.name} could not be read")
-    if do == "export":
-        return film, {"do": do, "file": _one_of("file", given.get("file"), EXPORTS)}
-    description = given.get("description")
-    Description.from_json(description)
-    job = {"do": do, "description": description, **film.about}
-    if do == "fit":
-        from latolato.experiment.fits import fits
-
-        job["kind"] = _one_of("kind", given.get("kind"), tuple(fits))
-    return film, job
-
-
-def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
-    """Return a word that is one of those known."""
-    if not isinstance(value, str) or value not in known:
-        raise InputError(f"must be one of {', '.join(known)}", parameter=name, value=value)
-    return value
+    most = store.allowance
+    limits = {"upload": most.upload, "duration": most.duration, "pixels": most.pixels}
+    return plain(
+        {
+            "desk": desk.key,
+            "fields": fields(),
+            "fits": fit_kinds(),
+            "examples": EXAMPLES,
+            "limits": limits,
+        }
+    )

@@ -7,31 +7,34 @@ import secrets
 import shutil
 import tempfile
 import unicodedata
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+import anyio
+
 from latolato.app.given import TooLargeError
+from latolato.app.processes import Limits as ProcessLimits
+from latolato.app.processes import Workers
 from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 
 _LONGEST_NAME = 80
-# What lies in the folder of a film. Messages contain the name of the upload, never a path.
-UPLOAD = "film"
+# What lies in the folder of a clip. Messages contain the name of the upload, never a path.
+UPLOAD = "clip"
 FILES = {
-    "shown.mp4": "video/mp4",
-    "points.bin": "application/octet-stream",
-    "model.bin": "application/octet-stream",
+    "copy.mp4": "video/mp4",
     "track.csv": "text/csv; charset=utf-8",
     "track.nc": "application/x-netcdf",
     "setup.toml": "application/toml",
     "overlay.mp4": "video/mp4",
     "report.html": "text/html; charset=utf-8",
 }
-# Those that the page shows itself; others are downloads.
-SHOWN = ("shown.mp4", "points.bin", "model.bin")
+# The one that the page plays itself; others are downloads.
+COPY = "copy.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,26 +45,26 @@ class Allowance:
     ----------
     upload, stored : int
         Size of one file, and of all on the server together [bytes].
-    films, desk_films, desks : int
-        Number of films on the server, of one page, and of pages with films.
+    clips, desk_clips, desks : int
+        Number of clips on the server, of one page, and of pages with clips.
     duration : float
-        Longest film [s].
+        Longest clip [s].
     pixels, frames : int
         Largest frame, and most frames.
     memory : float
-        Address space of the process that reads a film [bytes].
+        Address space of the process that reads a clip [bytes].
     cpu_time, wall_time : float
-        Longest work on a film [s].
+        Longest work on a clip [s].
     stall, upload_time : float
         Longest pause of an upload, and longest upload [s].
     jobs, waiting : int
-        Films that are worked on at the same time, and jobs of one page that may wait.
+        Clips that are worked on at the same time, and jobs of one page that may wait.
     """
 
     upload: int = 500_000_000
     stored: int = 3_000_000_000
-    films: int = 40
-    desk_films: int = 16
+    clips: int = 40
+    desk_clips: int = 16
     desks: int = 50
     duration: float = 600.0
     pixels: int = 3840 * 2160
@@ -76,7 +79,7 @@ class Allowance:
 
     @classmethod
     def of(cls, megabytes: float | None = None, minutes: float | None = None) -> Allowance:
-        """Return the usual allowance with another size and length of a film.
+        """Return the usual allowance with another size and length of a clip.
 
         Raises
         ------
@@ -117,9 +120,15 @@ class Allowance:
             memory=0.5 * self.memory,
         )
 
+    @property
+    def workers(self) -> Workers:
+        """New processes that keep to this."""
+        limits = ProcessLimits(memory=self.memory, cpu_time=self.cpu_time)
+        return Workers(self.jobs, limits, self.wall_time)
+
 
 @dataclass
-class Film:
+class Clip:
     """One upload.
 
     Attributes
@@ -133,11 +142,9 @@ class Film:
     size : int
         Bytes received, and later of all that was made of them.
     is_whole : bool
-        Whether the upload has ended.
+        Whether it is all there: uploaded, or painted.
     about : dict
         The results of the work on it.
-    truth : dict
-        Numbers that are true of a synthetic film.
     trial : dict, optional
         Its row of the trial table.
     """
@@ -148,7 +155,6 @@ class Film:
     size: int = 0
     is_whole: bool = False
     about: dict[str, Any] = field(default_factory=dict)
-    truth: dict[str, float] = field(default_factory=dict)
     trial: dict[str, Any] | None = None
 
     @property
@@ -170,40 +176,58 @@ class Film:
 
 
 class Desk:
-    """The films of one open page; they go when it closes."""
+    """The clips of one open page and the work on them; both end when it closes."""
 
     def __init__(self, store: Store, key: str) -> None:
         self.key = key
-        self.films: dict[str, Film] = {}
+        self.clips: dict[str, Clip] = {}
+        self.running: set[anyio.CancelScope] = set()
         self._store = store
 
     def close(self) -> None:
-        """Remove everything of this page."""
-        for key in list(self.films):
-            self.remove(key)
+        """End the work of this page and remove everything that is its own."""
+        for scope in self.running:
+            scope.cancel()
+        for clip in list(self.clips.values()):
+            self.remove(clip)
         self._store.desks.pop(self.key, None)
 
-    def remove(self, key: str) -> None:
-        """Remove one film."""
-        film = self.films.pop(key, None)
-        if film is not None:
-            shutil.rmtree(film.folder, ignore_errors=True)
+    def remove(self, clip: Clip) -> None:
+        """Remove a clip, or what work wrote after that."""
+        self.clips.pop(clip.key, None)
+        shutil.rmtree(clip.folder, ignore_errors=True)
 
-    def film(self, key: Any) -> Film:
-        """Return a film of this page.
+    @contextmanager
+    def work_on(self, clip: Clip) -> Iterator[Path]:
+        """Give the folder of a clip to work that ends with this page."""
+        with anyio.CancelScope() as scope:
+            self.running.add(scope)
+            try:
+                yield clip.folder
+            finally:
+                self.running.discard(scope)
+                if clip.is_whole and clip.key in self.clips:
+                    clip.weigh()
+                else:
+                    self.remove(clip)
+        if scope.cancelled_caught:
+            raise InputError(f"the page of {clip.name} has closed")
+
+    def clip(self, key: Any) -> Clip:
+        """Return a clip of this page.
 
         Raises
         ------
         InputError
             If there is none of that key.
         """
-        if not isinstance(key, str) or key not in self.films:
+        if not isinstance(key, str) or key not in self.clips:
             raise InputError("this video is no longer on the server: upload it again")
-        return self.films[key]
+        return self.clips[key]
 
 
 class Store:
-    """All films of a server, below one temporary folder."""
+    """All clips of a server, below one temporary folder."""
 
     def __init__(self, allowance: Allowance | None = None) -> None:
         self.allowance = allowance or Allowance()
@@ -214,7 +238,7 @@ class Store:
     def folder(self) -> Path:
         """The folder of this server, made when it is first needed."""
         if self._folder is None:
-            self._folder = Path(tempfile.mkdtemp(prefix="latolato-films-"))
+            self._folder = Path(tempfile.mkdtemp(prefix="latolato-clips-"))
         return self._folder
 
     def close(self) -> None:
@@ -226,7 +250,7 @@ class Store:
             self._folder = None
 
     def open_desk(self) -> Desk:
-        """Return a place for the films of a page.
+        """Return a place for the clips of a page.
 
         Raises
         ------
@@ -241,7 +265,7 @@ class Store:
         self.desks[desk.key] = desk
         return desk
 
-    def desk(self, key: str | None) -> Desk:
+    def desk(self, key: Any) -> Desk:
         """Return the place of a page.
 
         Raises
@@ -249,16 +273,16 @@ class Store:
         InputError
             If there is none: its page has closed.
         """
-        if key not in self.desks:
+        if not isinstance(key, str) or key not in self.desks:
             raise InputError("this page is not connected: load it again")
         return self.desks[key]
 
-    def film(self, key: str) -> Film | None:
-        """Return a film of any page, by its key that only its page knows."""
-        return next((d.films[key] for d in self.desks.values() if key in d.films), None)
+    def clip(self, key: str) -> Clip | None:
+        """Return a clip of any page, by its key that only its page knows."""
+        return next((d.clips[key] for d in self.desks.values() if key in d.clips), None)
 
-    def admit(self, desk: Desk, name: str, size: int = 0) -> Film:
-        """Return a new film without content.
+    def admit(self, desk: Desk, name: str, size: int = 0) -> Clip:
+        """Return a new clip without content.
 
         Raises
         ------
@@ -266,19 +290,19 @@ class Store:
             If there are too many, or `size` bytes [as announced] are too much.
         """
         most = self.allowance
-        if len(desk.films) >= most.desk_films:
-            raise TooLargeError(f"{most.desk_films} videos are open: remove one of them first")
-        if sum(len(d.films) for d in self.desks.values()) >= most.films:
-            raise TooLargeError(f"the server holds {most.films} videos: try again later")
+        if len(desk.clips) >= most.desk_clips:
+            raise TooLargeError(f"{most.desk_clips} videos are open: remove one of them first")
+        if sum(len(d.clips) for d in self.desks.values()) >= most.clips:
+            raise TooLargeError(f"the server holds {most.clips} videos: try again later")
         key = secrets.token_urlsafe(12)
-        film = Film(key, self.folder / key, shown_name(name))
-        self.check_size(film, size)
-        film.folder.mkdir()
-        desk.films[key] = film
-        return film
+        clip = Clip(key, self.folder / key, display_name(name))
+        self.check_size(clip, size)
+        clip.folder.mkdir()
+        desk.clips[key] = clip
+        return clip
 
-    def check_size(self, film: Film, size: int) -> None:
-        """Refuse a film of `size` bytes if that is too much.
+    def check_size(self, clip: Clip, size: int) -> None:
+        """Refuse a clip of `size` bytes if that is too much.
 
         Raises
         ------
@@ -288,20 +312,20 @@ class Store:
         most = self.allowance
         if size > most.upload:
             raise TooLargeError(
-                f"{film.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
+                f"{clip.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
                 "cut it, or start the application with --video-megabytes"
             )
-        others = sum(f.size for d in self.desks.values() for f in d.films.values() if f is not film)
+        others = sum(f.size for d in self.desks.values() for f in d.clips.values() if f is not clip)
         if others + size > most.stored:
             raise TooLargeError("the server holds too many videos: remove some, or try again later")
 
 
-def shown_name(text: str) -> str:
+def display_name(text: str) -> str:
     """Return the name of an upload for messages: one line without folders or control characters.
 
     Examples
     --------
-    >>> shown_name("..%2F..%2Fetc%2Fswing%0A.mp4")
+    >>> display_name("..%2F..%2Fetc%2Fswing%0A.mp4")
     'swing.mp4'
     """
     plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")

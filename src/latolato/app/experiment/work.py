@@ -16,6 +16,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.experiment.description import EXPORTS, Description
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
+from latolato.app.experiment.store import COPY
 from latolato.core.errors import InputError
 from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
@@ -47,13 +48,11 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     A copy that browsers play, with the same frames at the same times, is written beside it.
     """
     video = open_video(job["path"], limits=Limits(**job["limits"]))
-    size, times = write_copy(
-        video, Path(job["folder"]) / "shown.mp4", lambda share: tell("reading", share)
-    )
+    times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
     result: dict[str, Any] = {
-        "width": video.width, "height": video.height, "shown": size, "frames": len(times),
+        "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,
     }  # fmt: skip
     try:
@@ -68,10 +67,8 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     return result
 
 
-def write_copy(
-    video: Video, path: Path, progress: Callable[[float], None]
-) -> tuple[tuple[int, int], list[float]]:
-    """Write a video that browsers play; return its size and the times of its frames [s].
+def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> list[float]:
+    """Write a video that browsers play; return the times of its frames [s].
 
     H.264 in MP4 as displayed, at most 1280 pixels on the longer side, each frame at its time after
     the first.
@@ -106,7 +103,7 @@ def write_copy(
 
     rate = video.frame_rate if 1.0 <= video.frame_rate <= 1000.0 else 30.0
     write_video(path, frames(), fps=rate, crf=_CRF, rotation=0, key_every=_KEY_EVERY)
-    return (width, height), times
+    return times
 
 
 def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
@@ -115,14 +112,14 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     if not description.balls:
         raise InputError("balls must be pointed at: one place or two")
     optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
-    given = {
+    known = {
         name: getattr(description, name) for name in ("length", "radius", "gravity", "slow_motion")
     }
     task = prepare(
         Path(job["path"]),
         description.pivot,
         description.balls,
-        {**given, "optics": Optics(**optics), "limits": Limits(**job["limits"])},
+        {**known, "optics": Optics(**optics), "limits": Limits(**job["limits"])},
     )
     task.warnings.clear()
     task.setup = replace(task.setup, is_proposed=description.is_proposed)

@@ -1,22 +1,22 @@
 /** The page: its views, its colours and what they share. */
 
-import { askJson } from "./api.js";
-import { el, tell } from "./dom.js";
-import { format, Store } from "./state.js";
+import { askJson } from "./shared/api.js";
+import { el, tell } from "./shared/dom.js";
+import { format, Store } from "./shared/state.js";
 import { t } from "./strings.js";
 
-/** @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page */
+/** @typedef {import("./shared/state.js").Page} Page */
 
 // Every view is a module that is loaded when it is first wanted, and the class that it exports.
 /** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,
  *   hide(): void}>>} */
 const VIEWS = {
-  play: async () => (await import("./views/play.js")).PlayView,
-  map: async () => (await import("./views/map.js")).MapView,
-  live: async () => (await import("./views/live.js")).LiveView,
-  paper: async () => (await import("./views/paper.js")).PaperView,
-  experiment: async () => (await import("./views/experiment.js")).ExperimentView,
-  analyse: async () => (await import("./views/analyse.js")).AnalyseView,
+  play: async () => (await import("./play/view.js")).PlayView,
+  map: async () => (await import("./map/view.js")).MapView,
+  live: async () => (await import("./live/view.js")).LiveView,
+  paper: async () => (await import("./paper/view.js")).PaperView,
+  experiment: async () => (await import("./experiment/view.js")).ExperimentView,
+  analyse: async () => (await import("./analyse/view.js")).AnalyseView,
 };
 const THEMES = ["auto", "light", "dark"];
 // A view that the server did not give is asked for again after this time.
@@ -52,7 +52,7 @@ function startViews(page) {
   /** @type {Record<string, any>} */
   const made = {};
   /** @type {string | null} */
-  let shown = null;
+  let current = null;
   let again = 0;
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
@@ -71,14 +71,14 @@ function startViews(page) {
       if (name === view) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
-    if (view === shown) return;
+    if (view === current) return;
     if (!(view in VIEWS)) {
       tell(t("unknownView", { name: view }));
       page.store.set({ view: "play" }, "view");
       return;
     }
-    if (shown) made[shown].hide();
-    shown = null;
+    if (current) made[current].hide();
+    current = null;
     if (!made[view]) {
       const View = await VIEWS[view]().catch((error) => {
         if (error instanceof TypeError) return null; // not fetched
@@ -94,8 +94,8 @@ function startViews(page) {
       made[view] ??= new View(page);
       /** @type {any} */ (window).latolato = { views: made };
     }
-    if (shown === view) return;
-    shown = view;
+    if (current === view) return;
+    current = view;
     const title = t(`view_${view}`);
     // A view that shows no title of its own has one for those who hear the page.
     const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];

@@ -1,9 +1,9 @@
 /** The player in a notebook: what anywidget calls. */
 
-import { unpack } from "./block.js";
-import { el } from "./dom.js";
-import { Motion } from "./motion.js";
-import { Player } from "./player.js";
+import { unpack } from "./shared/block.js";
+import { el } from "./shared/dom.js";
+import { Motion } from "./shared/motion.js";
+import { Player } from "./shared/player.js";
 
 // Keys beside letters, digits and signs that the player or its fields use.
 const KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp",

@@ -1,6 +1,6 @@
 /** Dragging a ball with a mouse, a pen or a finger. */
 
-/** @typedef {import("../scene.js").Scene} Scene */
+/** @typedef {import("../shared/scene.js").Scene} Scene */
 /** @typedef {import("./motion.js").LiveMotion} LiveMotion */
 
 // A ball is caught this far from its edge [CSS pixels]: fingers are broad.

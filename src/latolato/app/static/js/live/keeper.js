@@ -1,12 +1,12 @@
 /** The recording of a live motion: its button, and what becomes of it. */
 
-import { unpack } from "../block.js";
-import { ask } from "../api.js";
-import { el, tell } from "../dom.js";
-import { textOf } from "../laws.js";
+import { ask } from "../shared/api.js";
+import { unpack } from "../shared/block.js";
+import { el, tell } from "../shared/dom.js";
+import { textOf } from "../shared/laws.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("../shared/state.js").Page} Page */
 
 // A longer address is not understood by every server.
 const LONGEST_ADDRESS = 6000;

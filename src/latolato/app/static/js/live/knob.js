@@ -1,10 +1,10 @@
 /** One control of a live toy: a slider, a field with a unit, and keys. */
 
-import { el, freshId } from "../dom.js";
+import { el, freshId } from "../shared/dom.js";
+import { short, shownUnit, symbolParts, toSi } from "../shared/units.js";
 import { t } from "../strings.js";
-import { short, shownUnit, symbolParts, toSi } from "../units.js";
 
-/** @typedef {import("../form.js").Option} Option */
+/** @typedef {import("../shared/form.js").Option} Option */
 
 const STEPS = 200;
 /** Keys of each control, as they are shown. */

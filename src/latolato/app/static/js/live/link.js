@@ -1,6 +1,6 @@
 /** The way to a toy on the server: messages with numbers, frames, and coming back after a break. */
 
-import { hangUp, socketAddress } from "../api.js";
+import { hangUp, socketAddress } from "../shared/api.js";
 
 /**
  * One frame by the names that the server announced.

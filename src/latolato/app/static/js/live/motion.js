@@ -1,8 +1,8 @@
 /** A motion that is still happening, with what the scene asks of a run, and its last seconds. */
 
-import { SHOWN_RADIUS } from "../motion.js";
+import { SHOWN_RADIUS } from "../shared/motion.js";
 
-/** @typedef {import("../motion.js").Ball} Ball */
+/** @typedef {import("../shared/motion.js").Ball} Ball */
 /** @typedef {import("./link.js").Frame} Frame */
 
 /** How far back the curves reach [s]. */

@@ -1,6 +1,6 @@
 /** What stands on the page of a live toy. */
 
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
 import { t } from "../strings.js";
 
 /**

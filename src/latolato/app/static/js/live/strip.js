@@ -1,8 +1,8 @@
 /** A curve that scrolls: the last seconds of some quantities. */
 
-import { axisLimits, ticks } from "../axis.js";
-import { colour, fitCanvas } from "../dom.js";
-import { short } from "../units.js";
+import { axisLimits, ticks } from "../shared/axis.js";
+import { colour, fitCanvas } from "../shared/dom.js";
+import { short } from "../shared/units.js";
 import { SPAN } from "./motion.js";
 
 /** @typedef {import("./motion.js").History} History */

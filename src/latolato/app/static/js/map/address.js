@@ -1,10 +1,10 @@
 /** What an address says of a map that cannot be read. */
 
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
 import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
 
-/** @typedef {import("../state.js").Store} Store */
+/** @typedef {import("../shared/state.js").Store} Store */
 
 const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "size", "duration", "transient", "low", "high"];
 const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];

@@ -1,8 +1,8 @@
 /** The axes of a map: frame, numbers and names with units. */
 
-import { ticks } from "../axis.js";
+import { ticks } from "../shared/axis.js";
+import { plainSymbol, short, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
-import { plainSymbol, short, shownUnit } from "../units.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./grid.js").Grid} Grid */

@@ -1,8 +1,8 @@
 /** The colour bar of a map, with its numbers. */
 
-import { ticks } from "../axis.js";
-import { colour, fitCanvas } from "../dom.js";
-import { short } from "../units.js";
+import { ticks } from "../shared/axis.js";
+import { colour, fitCanvas } from "../shared/dom.js";
+import { short } from "../shared/units.js";
 import { colourTable } from "./colours.js";
 
 /** @typedef {import("./chart.js").Look} Look */

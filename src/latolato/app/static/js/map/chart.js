@@ -1,7 +1,7 @@
 /** The picture of a map: cells, axes, curves, trials, the cross, and what the hand does on it. */
 
-import { axisLimits } from "../axis.js";
-import { colour, fitCanvas } from "../dom.js";
+import { axisLimits } from "../shared/axis.js";
+import { colour, fitCanvas } from "../shared/dom.js";
 import { drawAxes, MARGIN } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";

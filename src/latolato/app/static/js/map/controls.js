@@ -1,15 +1,15 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
+import { plainSymbol } from "../shared/units.js";
 import { t } from "../strings.js";
-import { plainSymbol } from "../units.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
 import { PAGE, USUAL_SIZE } from "./request.js";
 import { ended, spaced, turned } from "./span.js";
 
-/** @typedef {import("../state.js").Store} Store */
+/** @typedef {import("../shared/state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
 
 const SIZES = [25, 50, 100, 200, 400];

@@ -6,7 +6,7 @@ import { cellText, withName } from "./tell.js";
 
 export class Cursor {
   /**
-   * @param {import("../views/map.js").MapView} view
+   * @param {import("./view.js").MapView} view
    * @param {HTMLElement} readout
    */
   constructor(view, readout) {

@@ -1,8 +1,8 @@
 /** Small fields of the Map view: a number with its unit, a choice, a switch. */
 
-import { el, freshId } from "../dom.js";
+import { el, freshId } from "../shared/dom.js";
+import { short, shownUnit, toSi, parseQuantity } from "../shared/units.js";
 import { t } from "../strings.js";
-import { short, shownUnit, toSi, parseQuantity } from "../units.js";
 
 /** @typedef {{name: string, size: number}} Unit */
 

@@ -1,8 +1,8 @@
 /** The menu from which the map on show is stored: its numbers and its picture. */
 
-import { ask, Offline, Refusal } from "../api.js";
-import { el, tell } from "../dom.js";
-import { saveFile } from "../jobs.js";
+import { ask, Offline, Refusal } from "../shared/api.js";
+import { el, tell } from "../shared/dom.js";
+import { saveFile } from "../shared/jobs.js";
 import { t } from "../strings.js";
 
 const KINDS = ["csv", "nc", "zarr", "png", "svg"];

@@ -1,9 +1,9 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
-import { axisLimits, SINGLE } from "../axis.js";
-import { row } from "../block.js";
+import { axisLimits, SINGLE } from "../shared/axis.js";
+import { row } from "../shared/block.js";
 
-/** @typedef {import("../block.js").Block} Block */
+/** @typedef {import("../shared/block.js").Block} Block */
 /** @typedef {{name: string, label: string, symbol: string, unit: string, log?: boolean,
  *   units: {name: string, size: number}[], allowed?: (number | null)[],
  *   suggested?: [number, number]}} Axis */

@@ -1,9 +1,9 @@
 /** One map on its way from the server: the socket is the job, closing it ends the work. */
 
-import { hangUp, socketAddress } from "../api.js";
-import { unpack } from "../block.js";
+import { hangUp, socketAddress } from "../shared/api.js";
+import { unpack } from "../shared/block.js";
 
-/** @typedef {import("../block.js").Block} Block */
+/** @typedef {import("../shared/block.js").Block} Block */
 /** @typedef {{choices: (choices: any) => void, phase: (name: string) => void,
  *   begin: (block: Block) => void, cells: (block: Block) => void, done: (block: Block) => void,
  *   refused: (text: string, field: string | null) => void, lost: () => void}} Listener */

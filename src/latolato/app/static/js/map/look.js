@@ -1,6 +1,6 @@
 /** How the values of a map become colours, as the address says. */
 
-import { axisLimits } from "../axis.js";
+import { axisLimits } from "../shared/axis.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./chart.js").Look} Look */

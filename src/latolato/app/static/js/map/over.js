@@ -1,6 +1,6 @@
 /** What is drawn over a map: curves of theory, trials, contour lines. */
 
-import { askBlock, newest } from "../api.js";
+import { askBlock, newest } from "../shared/api.js";
 import { lookOf } from "./look.js";
 import { askedOf, shownMapOf } from "./shown.js";
 import { withUnit } from "./tell.js";
@@ -20,7 +20,7 @@ export const OF_COLOURS = "colours";
 
 /** What lies over the map of a view. */
 export class Over {
-  /** @param {import("../views/map.js").MapView} view */
+  /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
     /** @type {NamedLine[]} */

@@ -1,15 +1,15 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
 
-import { el, freshId } from "../dom.js";
+import { el, freshId } from "../shared/dom.js";
+import { parseQuantity, short, shownUnit, toSi } from "../shared/units.js";
 import { t } from "../strings.js";
-import { parseQuantity, short, shownUnit, toSi } from "../units.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { choice, problemOf, tick } from "./fields.js";
 import { OF_COLOURS } from "./over.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-/** @typedef {import("../units.js").Unit} Unit */
+/** @typedef {import("../shared/units.js").Unit} Unit */
 
 export class OverControls {
   /**

@@ -1,12 +1,12 @@
 /** The run of one point of a map, beside it. */
 
-import { askBlock } from "../api.js";
-import { el } from "../dom.js";
-import { textOf } from "../laws.js";
-import { Motion } from "../motion.js";
-import { Preview } from "../preview.js";
+import { askBlock } from "../shared/api.js";
+import { el } from "../shared/dom.js";
+import { textOf } from "../shared/laws.js";
+import { Motion } from "../shared/motion.js";
+import { Preview } from "../shared/preview.js";
+import { waited } from "../shared/waiting.js";
 import { t } from "../strings.js";
-import { waited } from "../waiting.js";
 
 export class PointPanel {
   /**

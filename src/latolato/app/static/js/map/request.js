@@ -1,8 +1,8 @@
 /** What the Map view asks for: the address of the page becomes a plan for the server. */
 
-import { FIRST } from "../views/play.js";
+import { FIRST } from "../shared/state.js";
 
-/** @typedef {import("../state.js").State} State */
+/** @typedef {import("../shared/state.js").State} State */
 /** @typedef {{scenario: string | null, stored: string | null}} Source */
 
 /** The shipped sweep that is shown where the address names nothing. */
@@ -73,7 +73,7 @@ export function sameBut(request) {
 
 /**
  * Open a run of a map in Play; the way back leads to the same map.
- * @param {import("../main.js").Page} page
+ * @param {import("../shared/state.js").Page} page
  * @param {Record<string, string>} options
  */
 export function openInPlay({ registry, store }, options) {

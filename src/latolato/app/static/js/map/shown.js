@@ -3,7 +3,7 @@
 import { lookOf } from "./look.js";
 import { requestOf } from "./request.js";
 
-/** @typedef {import("../views/map.js").MapView} MapView */
+/** @typedef {import("./view.js").MapView} MapView */
 
 /**
  * Return the request for things about a map: the plan, and names of axes of a stored one.

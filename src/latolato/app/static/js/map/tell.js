@@ -1,8 +1,8 @@
 /** What a map says in words: places, values, colours. */
 
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
+import { plainSymbol, short, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
-import { plainSymbol, short, shownUnit } from "../units.js";
 import { sizeOf } from "./axes.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */

@@ -1,6 +1,6 @@
 /** What stands above a map: stop, zoom, move, and how far it is. */
 
-import { el } from "../dom.js";
+import { el } from "../shared/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */

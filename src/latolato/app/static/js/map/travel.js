@@ -1,6 +1,6 @@
 /** Ways over a map: enlarged, moved by whole cells, and back. */
 
-import { tell } from "../dom.js";
+import { tell } from "../shared/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -9,7 +9,7 @@ import { t } from "../strings.js";
 
 /** Ways over the map of a view, kept in the address. */
 export class Travel {
-  /** @param {import("../views/map.js").MapView} view */
+  /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
     /** @type {Record<string, string>[]} keys of the address of maps that were seen */

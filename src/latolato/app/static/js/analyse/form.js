@@ -1,0 +1,150 @@
+/** The fields of one analysis: what the server says of its options, filled to take seconds. */
+
+import { el, freshId } from "../shared/dom.js";
+import { inWords, NAMES } from "../shared/words.js";
+import { t } from "../strings.js";
+
+/** @typedef {{label: string, description: string, unit: string | null, kind: string,
+ *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field */
+/** @typedef {{title: string, first: string, unfit: Record<string, string>,
+ *   options: Record<string, any>, quick: Record<string, Record<string, string>>,
+ *   parameters: Record<string, {label: string, unit: string, low: string, high: string}>}} About
+ *   what the server says of system and drive */
+
+// The option that says what a diagram varies, and the two that say between which limits.
+const VARIED = "parameter";
+const LIMITS = ["low", "high"];
+
+/**
+ * Return what the fields begin with, by option.
+ * @param {string} name of the analysis
+ * @param {Record<string, Field>} fields
+ * @param {About} about
+ * @param {string | undefined} varied what the diagram varies
+ * @returns {Record<string, string>}
+ */
+export function beginnings(name, fields, about, varied) {
+  const texts = { ...about.quick[name] };
+  if (varied === undefined || !(varied in about.parameters)) return texts;
+  for (const limit of LIMITS) if (limit in fields)
+    texts[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
+  return texts;
+}
+
+export class AnalysisForm {
+  /** @param {(values: Record<string, string>) => void} changed called with what was changed */
+  constructor(changed) {
+    this.changed = changed;
+    this.root = el("div", { class: "settings" });
+    /** @type {Record<string, HTMLInputElement | HTMLSelectElement>} */
+    this.inputs = {};
+    /** @type {Record<string, HTMLElement>} */
+    this.errors = {};
+    /** @type {Record<string, Field>} */
+    this.fields = {};
+    /** @type {Record<string, string>} */
+    this.begun = {};
+    /** @type {Record<string, {label: string}>} what options and parameters are called */
+    this.words = {};
+    this.more = el("details", { class: "inner" });
+  }
+
+  /**
+   * Show the fields of an analysis.
+   * @param {string} name
+   * @param {{options: Record<string, Field>, first: string[]}} form
+   * @param {About} about
+   * @param {Record<string, string>} typed what was typed before
+   */
+  build(name, { options: fields, first }, about, typed) {
+    const same = this.name === name;
+    this.name = name;
+    this.inputs = {};
+    this.errors = {};
+    this.fields = fields;
+    this.words = { ...about.parameters, ...fields };
+    const varied = VARIED in fields
+      ? typed[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
+    this.begun = beginnings(name, fields, about, varied);
+    const make = (/** @type {string} */ each) =>
+      this.field(each, fields[each], about, typed[each] ?? this.begun[each] ?? "", varied,
+        first.includes(each));
+    const rest = Object.keys(fields).filter((each) => !first.includes(each));
+    const open = (same && this.more.open) || rest.some((each) => each in typed);
+    this.more = el("details", { class: "inner", open }, el("summary", {}, t("moreSettings")),
+      el("div", { class: "fields" }, ...rest.map(make)));
+    this.root.replaceChildren(el("div", { class: "fields" }, ...first.map(make)),
+      ...(rest.length ? [this.more] : []));
+  }
+
+  /**
+   * @param {string} name
+   * @param {Field} field
+   * @param {About} about
+   * @param {string} value
+   * @param {string | undefined} varied
+   * @param {boolean} brief whether its description is for the pointer and for screen readers
+   */
+  field(name, field, about, value, varied, brief) {
+    const id = freshId();
+    const errorId = freshId();
+    const hintId = freshId();
+    /** @type {Record<string, string>} */
+    const choices = name === VARIED
+      ? Object.fromEntries(Object.entries(about.parameters).map(([key, one]) => [key, one.label]))
+      : field.kind === "bool" ? { false: t("no"), true: t("yes") } : field.choices;
+    const unit = field.unit ?? (varied ? about.parameters[varied]?.unit ?? "" : "");
+    const placeholder = field.default || t(field.required ? "fromScenario" : "automatic");
+    const input = Object.keys(choices).length
+      ? el("select", { id, "aria-describedby": hintId }, ...Object.entries(choices)
+        .map(([key, label]) => el("option", { value: key }, label)))
+      : el("input", { id, type: "text", autocomplete: "off", spellcheck: "false", placeholder,
+        "aria-describedby": `${hintId} ${errorId}` });
+    input.value = value || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
+      : Object.keys(choices)[0] ?? "");
+    // An address may name what is no choice; the server says so.
+    if (value && input instanceof HTMLSelectElement && input.value !== value)
+      input.prepend(el("option", { value, selected: true }, value));
+    input.addEventListener("change", () => {
+      if (name === VARIED) for (const limit of LIMITS) delete this.inputs[limit];
+      this.changed(this.changes());
+    });
+    this.inputs[name] = input;
+    const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
+    this.errors[name] = error;
+    const long = field.several || input instanceof HTMLSelectElement;
+    return el("div", { class: `field analysis ${long ? "several" : ""}` },
+      el("label", { for: id, title: field.description }, field.label),
+      el("span", { class: "entry" }, input, unit && el("span", { class: "unit" }, unit)),
+      el("p", { class: brief ? "unseen" : "hint", id: hintId }, field.description), error);
+  }
+
+  /** Return what is typed, by option; empty fields are left out. */
+  values() {
+    return Object.fromEntries(Object.entries(this.inputs)
+      .map(([name, input]) => [name, input.value.trim()]).filter(([, value]) => value !== ""));
+  }
+
+  /** Return what is typed and was not there at the beginning. */
+  changes() {
+    return Object.fromEntries(Object.entries(this.values()).filter(([name, value]) =>
+      value !== (this.begun[name] ?? this.fields[name].default.toLowerCase()) &&
+      !(this.inputs[name] instanceof HTMLSelectElement && !(name in this.begun) &&
+        this.fields[name].default === "" && name !== VARIED && value === "false")));
+  }
+
+  /**
+   * Show a refusal beside the field that it names first; returns whether there is one.
+   * @param {string | null} text
+   */
+  error(text) {
+    const field = text?.match(NAMES)?.find((word) => word in this.inputs);
+    for (const [name, place] of Object.entries(this.errors)) {
+      place.hidden = name !== field;
+      place.textContent = name === field && text ? inWords(text, this.words) : "";
+      this.inputs[name]?.setAttribute("aria-invalid", String(name === field));
+      if (name === field && this.more.contains(place)) this.more.open = true;
+    }
+    return field !== undefined;
+  }
+}

@@ -1,0 +1,66 @@
+/** The run that a point of a picture stands for: its motion, and the way to Play. */
+
+import { askBlock } from "../shared/api.js";
+import { el } from "../shared/dom.js";
+import { openLink } from "../shared/links.js";
+import { Motion } from "../shared/motion.js";
+import { Preview } from "../shared/preview.js";
+import { waited } from "../shared/waiting.js";
+import { t } from "../strings.js";
+
+/** @typedef {{scenario: string | null, options: Record<string, string>}} RunRequest */
+
+export class PointRun {
+  /**
+   * @param {import("../shared/state.js").Page} page
+   * @param {(request: RunRequest) => void} use called when the questions shall be about this point
+   */
+  constructor(page, use) {
+    this.page = page;
+    this.use = use;
+    this.turn = 0;
+    /** @type {Preview | null} */
+    this.preview = null;
+    this.label = el("p", { role: "status" });
+    this.actions = el("div", { class: "actions" });
+    this.place = el("div", {});
+    this.root = el("section", { class: "card point", hidden: true },
+      el("h2", {}, t("pointTitle")), this.label, this.actions, this.place);
+  }
+
+  /**
+   * Show the run of a point.
+   * @param {RunRequest} request
+   * @param {string} words what the point stands for
+   */
+  async show(request, words) {
+    this.turn += 1;
+    const { turn } = this;
+    this.root.hidden = false;
+    this.label.textContent = words;
+    this.actions.replaceChildren(
+      openLink(this.page, { view: "play", ...request }, t("openCase")),
+      el("button", { type: "button", on: { click: () => this.use(request) } }, t("pointUse")));
+    const note = el("p", { class: "hint" });
+    this.place.prepend(note);
+    try {
+      const block = await waited(note, askBlock("/api/run", request));
+      if (turn !== this.turn) return;
+      this.preview ??= new Preview();
+      this.place.replaceChildren(this.preview.root);
+      this.preview.show(new Motion(block));
+      this.root.scrollIntoView({ block: "nearest" });
+      this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (turn !== this.turn) return;
+      this.rest();
+      this.place.replaceChildren(el("p", { class: "error", role: "alert" }, error.message));
+    }
+  }
+
+  /** Stop the clock. */
+  rest() {
+    this.preview?.rest();
+  }
+}

@@ -1,0 +1,295 @@
+/** Analyse: one question about the system and drive of all views, and its answer. */
+
+import { askJson, newest, Offline } from "../shared/api.js";
+import { el } from "../shared/dom.js";
+import { Form } from "../shared/form.js";
+import { JobLine, spanText } from "../shared/jobs.js";
+import { heldOptions, withLaws } from "../shared/laws.js";
+import { withOptions } from "../shared/links.js";
+import { presetField } from "../shared/presets.js";
+import { FIRST } from "../shared/state.js";
+import { inWords } from "../shared/words.js";
+import { t } from "../strings.js";
+import { Answer } from "./answer.js";
+import { AnalysisForm } from "./form.js";
+import { PointRun } from "./point.js";
+import { QuestionList } from "./questions.js";
+
+/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("./questions.js").Asking} Asking */
+
+const KEY = "analyse.";
+const WHAT = `${KEY}what`;
+// A link with this part asks its question however long the answer takes.
+const ASK = `${KEY}ask`;
+// What takes no longer is asked without being told to.
+const QUICK = 10; // s
+// Whoever moves a slider has come to a stop after this time.
+const PAUSE = 500; // ms
+const RETRY = 1000; // ms
+
+export class AnalyseView {
+  /** @param {Page} page */
+  constructor(page) {
+    this.page = page;
+    /** @type {Record<string, Asking>} */
+    this.forms = {};
+    /** @type {import("./form.js").About | null} */
+    this.about = null;
+    this.turn = 0;
+    this.timer = 0;
+    this.working = "";
+    this.list = new QuestionList((name) => this.choose(name));
+    this.own = new AnalysisForm((changes) => this.keep(changes));
+    this.job = new JobLine();
+    this.point = new PointRun(page, (request) => page.store.set(request));
+    this.presets = presetField(page);
+    this.go = el("button", { type: "submit", class: "play", disabled: true }, t("ask"));
+    this.cost = el("span", { class: "soft", role: "status" });
+    this.title = el("h2", { class: "asks" });
+    this.term = el("p", { class: "hint" });
+    this.reading = el("p", {});
+    this.notice = el("p", { class: "notice", role: "status", hidden: true });
+    this.unfit = el("div", { class: "unfit-note", hidden: true });
+    const submit = (/** @type {Event} */ event) => {
+      event.preventDefault();
+      this.working = "";
+      void this.consider(true);
+    };
+    this.fields = el("form", { class: "form", on: { submit } }, this.own.root,
+      el("div", { class: "row" }, this.go, this.cost), this.job.root);
+    const laws = el("form", { class: "form", on: {
+      submit: (/** @type {Event} */ event) => event.preventDefault() } });
+    this.laws = new Form(laws, page.registry, page.store);
+    this.of = el("p", { class: "hint" });
+    this.answer = el("div", {});
+    this.root = el("div", { class: "view split analyse" },
+      el("aside", { class: "side" }, el("section", { class: "card" }, this.presets.field),
+        this.list.root,
+        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfQuestion")), laws)),
+      el("div", { class: "main" }, el("section", { class: "card question" }, this.notice, this.title,
+        this.reading, this.term, this.of, this.unfit, this.fields), this.answer));
+    this.refresh = newest(() => this.look());
+    /** @type {() => void} */
+    this.unsubscribe = () => {};
+  }
+
+  /** Return what all views are about. */
+  get request() {
+    const { scenario, options } = this.page.store.state;
+    return { scenario: scenario || (options.system ? null : FIRST), options };
+  }
+
+  /** Return the name of the analysis. */
+  get what() {
+    const name = this.page.store.state.extra[WHAT];
+    return name in this.forms ? name : this.about?.first ?? Object.keys(this.forms)[0];
+  }
+
+  show() {
+    this.unsubscribe = this.page.store.subscribe((_, changed) => {
+      if (changed === "extra") return;
+      clearTimeout(this.timer);
+      this.timer = window.setTimeout(() => this.refresh(null), changed === "options" ? PAUSE : 0);
+    });
+    this.refresh(null);
+  }
+
+  hide() {
+    this.unsubscribe();
+    clearTimeout(this.timer);
+    this.turn += 1;
+    this.working = "";
+    this.job.stop();
+    this.point.rest();
+  }
+
+  /** Read what the server says of the system and drive, and show the fields. */
+  async look() {
+    const { registry } = this.page;
+    try {
+      if (!Object.keys(this.forms).length) {
+        this.forms = await askJson("/api/analyses");
+        this.list.build(this.forms);
+      }
+      this.about = await askJson("/api/analyses/about", this.request);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (error instanceof Offline) {
+        this.tell(t("offline"));
+        this.timer = window.setTimeout(() => this.refresh(null), RETRY);
+        return;
+      }
+      this.tell(error.message);
+      this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
+      return;
+    }
+    const about = /** @type {import("./form.js").About} */ (this.about);
+    this.presets.show(this.request.scenario);
+    this.laws.show(about.options);
+    this.of.textContent = t("questionOf", { title: about.title || t("presetNone"),
+      system: registry.systems[about.options.system].title,
+      drive: registry.drives[about.options.drive].title });
+    this.build();
+  }
+
+  /** @param {string} text of the line above the question; none hides it */
+  tell(text) {
+    this.notice.textContent = text;
+    this.notice.hidden = text === "";
+  }
+
+  build() {
+    if (!this.about) return;
+    const form = this.forms[this.what];
+    const { extra } = this.page.store.state;
+    const kept = Object.keys(extra).filter((name) => name.startsWith(KEY)
+      && name !== WHAT && name !== ASK);
+    const strange = kept.map((name) => name.slice(KEY.length)).filter((n) => !(n in form.options));
+    const lines = strange.map((name) => t("unknownSetting", { name }));
+    if (WHAT in extra && !(extra[WHAT] in this.forms))
+      lines.unshift(t("unknownQuestion", { name: extra[WHAT] }));
+    this.tell(lines.join(" "));
+    this.list.show(this.what, this.about.unfit);
+    this.title.textContent = form.title;
+    this.term.textContent = t("termOf", { term: form.term });
+    this.term.title = `${form.summary} ${form.notes}`;
+    this.reading.textContent = form.reading;
+    const typed = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
+      .map((name) => [name, extra[KEY + name]]));
+    const why = this.about.unfit[this.what];
+    this.showUnfit(why);
+    this.fields.hidden = why !== undefined;
+    this.own.build(this.what, form, this.about, typed);
+    this.go.disabled = false;
+    this.root.dataset.form = this.what;
+    if (this.root.dataset.answered !== this.what || why) this.clear();
+    if (!why) void this.consider(extra[ASK] === "1");
+  }
+
+  /** Take the answer away. */
+  clear() {
+    this.answer.replaceChildren();
+    this.point.rest();
+    this.point.root.hidden = true;
+  }
+
+  /**
+   * Say why a question cannot be asked of this system, and offer one of which it can.
+   * @param {string | undefined} why
+   */
+  showUnfit(why) {
+    this.unfit.hidden = why === undefined;
+    if (why === undefined || !this.about) return;
+    this.job.stop();
+    const { registry, store } = this.page;
+    const { system, drive } = this.about.options;
+    const shaken = drive in { harmonic: 1, crank_slider: 1 } ? drive : "harmonic";
+    const pair = registry.systems[system].contacts;
+    const wanted = why.includes(registry.systems.latolato.title) ? "latolato"
+      : pair && shaken === drive ? "pendulum" : system === "mathieu" ? "pendulum" : system;
+    const text = t(wanted === "latolato" ? "unfitToy"
+      : wanted === system ? "unfitDrive" : "unfitSystem");
+    const { options } = this.about;
+    const kinds = { system: wanted, drive: shaken };
+    this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
+      click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
+        heldOptions(registry, store.state.options, options, { system }, kinds), options, wanted,
+        shaken) }) } }, text));
+  }
+
+  /** @param {string} name */
+  choose(name) {
+    this.setExtra({ [WHAT]: name });
+    this.build();
+    if (this.title.getBoundingClientRect().top < 0 || window.innerWidth < 800)
+      this.title.scrollIntoView({ block: "center" });
+  }
+
+  /** @param {Record<string, string>} changes */
+  keep(changes) {
+    const own = Object.entries(changes).map(([name, value]) => [KEY + name, value]);
+    this.setExtra({ [WHAT]: this.what, ...Object.fromEntries(own) });
+    if ("low" in this.own.fields && !("low" in this.own.inputs)) this.build();
+    else void this.consider(false);
+  }
+
+  /** @param {Record<string, string>} own all that this view keeps in the address */
+  setExtra(own) {
+    const { extra } = this.page.store.state;
+    const others = Object.entries(extra).filter(([name]) => !name.startsWith(KEY));
+    this.page.store.set({ extra: { ...Object.fromEntries(others), ...own } }, "extra");
+  }
+
+  /**
+   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes.
+   * @param {boolean} wanted
+   */
+  async consider(wanted) {
+    const values = this.own.values();
+    const question = { ...this.request, analysis: this.what, settings: values };
+    const key = JSON.stringify(question);
+    if (this.working === key) return;
+    this.working = key;
+    this.turn += 1;
+    const { turn } = this;
+    this.job.stop();
+    this.job.error.hidden = true;
+    this.own.error(null);
+    this.cost.textContent = "";
+    try {
+      const { seconds, refused } = await askJson("/api/analyses/cost", question);
+      if (turn !== this.turn) return;
+      if (refused) this.refuse(refused);
+      else if (seconds <= QUICK || wanted) await this.ask(question, seconds, turn);
+      else {
+        this.clear();
+        this.cost.textContent = t("askCost", { time: spanText(seconds) });
+      }
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (turn === this.turn) this.refuse(error instanceof Offline ? t("offline") : error.message);
+    }
+  }
+
+  /** @param {string} text why there is no answer */
+  refuse(text) {
+    this.answer.classList.remove("stale");
+    this.clear();
+    if (this.own.error(text)) this.job.error.hidden = true;
+    else this.job.refuse(inWords(text, this.own.words));
+  }
+
+  /**
+   * Ask the server and show the answer.
+   * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
+   *   settings: Record<string, string>}} question
+   * @param {number} seconds that it takes
+   * @param {number} turn
+   */
+  async ask(question, seconds, turn) {
+    this.answer.classList.add("stale");
+    const block = await this.job.run("/ws/analyse", question, seconds);
+    if (turn !== this.turn) return;
+    if (!block) {
+      const { error } = this.job;
+      this.answer.classList.remove("stale");
+      if (error.hidden) this.clear();
+      else this.refuse(error.textContent ?? "");
+      this.working = "";
+      return;
+    }
+    this.answer.classList.remove("stale");
+    this.clear();
+    const { title } = this.forms[question.analysis];
+    const called = this.own.words;
+    const answer = new Answer(block, title, (text) => inWords(text, called), (values, words) =>
+      void this.point.show({ scenario: question.scenario,
+        options: withOptions(question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
+        : t("pointSaidStart", { values: words })));
+    answer.after.append(this.point.root);
+    this.answer.replaceChildren(answer.root);
+    this.root.dataset.answered = question.analysis;
+    this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
+  }
+}

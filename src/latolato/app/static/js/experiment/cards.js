@@ -1,0 +1,75 @@
+/** The cards beside a clip: where videos come from, which there are, and what can be taken home. */
+
+import { el, freshId } from "../shared/dom.js";
+import { t } from "../strings.js";
+import { clipAddress } from "./desk.js";
+
+/** @typedef {import("./session.js").Clip} Clip */
+/** @typedef {import("./session.js").Session} Session */
+
+const EXPORTS = { csv: "track.csv", nc: "track.nc", toml: "setup.toml", overlay: "overlay.mp4",
+  report: "report.html" };
+const MADE = ["nc", "overlay", "report"];
+
+/**
+ * Return the card into which videos are dropped, with examples for those who have none.
+ * @param {import("./desk.js").Hello} hello
+ * @param {(file: File) => void} add
+ * @param {(kind: string) => void} example
+ */
+export function dropCard(hello, add, example) {
+  const id = freshId();
+  const input = el("input", { id, type: "file", accept: "video/*", multiple: true, on: {
+    change: () => {
+      for (const file of input.files ?? []) add(file);
+      input.value = "";
+    } } });
+  const { upload, duration, pixels } = hello.limits;
+  return el("section", { class: "card" },
+    el("div", { class: "dropzone" }, el("label", { for: id }, t("clipDrop")), input,
+      el("p", { class: "hint" }, t("clipDropHint", { size: upload / 1e6, minutes: duration / 60,
+        pixels: t("megapixels", { count: (pixels / 1e6).toFixed(1) }) })),
+      el("p", { class: "hint" }, t("clipPrivate"))),
+    el("p", { class: "hint" }, t("exampleHint")),
+    el("div", { class: "actions" }, ...hello.examples.map((kind) => el("button", {
+      type: "button", on: { click: () => example(kind) } }, t(`example_${kind}`)))));
+}
+
+/**
+ * Return the clips of a session, each with a button that opens and one that removes it.
+ * @param {Session} session
+ * @param {(clip: Clip) => void} open
+ */
+export function clipList(session, open) {
+  return el("section", { class: "card", hidden: session.clips.length === 0 },
+    el("h2", {}, t("clips")),
+    el("ul", { class: "clips" }, ...session.clips.map((clip) => el("li", {},
+      el("button", { type: "button", class: "plain pick",
+        "aria-pressed": clip === session.clip ? "true" : "false",
+        on: { click: () => open(clip) } },
+      clip.name, clip.stage ? " …" : ""),
+      el("button", { type: "button", class: "plain",
+        "aria-label": t("clipRemove", { name: clip.name }),
+        on: { click: () => void session.remove(clip) } }, "×")))));
+}
+
+/**
+ * Return the downloads of a tracked clip.
+ * @param {Session} session
+ * @param {Clip} clip
+ */
+export function exportsCard(session, clip) {
+  const stem = clip.name.replace(/\.[^.]*$/, "");
+  const saved = (/** @type {string} */ file) => (file === EXPORTS.toml
+    ? `${stem}.${EXPORTS.csv}.track.toml` : `${stem}.${file}`);
+  const link = (/** @type {string} */ file, /** @type {string} */ text) =>
+    el("a", { href: clipAddress(clip.key, file), download: saved(file) }, text);
+  const make = async (/** @type {string} */ file) => {
+    if (await session.make(clip, file)) link(file, "").click();
+  };
+  return el("section", { class: "card" }, el("h2", {}, t("exports")),
+    el("ul", { class: "plain-list" }, ...Object.entries(EXPORTS).map(([name, file]) => el("li", {},
+      !MADE.includes(name) || clip.files.has(file) ? link(file, t(`export_${name}`))
+        : el("button", { type: "button", class: "link", disabled: clip.stage !== null,
+          on: { click: () => void make(file) } }, t(`export_${name}`))))));
+}

@@ -1,0 +1,197 @@
+/** Handles on the first frame: pivot and balls, dragged or moved by arrow keys, under a loupe. */
+
+import { el } from "../shared/dom.js";
+import { t } from "../strings.js";
+
+/** @typedef {import("./screen.js").Screen} Screen */
+/** @typedef {{u: number, v: number}} Place */
+
+const LOUPE = 128; // CSS pixels
+const ZOOM = 6;
+const FAR = 10;
+/** Light over dark, to be seen on any ground. */
+/** @type {[number, string][]} */
+const INKS = [[3.5, "#14161c"], [1.5, "#ffffff"]];
+/** @type {Record<string, [number, number]>} */
+const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+export class Handles {
+  /**
+   * @param {Screen} screen
+   * @param {() => void} changed called when something was moved by hand
+   */
+  constructor(screen, changed) {
+    this.screen = screen;
+    this.changed = changed;
+    /** @type {Record<string, Place>} */
+    this.places = {};
+    /** Radius of a ball by what was said, over the length. */
+    this.ratio = 0;
+    this.radius = 0;
+    this.loupe = el("canvas", { class: "loupe", hidden: true, "aria-hidden": "true" });
+    this.loupe.width = this.loupe.height = LOUPE;
+    /** @type {Record<string, HTMLButtonElement>} */
+    this.buttons = {};
+    screen.over.append(this.loupe);
+    screen.sketch = (context, scale) => this.sketch(context, scale);
+    this.isOn = false;
+  }
+
+  /**
+   * Show handles at places [pixels], or none.
+   * @param {Record<string, Place> | null} places "pivot", "ball_1" and perhaps "ball_2"
+   */
+  show(places) {
+    for (const button of Object.values(this.buttons)) button.remove();
+    this.buttons = {};
+    this.isOn = places !== null;
+    this.loupe.hidden = true;
+    this.places = places ? { ...places } : {};
+    for (const name of Object.keys(this.places)) {
+      const button = el("button", { type: "button", class: `handle ${name}`, on: {
+        keydown: (/** @type {KeyboardEvent} */ e) => this.key(name, e),
+        pointerdown: (/** @type {PointerEvent} */ e) => this.drag(name, e),
+        focus: () => this.look(name),
+        blur: () => { this.loupe.hidden = true; },
+      } });
+      this.buttons[name] = button;
+      this.screen.over.append(button);
+      this.put(name);
+    }
+    this.screen.draw();
+  }
+
+  /** @param {string} name */
+  put(name) {
+    const { width, height } = this.screen.size;
+    const { u, v } = this.places[name];
+    const button = this.buttons[name];
+    button.style.left = `${(100 * (u + 0.5)) / width}%`;
+    button.style.top = `${(100 * (v + 0.5)) / height}%`;
+    button.setAttribute("aria-label", t("handle", {
+      name: t(name), column: Math.round(u), row: Math.round(v) }));
+  }
+
+  /**
+   * @param {string} name
+   * @param {number} u
+   * @param {number} v
+   */
+  move(name, u, v) {
+    const { width, height } = this.screen.size;
+    const inside = (/** @type {number} */ x, /** @type {number} */ end) =>
+      Math.round(10 * Math.min(Math.max(x, 0), end - 1)) / 10;
+    this.places[name] = { u: inside(u, width), v: inside(v, height) };
+    this.put(name);
+    this.screen.draw();
+    this.look(name);
+    this.changed();
+  }
+
+  /**
+   * @param {string} name
+   * @param {KeyboardEvent} event
+   */
+  key(name, event) {
+    const step = STEPS[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const size = event.shiftKey ? FAR : event.ctrlKey || event.altKey ? 0.1 : 1;
+    const { u, v } = this.places[name];
+    this.move(name, u + size * step[0], v + size * step[1]);
+  }
+
+  /**
+   * @param {string} name
+   * @param {PointerEvent} event
+   */
+  drag(name, event) {
+    const button = this.buttons[name];
+    button.focus();
+    event.preventDefault();
+    button.setPointerCapture(event.pointerId);
+    const box = this.screen.over.getBoundingClientRect();
+    const { width, height } = this.screen.size;
+    const from = { ...this.places[name], x: event.clientX, y: event.clientY };
+    const onMove = (/** @type {PointerEvent} */ e) => this.move(name,
+      from.u + ((e.clientX - from.x) * width) / box.width,
+      from.v + ((e.clientY - from.y) * height) / box.height);
+    const onEnd = () => {
+      button.removeEventListener("pointermove", onMove);
+      button.removeEventListener("pointerup", onEnd);
+      button.removeEventListener("pointercancel", onEnd);
+    };
+    button.addEventListener("pointermove", onMove);
+    button.addEventListener("pointerup", onEnd);
+    button.addEventListener("pointercancel", onEnd);
+  }
+
+  /**
+   * Show what is under a handle, enlarged, away from it.
+   * @param {string} name
+   */
+  look(name) {
+    const { video, size } = this.screen;
+    const context = this.loupe.getContext("2d");
+    if (!context || video.readyState < 2) return;
+    const { u, v } = this.places[name];
+    this.loupe.hidden = false;
+    this.loupe.dataset.corner = this.freeCorner();
+    const scale = video.videoWidth / size.width;
+    const span = (LOUPE / ZOOM) * scale;
+    context.imageSmoothingEnabled = false;
+    context.fillStyle = "#14161c";
+    context.fillRect(0, 0, LOUPE, LOUPE);
+    context.drawImage(video, (u + 0.5) * scale - span / 2, (v + 0.5) * scale - span / 2, span, span,
+      0, 0, LOUPE, LOUPE);
+    for (const [width, ink] of INKS) {
+      context.lineWidth = width;
+      context.strokeStyle = ink;
+      context.beginPath();
+      context.moveTo(LOUPE / 2, LOUPE / 2 - 14);
+      context.lineTo(LOUPE / 2, LOUPE / 2 + 14);
+      context.moveTo(LOUPE / 2 - 14, LOUPE / 2);
+      context.lineTo(LOUPE / 2 + 14, LOUPE / 2);
+      context.stroke();
+    }
+  }
+
+  /** Return the corner of the picture that is farthest from all handles. */
+  freeCorner() {
+    const { width, height } = this.screen.size;
+    const distance = (/** @type {string} */ name) => Math.min(...Object.values(this.places)
+      .map(({ u, v }) => Math.hypot(u - (name.includes("right") ? width : 0),
+        v - (name.includes("bottom") ? height : 0))));
+    return ["top left", "top right", "bottom left", "bottom right"]
+      .reduce((best, name) => (distance(name) > distance(best) ? name : best));
+  }
+
+  /**
+   * Draw rods and the balls' edges between the handles, as long as nothing is tracked.
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} scale
+   */
+  sketch(context, scale) {
+    if (!this.isOn) return;
+    const { pivot, ...balls } = this.places;
+    const ratio = window.devicePixelRatio || 1;
+    for (const ball of Object.values(balls)) {
+      const arm = pivot ? Math.hypot(ball.u - pivot.u, ball.v - pivot.v) : 0;
+      const radius = (this.ratio && arm ? this.ratio * arm : this.radius) * scale;
+      const at = this.screen.onCanvas(ball);
+      for (const [width, ink] of INKS) {
+        context.lineWidth = width * ratio;
+        context.strokeStyle = ink;
+        context.beginPath();
+        if (pivot) {
+          const hinge = this.screen.onCanvas(pivot);
+          context.moveTo(hinge.x, hinge.y);
+          context.lineTo(at.x, at.y);
+        }
+        context.moveTo(at.x + radius, at.y);
+        context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+        context.stroke();
+      }
+    }
+  }
+}

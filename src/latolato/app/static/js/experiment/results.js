@@ -1,0 +1,133 @@
+/** What fits and trials say, in cards and a table. */
+
+import { el } from "../shared/dom.js";
+import { short, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
+import { t } from "../strings.js";
+
+/** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
+ *   label: string, symbol: string}} Value */
+/** @typedef {{kind: string, error?: string, verdict?: string, values?: Record<string, Value>,
+ *   play?: Record<string, any>}} Fit */
+
+/** @typedef {import("./desk.js").FitKind} FitKind */
+const DEGREES = 180 / Math.PI;
+
+/**
+ * Return the card of a fit; what is no headline is behind "more".
+ * @param {Fit} fit
+ * @param {FitKind} kind
+ * @param {Record<string, number>} truth of a synthetic clip
+ * @param {any} registry
+ * @param {(options: Record<string, any>) => void} play
+ * @param {Node} again what does it once more
+ */
+export function fitCard(fit, kind, truth, registry, play, again) {
+  const values = fit.values ?? {};
+  const first = kind.headline.length > 0 ? kind.headline : Object.keys(values);
+  const main = first.filter((name) => name in values);
+  const rest = Object.keys(values).filter((name) => !main.includes(name));
+  const table = (/** @type {string[]} */ names) =>
+    fitTable(kind.title, names, values, truth, registry);
+  return el("section", { class: "card fit", "data-fit": fit.kind },
+    el("h2", {}, kind.title), table(main), el("p", { class: "hint" }, fit.verdict ?? ""),
+    rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
+      table(rest)),
+    el("div", { class: "actions" }, fit.play && el("button", { type: "button",
+      on: { click: () => play(fit.play ?? {}) } }, t("openInPlay")), again));
+}
+
+/**
+ * Return the card of a fit that waits for a click.
+ * @param {FitKind} kind
+ * @param {Node} button
+ */
+export function waitingCard(kind, button) {
+  return el("section", { class: "card" }, el("h2", {}, kind.title),
+    el("p", { class: "hint" }, kind.hint), el("div", { class: "actions" }, button));
+}
+
+/**
+ * Return the card of the fits that a clip does not allow, with the reasons.
+ * @param {Fit[]} fits
+ * @param {Record<string, FitKind>} kinds
+ */
+export function refusedCard(fits, kinds) {
+  return el("section", { class: "card" }, el("h2", {}, t("notHere")),
+    ...fits.map((fit) => el("p", { class: "hint" },
+      el("strong", {}, kinds[fit.kind].title), ": ", fit.error)));
+}
+
+/**
+ * @param {string} title
+ * @param {string[]} names
+ * @param {Record<string, Value>} values
+ * @param {Record<string, number>} truth
+ * @param {any} registry
+ */
+function fitTable(title, names, values, truth, registry) {
+  const compared = names.some((name) => name in truth);
+  const heads = ["quantity", "fitted", ...(compared ? ["truth"] : [])];
+  return el("div", { class: "table-scroll", tabindex: "0", role: "region",
+    "aria-label": title },
+  el("table", {}, head(heads),
+    el("tbody", {}, ...names.map((name) => {
+      const { value, sigma, low, high, units, label, symbol } = values[name];
+      const unit = registry.options[name]?.units[0] ?? { name: units, size: 1 };
+      const inUnit = (/** @type {number} */ x) => x / unit.size;
+      const unitText = shownUnit(unit.name);
+      const off = name in truth ? value / truth[name] - 1 : NaN;
+      return el("tr", { "data-name": name, "data-value": String(value) },
+        el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
+          (place === "line" ? text : el(place, {}, text))))),
+        el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
+          ` ${unitText}`, el("small", {},
+            [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
+        compared && el("td", { class: "number" }, ...(name in truth
+          ? [short(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
+    }))));
+}
+
+/** @param {string[]} names of texts */
+function head(names) {
+  return el("thead", {}, el("tr", {},
+    ...names.map((name) => el("th", { scope: "col" }, t(name)))));
+}
+
+/** @param {number} share */
+function percent(share) {
+  const text = (100 * share).toFixed(Math.abs(share) < 0.001 ? 3 : 2).replace("-", "−");
+  return `${share >= 0 ? "+" : ""}${text} %`;
+}
+
+/**
+ * Return the table of trials: those of the server, and videos that are none with the reason.
+ * @param {any[]} trials
+ * @param {{name: string, key: string, reason: string | null}[]} clips
+ * @param {(clip: string) => void} open
+ */
+export function trialTable(trials, clips, open) {
+  const degrees = (/** @type {number} */ v, /** @type {number} */ s) =>
+    withSigma(v * DEGREES, s * DEGREES);
+  const link = (/** @type {string} */ key, /** @type {string} */ name) =>
+    el("button", { type: "button", class: "link", on: { click: () => open(key) } }, name);
+  const nameOf = (/** @type {any} */ row) =>
+    clips.find(({ key }) => key === row.clip)?.name ?? row.source;
+  const rows = trials.map((row) => el("tr", {},
+    el("td", {}, row.set), el("td", {}, link(row.clip, nameOf(row))),
+    el("td", {}, withSigma(1000 * row.drive_amplitude, 1000 * row.drive_amplitude_sigma)),
+    el("td", {}, withSigma(row.drive_frequency, row.drive_frequency_sigma)),
+    el("td", {}, short(row.frequency_ratio ?? NaN, 4)),
+    el("td", {}, degrees(row.largest_angle, row.largest_angle_sigma)),
+    el("td", {}, degrees(row.largest_angle_after_transient, row.largest_angle_after_transient_sigma)),
+    el("td", {}, t(`class_${row.class}`), row.borderline ? ` (${t("borderline")})` : ""),
+    el("td", { class: "soft" }, row.note)));
+  const named = new Set(trials.map((row) => row.clip));
+  const others = clips.filter(({ key }) => !named.has(key)).map(({ key, name, reason }) =>
+    el("tr", {}, el("td", {}, "–"), el("td", {}, link(key, name)),
+      el("td", { colspan: "7", class: "soft" }, reason ?? t("notTracked"))));
+  const heads = ["set", "video", "trialAmplitude", "trialFrequency", "trialRatio", "trialLargest",
+    "trialAfterTransient", "trialClass", "note"];
+  return el("div", { class: "table-scroll", tabindex: "0", role: "region",
+    "aria-label": t("trials") },
+  el("table", {}, head(heads), el("tbody", {}, ...rows, ...others)));
+}

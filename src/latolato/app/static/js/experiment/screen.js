@@ -1,0 +1,271 @@
+/** The video with what was found drawn on it, frame by frame. */
+
+import { colour, el, fitCanvas, freshId } from "../shared/dom.js";
+import { t } from "../strings.js";
+import { ClipClock } from "./clock.js";
+import { SIDES } from "./track.js";
+
+/** @typedef {import("./track.js").Track} Track */
+/** @typedef {{u: number, v: number}} Place */
+
+const DEGREES = 180 / Math.PI;
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
+const READ_EVERY = 100; // ms
+const TALLEST = 62; // vh
+/** How the circle of a flag is drawn, beside its colour. */
+/** @type {Record<string, number[]>} */
+const DASHES = { ok: [], collision: [], occluded: [8, 4], predicted: [2, 4], lost: [2, 8] };
+const PAINTS = [...Object.keys(DASHES).map((flag) => `flag-${flag}`), "model"];
+// The model's ball is drawn around the measured one.
+const GHOST = 1.25;
+const DARK = "#14161c";
+
+export class Screen {
+  constructor() {
+    this.video = el("video", { class: "clip", muted: true, playsInline: true, preload: "auto",
+      "aria-hidden": "true", tabindex: "-1" });
+    this.canvas = el("canvas", { class: "clip-canvas", role: "img", "aria-label": t("clipLabel") });
+    this.over = el("div", { class: "clip-over" });
+    this.box = el("div", { class: "clip-box" }, this.video, this.canvas, this.over);
+    this.clock = new ClipClock(this.video);
+    /** @type {Track | null} */
+    this.track = null;
+    this.isMarked = true;
+    this.hasGhost = true;
+    this.size = { width: 1, height: 1 };
+    /** What else is drawn, in the picture's pixels. */
+    /** @type {((context: CanvasRenderingContext2D, scale: number) => void) | null} */
+    this.sketch = null;
+    /** Where balls and ghosts were last drawn, in pixels of the canvas, and of which frame. */
+    this.drawn = { frame: -1, balls: /** @type {{x: number, y: number}[]} */ ([]),
+      ghosts: /** @type {{x: number, y: number}[]} */ ([]) };
+    this.readAt = 0;
+    this.transport = this.makeTransport();
+    this.flags = el("p", { class: "flags" });
+    this.failed = el("p", { class: "error", role: "alert", hidden: true }, t("cannotPlay"));
+    this.root = el("div", { class: "stage" }, this.box, this.failed, this.transport, this.flags);
+    this.readColours();
+    this.release = fitCanvas(this.canvas, () => {
+      this.readColours();
+      this.draw();
+    });
+    this.clock.subscribe(() => this.move());
+    this.video.addEventListener("loadeddata", () => this.draw());
+    this.video.addEventListener("error", () => { this.failed.hidden = !this.video.currentSrc; });
+    this.root.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  readColours() {
+    /** @type {Record<string, string>} */
+    this.colours = {};
+    for (const name of PAINTS) this.colours[name] = colour(name, this.canvas);
+  }
+
+  /** Return a colour of the page. */
+  paint(/** @type {string} */ name) {
+    return this.colours?.[name] ?? "";
+  }
+
+  makeTransport() {
+    const id = freshId();
+    const step = (/** @type {string} */ name, /** @type {string} */ sign,
+      /** @type {number} */ by) => el("button", { type: "button", class: "plain",
+      "aria-label": t(name), on: { click: () => this.stepBy(by) } }, sign);
+    const check = (/** @type {string} */ name, /** @type {"isMarked" | "hasGhost"} */ what) => {
+      const box = el("input", { type: "checkbox", checked: true, on: { change: () => {
+        this[what] = box.checked;
+        this.draw();
+      } } });
+      return el("label", { class: "check" }, box, t(name));
+    };
+    this.button = el("button", { type: "button", class: "play",
+      on: { click: () => this.clock.toggle() } }, t("play"));
+    this.scrub = el("input", { type: "range", min: "0", max: "0", step: "1", value: "0",
+      class: "scrub", "aria-label": t("frame"), on: { input: () => {
+        this.clock.pause();
+        this.clock.go(Number(this.scrub?.value));
+      } } });
+    this.timeText = el("output", { class: "time wide" });
+    this.read = el("output", { class: "reading" });
+    this.speed = el("select", { id, on: { change: () =>
+      this.clock.hurry(Number(this.speed?.value)) } },
+      ...SPEEDS.map((s) => el("option", { value: String(s), selected: s === 1 },
+        t("speedText", { speed: s }))));
+    this.marks = el("span", { class: "row" }, check("overlay", "isMarked"),
+      check("ghost", "hasGhost"));
+    return el("div", { class: "transport" },
+      el("div", { class: "row" }, this.button, step("frameBack", "◂", -1),
+        step("frameOn", "▸", 1), this.scrub),
+      el("div", { class: "row" }, this.timeText, this.read),
+      el("div", { class: "row" }, el("label", { for: id }, t("speed")), this.speed, this.marks));
+  }
+
+  /**
+   * Show a clip.
+   * @param {{url: string, width: number, height: number, duration: number, frames: number}} clip
+   * @param {Track | null} track
+   */
+  show(clip, track) {
+    this.track = track;
+    this.size = { width: clip.width, height: clip.height };
+    this.box.style.aspectRatio = `${clip.width} / ${clip.height}`;
+    this.box.style.maxWidth = `calc(${TALLEST}vh * ${clip.width / clip.height})`;
+    if (this.video.src !== clip.url) {
+      this.clock.pause();
+      this.clock.index = 0;
+      this.failed.hidden = true;
+      this.video.src = clip.url;
+      this.drawn.frame = -1;
+    }
+    const even = Float64Array.from({ length: clip.frames }, (_, i) =>
+      (i * clip.duration) / (clip.frames - 1));
+    this.clock.load(track?.media ?? even, track?.time ?? even);
+    if (this.scrub) this.scrub.max = String(clip.frames - 1);
+    if (this.marks) this.marks.hidden = !track;
+    this.flags.replaceChildren(...(track?.counts() ?? []).map(({ flag, count }) =>
+      el("span", { class: "flag", title: t(`flag_${flag}_hint`) },
+        el("span", { class: `key flag-${flag}` }),
+        t("flagCount", { flag: t(`flag_${flag}`), count }))));
+    this.move();
+  }
+
+  /** @param {number} by frames */
+  stepBy(by) {
+    this.clock.pause();
+    this.clock.go((this.clock.wanted ?? this.clock.index) + by);
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const target = /** @type {HTMLElement} */ (event.target);
+    if (["INPUT", "SELECT", "BUTTON"].includes(target.tagName)) return;
+    if (event.key === " ") this.clock.toggle();
+    else if (event.key === ",") this.stepBy(-1);
+    else if (event.key === ".") this.stepBy(1);
+    else return;
+    event.preventDefault();
+  }
+
+  move() {
+    this.draw();
+    const { clock } = this;
+    const label = clock.playing ? t("pause") : t("play");
+    if (this.button && this.button.textContent !== label) this.button.textContent = label;
+    const now = performance.now();
+    if (clock.playing && now - this.readAt < READ_EVERY) return;
+    this.readAt = now;
+    if (this.scrub) this.scrub.value = String(clock.index);
+    if (this.timeText) this.timeText.textContent = t("frameText", {
+      frame: clock.index + 1, count: clock.times.length, time: clock.time.toFixed(3) });
+    if (this.read) this.read.textContent = this.reading();
+  }
+
+  /** Return angles and flags of the frame in words. */
+  reading() {
+    const { track, clock } = this;
+    if (!track?.hasAngles) return "";
+    const sign = (/** @type {number} */ x) => x.toFixed(2).replace("-", "−");
+    return Array.from({ length: track.count }, (_, b) => {
+      const angle = track.values("angle", b)[clock.index];
+      const sigma = track.values("angle_sigma", b)[clock.index];
+      const flag = track.flag(clock.index, b);
+      const value = Number.isFinite(angle)
+        ? t("angleText", { angle: sign(angle * DEGREES), sigma: (sigma * DEGREES).toFixed(2) })
+        : "–";
+      const side = track.count > 1 ? `${t(SIDES[b])} ` : "";
+      return `${side}${value}${flag === "ok" ? "" : `, ${t(`flag_${flag}`)}`}`;
+    }).join(" · ");
+  }
+
+  /**
+   * Return where a place of the picture lies on the canvas, in its own pixels.
+   * @param {Place} place in pixels, whole numbers in their middle
+   */
+  onCanvas({ u, v }) {
+    const { canvas, size } = this;
+    return { x: ((u + 0.5) * canvas.width) / size.width,
+      y: ((v + 0.5) * canvas.height) / size.height };
+  }
+
+  draw() {
+    const { canvas, video, track, clock } = this;
+    const context = canvas.getContext("2d");
+    if (!context) return;
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    // The picture itself, so that it and what is drawn on it are always of one frame.
+    if (video.readyState >= 2) context.drawImage(video, 0, 0, canvas.width, canvas.height);
+    const scale = canvas.width / this.size.width;
+    if (this.sketch) this.sketch(context, scale);
+    this.drawn = { frame: clock.index, balls: [], ghosts: [] };
+    if (!track) return;
+    const { pivot, balls, ghosts } = track.places(clock.index);
+    const radius = track.radius * scale;
+    const ratio = window.devicePixelRatio || 1;
+    const hinge = this.onCanvas(pivot);
+    this.drawn.balls = balls.map((place) => this.onCanvas(place));
+    this.drawn.ghosts = ghosts.map((place) => this.onCanvas(place));
+    if (this.hasGhost) {
+      for (const at of this.drawn.ghosts)
+        this.ball(context, hinge, at, GHOST * radius, this.paint("model"), [4 * ratio, 4 * ratio]);
+    }
+    if (!this.isMarked) return;
+    this.drawn.balls.forEach((at, b) => {
+      const flag = track.flag(clock.index, b);
+      this.ball(context, hinge, at, radius, this.paint(`flag-${flag}`),
+        DASHES[flag].map((d) => d * ratio));
+      cross(context, at, 3 * ratio, this.paint(`flag-${flag}`), ratio);
+    });
+    cross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
+  }
+
+  /**
+   * Draw a rod and the edge of a ball, light over dark, to be seen on any ground.
+   * @param {CanvasRenderingContext2D} context
+   * @param {{x: number, y: number}} hinge
+   * @param {{x: number, y: number}} at
+   * @param {number} radius
+   * @param {string} paint
+   * @param {number[]} dash
+   */
+  ball(context, hinge, at, radius, paint, dash) {
+    if (!Number.isFinite(at.x + at.y)) return;
+    const ratio = window.devicePixelRatio || 1;
+    const away = Math.hypot(at.x - hinge.x, at.y - hinge.y);
+    const share = 1 - Math.min(radius / Math.max(away, 1e-9), 1);
+    for (const [width, ink] of /** @type {[number, string][]} */ ([[4, DARK], [2, paint]])) {
+      context.lineWidth = width * ratio;
+      context.strokeStyle = ink;
+      context.setLineDash(width === 2 ? dash : []);
+      context.beginPath();
+      if (Number.isFinite(away)) {
+        context.moveTo(hinge.x, hinge.y);
+        context.lineTo(hinge.x + share * (at.x - hinge.x), hinge.y + share * (at.y - hinge.y));
+      }
+      context.moveTo(at.x + radius, at.y);
+      context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.setLineDash([]);
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {{x: number, y: number}} at
+ * @param {number} reach
+ * @param {string} paint
+ * @param {number} ratio
+ */
+function cross(context, at, reach, paint, ratio) {
+  if (!Number.isFinite(at.x + at.y)) return;
+  for (const [width, ink] of /** @type {[number, string][]} */ ([[3.5, DARK], [1.5, paint]])) {
+    context.lineWidth = width * ratio;
+    context.strokeStyle = ink;
+    context.beginPath();
+    context.moveTo(at.x - reach, at.y);
+    context.lineTo(at.x + reach, at.y);
+    context.moveTo(at.x, at.y - reach);
+    context.lineTo(at.x, at.y + reach);
+    context.stroke();
+  }
+}

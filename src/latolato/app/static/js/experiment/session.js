@@ -1,0 +1,266 @@
+/** The videos of this page and what was done with them; nothing here draws. */
+
+import { askJson } from "../shared/api.js";
+import { inner } from "../shared/block.js";
+import { t } from "../strings.js";
+import { clipCopy, Desk } from "./desk.js";
+import { Track } from "./track.js";
+
+/** @typedef {import("./handles.js").Place} Place */
+/**
+ * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
+ *   about: {width: number, height: number, frames: number, duration: number} | null,
+ *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
+ *   hasPivot: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
+ *   track: Track | null,
+ *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
+ *   field: string | null, stage: string | null, share: number, mode: "setup" | "result",
+ *   cancel: () => void, files: Set<string>, tracked: number}} Clip
+ */
+
+export class Session {
+  /** @param {() => void} changed called at every change */
+  constructor(changed) {
+    this.changed = changed;
+    /** @type {Clip[]} */
+    this.clips = [];
+    /** @type {Clip | null} */
+    this.clip = null;
+    /** @type {any[]} */
+    this.trials = [];
+    this.count = 0;
+    this.desk = new Desk((open) => {
+      // A server that was started again knows nothing of what was done before.
+      if (open) this.trials = [];
+      changed();
+    });
+  }
+
+  /**
+   * Return whether the server has a clip and what was made of it.
+   * @param {Clip | null} clip
+   */
+  isKept(clip) {
+    return Boolean(clip?.key && this.desk.hello && clip.epoch === this.desk.epoch);
+  }
+
+  /**
+   * Return a clip that is on its way.
+   * @param {string} name
+   * @param {File | null} file
+   * @returns {Clip}
+   */
+  begin(name, file) {
+    this.count += 1;
+    /** @type {Clip} */
+    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
+      proposed: {}, radius: 0, hasPivot: false, hasBalls: false, isProposed: true, truth: {},
+      track: null, fits: {},
+      warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0, mode: "setup",
+      cancel: () => {}, files: new Set(), tracked: 0 };
+    this.clips.push(clip);
+    this.clip = clip;
+    return clip;
+  }
+
+  /**
+   * Return the result of work, null if it failed or was cancelled; the clip shows how far it is.
+   * @template T
+   * @param {Clip} clip
+   * @param {(follow: import("./desk.js").Follow) => Promise<T>} start
+   */
+  async work(clip, start) {
+    clip.error = clip.field = null;
+    clip.stage = "waiting";
+    clip.share = 0;
+    const own = new AbortController();
+    clip.cancel = () => own.abort();
+    this.changed();
+    try {
+      return await start({ signal: own.signal, tell: ({ state, progress = 0 }) => {
+        clip.stage = state;
+        clip.share = progress;
+        this.changed();
+      } });
+    } catch (error) {
+      const aborted = error instanceof DOMException && error.name === "AbortError";
+      clip.error = aborted ? t("cancelled") : /** @type {Error} */ (error).message;
+      clip.field = /** @type {any} */ (error).field ?? null;
+      return null;
+    } finally {
+      clip.stage = null;
+      clip.cancel = () => {};
+      this.changed();
+    }
+  }
+
+  /**
+   * Upload a video and look at it.
+   * @param {File} file
+   */
+  async add(file) {
+    const clip = this.begin(file.name, file);
+    await this.send(clip);
+  }
+
+  /**
+   * Upload the file of a clip; its places stay if it had some.
+   * @param {Clip} clip
+   */
+  async send(clip) {
+    const { desk } = this;
+    const key = await this.work(clip, (follow) =>
+      desk.upload(/** @type {File} */ (clip.file), follow));
+    if (!key) return;
+    clip.key = key;
+    clip.epoch = desk.epoch;
+    const block = await this.work(clip, (follow) => desk.job({ do: "look", clip: key }, follow));
+    if (block) await this.seen(clip, block.about);
+  }
+
+  /**
+   * Have an example filmed; returns it when it is there.
+   * @param {string} kind
+   */
+  async example(kind) {
+    const clip = this.begin(t(`example_${kind}`), null);
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "example", kind }, follow));
+    if (!block) return null;
+    clip.key = block.about.clip;
+    clip.epoch = this.desk.epoch;
+    clip.truth = block.about.truth;
+    await this.seen(clip, block.about);
+    return clip;
+  }
+
+  /**
+   * @param {Clip} clip
+   * @param {any} about
+   */
+  async seen(clip, about) {
+    const isNew = clip.about === null;
+    clip.about = about;
+    if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
+    const { proposal, width, height } = about;
+    clip.hasPivot = Boolean(proposal?.pivot);
+    clip.hasBalls = Boolean(proposal);
+    clip.proposed = placesOf(about);
+    clip.radius = proposal?.radius ?? 0.03 * Math.min(width, height);
+    if (isNew) clip.places = { ...clip.proposed };
+    this.changed();
+  }
+
+  /**
+   * See that the server has a clip, which it has not after it was started again.
+   * @param {Clip} clip
+   */
+  async ensure(clip) {
+    if (this.isKept(clip)) return true;
+    if (!clip.file || !this.desk.hello) {
+      clip.error = t("clipsLost");
+      this.changed();
+      return false;
+    }
+    await this.send(clip);
+    return clip.error === null;
+  }
+
+  /**
+   * Track a clip.
+   * @param {Clip} clip
+   * @param {Record<string, any>} description
+   */
+  async track(clip, description) {
+    if (!(await this.ensure(clip))) return;
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "track", clip: clip.key, description }, follow));
+    if (!block) return;
+    const { fits, warnings, no_trial: noTrial, trials } = block.about;
+    const track = new Track(inner(block, "points"));
+    Object.assign(clip, { track, fits, warnings, noTrial });
+    clip.mode = "result";
+    clip.files = new Set();
+    clip.tracked += 1;
+    this.trials = trials;
+    track.isDriven = Boolean(fits.drive?.values);
+    this.lay(clip, fits, block);
+  }
+
+  /**
+   * Do one fit again.
+   * @param {Clip} clip
+   * @param {string} kind
+   * @param {Record<string, any>} description
+   */
+  async fit(clip, kind, description) {
+    if (!this.isKept(clip)) {
+      clip.error = t("clipsLost");
+      this.changed();
+      return;
+    }
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "fit", kind, clip: clip.key, description }, follow));
+    if (!block) return;
+    const fits = { [kind]: block.about };
+    clip.fits = { ...clip.fits, ...fits };
+    this.lay(clip, fits, block);
+  }
+
+  /**
+   * Take the computed motion of a clip if a fit made one.
+   * @param {Clip} clip
+   * @param {Record<string, any>} fits
+   * @param {import("../shared/block.js").Block} block
+   */
+  lay(clip, fits, block) {
+    if (clip.track && Object.values(fits).some((fit) => fit.model))
+      clip.track.model = inner(block, "model");
+    this.changed();
+  }
+
+  /**
+   * Have a file made; returns whether it is there.
+   * @param {Clip} clip
+   * @param {string} file
+   */
+  async make(clip, file) {
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "export", file, clip: clip.key }, follow));
+    if (block) clip.files.add(file);
+    this.changed();
+    return block !== null;
+  }
+
+  /**
+   * Remove a clip here and on the server.
+   * @param {Clip} clip
+   */
+  async remove(clip) {
+    clip.cancel();
+    this.clips = this.clips.filter((each) => each !== clip);
+    if (this.clip === clip) this.clip = this.clips[this.clips.length - 1] ?? null;
+    if (clip.url) URL.revokeObjectURL(clip.url);
+    this.changed();
+    if (!this.isKept(clip)) return;
+    const rest = await askJson("/api/experiment/remove",
+      { desk: this.desk.hello?.desk, clip: clip.key }).catch(() => null);
+    if (rest) this.trials = rest.trials;
+    this.changed();
+  }
+}
+
+/**
+ * Return handles where pivot and balls are proposed, or somewhere to begin with.
+ * @param {any} about
+ * @returns {Record<string, Place>}
+ */
+function placesOf({ width, height, proposal }) {
+  const place = (/** @type {number[]} */ [u, v]) => ({ u, v });
+  const balls = proposal?.balls ?? [[0.6 * width, 0.7 * height]];
+  /** @type {Record<string, Place>} */
+  const places = { pivot: place(proposal?.pivot ?? [0.5 * width, 0.2 * height]),
+    ball_1: place(balls[0]) };
+  if (balls[1]) places.ball_2 = place(balls[1]);
+  return places;
+}

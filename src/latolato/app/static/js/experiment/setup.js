@@ -1,0 +1,139 @@
+/** The description of a video before it is tracked: scale, masses, camera, and how many balls. */
+
+import { el, freshId } from "../shared/dom.js";
+import { Form } from "../shared/form.js";
+import { toSi } from "../shared/units.js";
+import { inWords } from "../shared/words.js";
+import { t } from "../strings.js";
+
+const FIRST = ["length", "radius", "mass"];
+const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "lens_k1", "lens_k2"];
+
+export class Setup {
+  /**
+   * @param {import("../shared/state.js").Store} store where the quantities are kept, after "experiment."
+   * @param {Record<string, any>} fields as the server describes them
+   * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
+   *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void}} on
+   */
+  constructor(store, fields, on) {
+    this.fields = fields;
+    /** @type {Record<string, string>} */
+    this.values = {};
+    for (const name of [...FIRST, ...REST]) {
+      const kept = store.state.extra[`experiment.${name}`];
+      if (kept) this.values[name] = kept;
+    }
+    const own = /** @type {any} */ ({
+      state: { options: this.values },
+      option: (/** @type {string} */ name, /** @type {string | null} */ value) => {
+        if (value === null) delete this.values[name];
+        else this.values[name] = value;
+        this.form.fields.get(name)?.read(value);
+        this.tellWrong();
+        store.keep(`experiment.${name}`, value);
+        on.changed();
+      },
+    });
+    this.form = new Form(el("div", {}), { options: fields }, own);
+    this.isReady = false;
+    const id = freshId();
+    this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },
+      ...[1, 2].map((n) => el("option", { value: String(n) }, String(n))));
+    this.unseen = el("input", { type: "checkbox", on: { change: () => on.changed() } });
+    const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name]);
+    const quantities = el("div", { class: "fields" },
+      el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")), this.count),
+      ...FIRST.map(fieldOf), el("p", { class: "hint" }, t("scaleHint")), this.form.general,
+      el("details", { class: "inner" }, el("summary", {}, t("more")),
+        el("div", { class: "fields" }, ...REST.map(fieldOf),
+          el("label", { class: "check" }, this.unseen, t("pivotUnseen")))));
+    const button = (/** @type {string} */ name, /** @type {() => void} */ click,
+      /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
+      on: { click } }, t(name));
+    this.track = button("track", on.track, "play");
+    this.again = button("setupAgain", () => on.mode("setup"));
+    this.back = button("setupBack", () => on.mode("result"));
+    this.reset = button("findAgain", on.reset);
+    this.cancel = button("cancel", on.cancel);
+    this.hint = el("p", { class: "hint" }, t("setupHint"));
+    this.notice = el("p", { class: "notice" });
+    this.bar = el("progress", { max: 1, "aria-label": t("track") });
+    this.stage = el("span", {});
+    this.failed = el("p", { class: "error", role: "alert" });
+    this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
+    this.body = el("div", { class: "fields" }, this.notice, this.hint, quantities,
+      el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
+    this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
+      this.busy, this.failed, this.body);
+  }
+
+  /**
+   * Show how far a clip is, what can be done next, and what went wrong.
+   * @param {import("./session.js").Clip} clip
+   */
+  update(clip) {
+    const isSetup = clip.mode === "setup";
+    this.busy.hidden = clip.stage === null;
+    this.bar.value = clip.share;
+    this.stage.textContent = t("progressOf", { stage: t(`stage_${clip.stage ?? "waiting"}`),
+      percent: Math.round(100 * clip.share) });
+    this.body.hidden = clip.about === null;
+    this.isReady = clip.about !== null && clip.stage === null;
+    this.track.textContent = t(clip.track ? "trackAgain" : "track");
+    this.track.hidden = this.hint.hidden = !isSetup;
+    this.again.hidden = isSetup;
+    this.back.hidden = !isSetup || !clip.track;
+    this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
+    this.notice.textContent = t(clip.hasPivot ? "setupFound"
+      : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
+    this.notice.hidden = !isSetup || !clip.isProposed;
+    const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
+    this.tellWrong();
+    if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
+    this.failed.hidden = !clip.error || isOwn;
+    this.failed.textContent = isOwn ? "" : clip.error;
+    if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";
+  }
+
+  /**
+   * Take other values.
+   * @param {Record<string, string>} values as texts with units
+   */
+  fill(values) {
+    for (const [name, text] of Object.entries(values)) {
+      this.values[name] = text;
+      this.form.fields.get(name)?.read(text);
+    }
+    this.tellWrong();
+  }
+
+  /** Tell a text that is no quantity beside its field; nothing can be tracked with it. */
+  tellWrong() {
+    const wrong = Object.keys(this.values).find((name) => this.number(name) === null) ?? null;
+    this.error(wrong === null ? null : t("noNumber", { text: this.values[wrong] }), wrong);
+    this.track.disabled = !this.isReady || wrong !== null;
+  }
+
+  /**
+   * Return a quantity in SI units, null if it is not said.
+   * @param {string} name
+   */
+  number(name) {
+    const text = this.values[name];
+    const { units, unit } = this.fields[name];
+    return text === undefined ? null : toSi(text, [...units, { name: unit, size: 1 }]);
+  }
+
+  /**
+   * Show why something was refused, beside its field if it has one.
+   * @param {string | null} text
+   * @param {string | null} [field]
+   */
+  error(text, field = null) {
+    for (const [name, each] of this.form.fields) each.error(name === field ? text : null);
+    const own = text !== null && !(field && this.form.fields.has(field));
+    this.form.general.hidden = !own;
+    this.form.general.textContent = own ? text : "";
+  }
+}

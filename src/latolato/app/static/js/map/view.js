@@ -1,0 +1,289 @@
+/** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
+
+import { askJson } from "../shared/api.js";
+import { codeBlocks } from "../shared/code.js";
+import { el, tell } from "../shared/dom.js";
+import { Form } from "../shared/form.js";
+import { t } from "../strings.js";
+import { Misread } from "./address.js";
+import { axisLabel, sizeOf } from "./axes.js";
+import { ColourBar } from "./bar.js";
+import { MapChart } from "./chart.js";
+import { MapControls } from "./controls.js";
+import { Cursor } from "./cursor.js";
+import { MapFiles } from "./files.js";
+import { Grid } from "./grid.js";
+import { followHand } from "./hand.js";
+import { MapJob } from "./job.js";
+import { lookOf } from "./look.js";
+import { contourVariable, Over } from "./over.js";
+import { PointPanel } from "./point.js";
+import { openInPlay, requestOf, sameBut, sourceOf } from "./request.js";
+import { fileBodyOf } from "./shown.js";
+import { doneText, legend } from "./tell.js";
+import { Toolbar } from "./toolbar.js";
+import { Travel } from "./travel.js";
+
+/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../shared/block.js").Block} Block */
+
+// Changes of a slider become one request.
+const PATIENCE = 120; // ms
+// A server that does not answer is asked again after this time.
+const RETRY = 1000; // ms
+
+export class MapView {
+  /** @param {Page} page */
+  constructor(page) {
+    this.page = page;
+    /** @type {MapJob | null} */
+    this.job = null;
+    /** @type {Grid | null} */
+    this.grid = null;
+    /** @type {Grid | null} what a map that has just begun will show */
+    this.next = null;
+    /** @type {any} */
+    this.choices = null;
+    this.wanted = "";
+    this.timer = 0;
+    this.shown = false;
+    this.over = new Over(this);
+    this.travel = new Travel(this);
+    this.controls = new MapControls(page.registry, page.store, (text) => {
+      this.over.trials = text;
+      void this.over.draw();
+    });
+    const form = el("form", { class: "form" });
+    form.addEventListener("submit", (e) => e.preventDefault());
+    this.form = new Form(form, page.registry, page.store);
+    this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
+    const back = () => this.travel.back();
+    const scale = (/** @type {number} */ by) => this.travel.scale(by);
+    this.tools = new Toolbar({ stop: () => this.stopOrGo(), back, scale });
+    const canvas = el("canvas", { class: "map" });
+    const bar = el("canvas", { class: "bar-canvas", role: "img", "aria-label": t("mapBar") });
+    this.field = el("div", { class: "map-field", tabindex: "0", role: "application",
+      "aria-label": t("mapKeys") }, canvas);
+    const readout = el("p", { class: "map-readout", role: "status", "aria-live": "polite" });
+    this.barTitle = el("p", { class: "bar-title" });
+    this.classes = el("ul", { class: "legend" });
+    const barBox = el("div", { class: "bar-box" }, this.barTitle, bar, this.classes);
+    this.misread = new Misread();
+    this.notes = el("p", { class: "error", role: "alert", hidden: true });
+    this.point = new PointPanel(page.registry, (options) => openInPlay(page, options));
+    this.files = new MapFiles(() => fileBodyOf(this));
+    this.code = el("div", {});
+    this.root = el("div", { class: "view split" },
+      el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
+      el("div", { class: "main" }, this.tools.root, this.misread.root, this.notes,
+        el("div", { class: "map-and-point" },
+          el("div", { class: "panel map-panel" }, this.field, readout, barBox), this.point.root),
+        this.files.root,
+        el("details", { class: "card" }, el("summary", {}, t("code")),
+          el("p", { class: "hint" }, t("mapCodeHint")), this.code)));
+    this.chart = new MapChart(canvas);
+    this.bar = new ColourBar(bar);
+    this.cursor = new Cursor(this, readout);
+    followHand(this.field, this.chart, {
+      hover: (at) => this.cursor.tell(at),
+      pick: (x, y) => { this.cursor.put(x, y); void this.cursor.run(); },
+      box: (box) => this.travel.zoom(box),
+      pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
+      step: (columns, rows) => this.cursor.step(columns, rows),
+      enter: () => void this.cursor.run(),
+    }, () => this.tools.panning);
+    this.unsubscribe = () => {};
+  }
+
+  show() {
+    this.shown = true;
+    this.unsubscribe = this.page.store.subscribe((_, changed) => {
+      if (changed !== "view") this.update(changed !== "extra" && changed !== "options");
+    });
+    void this.findStored();
+    const { registry, store } = this.page;
+    const { scenario, extra } = store.state;
+    // A sweep is no run: other views begin with their own then.
+    if (scenario && registry.scenarios[scenario]?.sweep)
+      store.set({ scenario: null, extra: { ...extra, "map.scenario": scenario } }, "extra");
+    this.update(true);
+  }
+
+  hide() {
+    this.shown = false;
+    this.unsubscribe();
+    this.point.preview.rest();
+    if (this.grid?.complete && !this.next) return;
+    this.stop();
+    this.wanted = "";
+  }
+
+  async findStored() {
+    this.controls.stored = await askJson("/api/map/stored");
+    this.controls.showSource(sourceOf(this.page.registry, this.page.store.state));
+  }
+
+  /**
+   * Show what the address asks for; what must be computed is asked for after a moment.
+   * @param {boolean} [now]
+   */
+  update(now = false) {
+    const { registry, store } = this.page;
+    this.misread.heed(store);
+    const source = sourceOf(registry, store.state);
+    this.controls.showSource(source);
+    this.parameters.hidden = source.stored !== null;
+    this.tools.show(source.stored !== null);
+    const request = requestOf(registry, store.state);
+    const has = this.grid && (!request.observable || this.grid.variable(request.observable) >= 0);
+    const comes = this.job && !this.job.ended && request.observable === this.job.request.observable;
+    if (sameBut(request) === this.wanted && (has || comes)) {
+      if (this.choices && request.observable) this.choices.observable = request.observable;
+      this.repaint();
+      return;
+    }
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => this.compute(request), now ? 0 : PATIENCE);
+  }
+
+  /**
+   * Ask for a map; the server begins with what it knows of it.
+   * @param {Record<string, any>} request
+   */
+  compute(request) {
+    this.stop();
+    if (!this.shown) return;
+    this.wanted = sameBut(request);
+    this.tools.say(t("mapBegins"), 0);
+    this.job = new MapJob(request, {
+      choices: (choices) => this.takeChoices(choices),
+      phase: (name) => this.tools.say(t(name === "compiling" ? "preparing" : "mapWaiting")),
+      begin: (block) => this.begin(new Grid(block)),
+      cells: (block) => this.take(block),
+      done: (block) => this.finish(block),
+      refused: (text, field) => this.refuse(text, field), lost: () => this.retry(),
+    });
+    this.tools.state("busy");
+  }
+
+  /** Return whether a map is on its way. */
+  growing() {
+    return this.job !== null && !this.job.ended;
+  }
+
+  /** @param {any} choices */
+  takeChoices(choices) {
+    this.choices = choices;
+    this.controls.showChoices(choices);
+    this.form.varied = new Set([choices.x.name, choices.y.name]);
+    this.form.show(choices.options);
+  }
+
+  /** @param {Grid} grid */
+  begin(grid) {
+    this.notes.hidden = true;
+    this.form.error(null);
+    this.next = grid;
+    if (!grid.about.points) this.change();
+    this.code.replaceChildren(...codeBlocks([grid.about.python, grid.about.command]));
+    if (grid.about.select) this.controls.showStored(grid.about);
+    void this.over.draw();
+  }
+
+  /** Put the map that has begun in the place of the one on show. */
+  change() {
+    if (!this.next) return;
+    this.grid = this.chart.grid = this.next;
+    this.next = null;
+    this.chart.contours = [];
+    this.cursor.restore();
+  }
+
+  /** @param {Block} block */
+  take(block) {
+    this.change();
+    const grid = /** @type {Grid} */ (this.grid);
+    grid.put(block);
+    const { points, rate } = block.about;
+    const total = grid.about.points;
+    if (rate > 0)
+      this.tools.say(t("mapRate", { percent: Math.floor(100 * grid.share()),
+        rate: Math.round(rate), left: Math.ceil((total - points) / rate) }), grid.share());
+    this.repaint();
+    this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
+  }
+
+  /** @param {Block} block */
+  finish(block) {
+    this.change();
+    const grid = /** @type {Grid} */ (this.grid);
+    grid.complete = true;
+    this.tools.say(doneText(grid, block.about), 1);
+    this.tools.state("done");
+    this.repaint();
+    if (!this.chart.cross) this.cursor.begin();
+    this.root.dataset.done = String(Number(this.root.dataset.done ?? 0) + 1);
+  }
+
+  /**
+   * @param {string} text
+   * @param {string | null} field
+   */
+  refuse(text, field) {
+    this.notes.hidden = false;
+    this.notes.textContent = text;
+    // On a phone the map is not on the screen while one types below it.
+    const { top, bottom } = this.notes.getBoundingClientRect();
+    if (bottom < 0 || top > window.innerHeight) tell(text);
+    if (field && this.form.fields.has(field)) this.form.error(text, field);
+    this.tools.say("", 0);
+    this.tools.state("done");
+  }
+
+  retry() {
+    this.tools.say(t("offline"), 0);
+    this.wanted = "";
+    this.timer = window.setTimeout(() => this.update(true), RETRY);
+  }
+
+  stop() {
+    clearTimeout(this.timer);
+    if (this.job && !this.job.ended) this.job.cancel();
+    this.job = null;
+    this.next = null;
+  }
+
+  stopOrGo() {
+    if (this.growing()) {
+      this.stop();
+      this.tools.say(t("mapStopped"));
+      this.tools.state("stopped");
+      this.repaint();
+    } else {
+      this.wanted = "";
+      this.update(true);
+    }
+  }
+
+  /** Colour the cells anew, and what explains the colours. */
+  repaint() {
+    const { grid, chart } = this;
+    if (!grid) return;
+    const { extra } = this.page.store.state;
+    const look = lookOf(grid, extra);
+    const variable = grid.variables[look.variable];
+    chart.look = look;
+    chart.lines = this.over.shown();
+    chart.paint();
+    this.controls.showLook(grid, look);
+    this.controls.over.showChoices(grid, extra);
+    this.bar.canvas.hidden = variable.classes.length > 0;
+    this.barTitle.textContent = axisLabel(variable);
+    this.bar.show(look, sizeOf(variable));
+    this.classes.replaceChildren(...legend(grid, variable, this.over.shown(),
+      chart.trials !== null, contourVariable(grid, extra)));
+    this.tools.back.disabled = !this.travel.seen.length;
+    this.cursor.tell();
+    this.over.contours();
+  }
+}

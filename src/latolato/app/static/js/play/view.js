@@ -1,0 +1,129 @@
+/** Play: parameters on one side, the motion that they make on the other. */
+
+import { askBlock, newest, Offline } from "../shared/api.js";
+import { codeBlocks } from "../shared/code.js";
+import { el, tell } from "../shared/dom.js";
+import { Form } from "../shared/form.js";
+import { followKeys } from "../shared/keys.js";
+import { withLaws } from "../shared/laws.js";
+import { Motion } from "../shared/motion.js";
+import { Player } from "../shared/player.js";
+import { presetField } from "../shared/presets.js";
+import { FIRST } from "../shared/state.js";
+import { waited } from "../shared/waiting.js";
+import { t } from "../strings.js";
+import { Downloads } from "./downloads.js";
+
+/** @typedef {import("../shared/state.js").Page} Page */
+
+// A server that does not answer is asked again after this time.
+const RETRY = 1000; // ms
+// Where the address names a recording of Live that this page still has.
+const RECORDING = "play.recording";
+
+export class PlayView {
+  /** @param {Page} page */
+  constructor(page) {
+    this.page = page;
+    const form = el("form", { class: "form", on: {
+      submit: (/** @type {Event} */ e) => e.preventDefault() } });
+    this.presets = presetField(page);
+    const stage = el("div", { class: "player" });
+    this.notes = el("p", { class: "notes", role: "status" });
+    this.code = el("div", {});
+    this.downloads = new Downloads();
+    this.root = el("div", { class: "view split" },
+      el("aside", { class: "side" }, this.presets.field, this.makeActions(),
+        this.downloads.root, form),
+      el("div", { class: "main" }, this.notes, stage, el("details", { class: "card" },
+        el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
+    this.form = new Form(form, page.registry, page.store);
+    this.player = new Player(stage);
+    this.run = newest(() => this.simulate());
+    /** @type {(() => void)[]} what ends listening */
+    this.releases = [];
+  }
+
+  makeActions() {
+    this.pin = el("button", { type: "button", on: { click: () => {
+      const pinned = this.player.togglePin();
+      if (this.pin) this.pin.textContent = t(pinned ? "unpin" : "pin");
+    } } }, t("pin"));
+    const share = el("button", { type: "button", on: { click: async () => {
+      await navigator.clipboard.writeText(location.href);
+      tell(t("copied"));
+    } } }, t("share"));
+    return el("div", { class: "actions" }, this.pin, share);
+  }
+
+  show() {
+    this.releases.push(followKeys(document, this.player.actions));
+    this.releases.push(this.page.store.subscribe((state, changed) => {
+      if (changed === "extra") return;
+      // Whoever changes a parameter wants a run of these parameters.
+      if (["options", "preset"].includes(changed) && RECORDING in state.extra)
+        this.page.store.keep(RECORDING, null);
+      this.run(null);
+    }));
+    this.run(null);
+  }
+
+  hide() {
+    for (const release of this.releases.splice(0)) release();
+    this.downloads.stop();
+    this.player.clock.pause();
+  }
+
+  /** Return the recording that the address names, null without one. */
+  recording() {
+    const { store, recordings } = this.page;
+    const name = store.state.extra[RECORDING];
+    if (name === undefined) return null;
+    const found = recordings?.[name] ?? null;
+    if (!found) {
+      tell(t("recordingGone"));
+      store.keep(RECORDING, null);
+    }
+    return found;
+  }
+
+  /** Simulate what the address asks for, and show it. */
+  async simulate() {
+    const { registry, store } = this.page;
+    let { scenario, options } = store.state;
+    if (!scenario && !options.system) scenario = FIRST;
+    if (scenario && options.system) {
+      // A scenario's own values do not fit another system.
+      options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
+    }
+    this.presets.show(scenario);
+    // The form is made while the server computes.
+    const asked = this.recording() ?? askBlock("/api/run", { scenario, options });
+    this.form.build();
+    try {
+      const block = await waited(this.notes, Promise.resolve(asked));
+      const motion = new Motion(block);
+      this.form.show(block.about.options);
+      this.player.show(motion);
+      const { warnings, note } = block.about;
+      this.notes.textContent = [...warnings, ...(note ? [note] : [])].map((text) =>
+        t("warning", { text })).join(" ");
+      this.showCode(block.about);
+      this.downloads.show({ scenario, options }, block.about.balls.length > 1);
+      this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (error instanceof Offline) {
+        this.notes.textContent = t("offline");
+        setTimeout(() => this.run(null), RETRY);
+        return;
+      }
+      this.form.error(error.message, /** @type {any} */ (error).field ?? null);
+    }
+  }
+
+  /** @param {any} about */
+  showCode(about) {
+    this.code.replaceChildren(...codeBlocks([about.python, about.command].filter(Boolean)));
+  }
+}

@@ -1,0 +1,110 @@
+/** What the page asks the server. */
+
+import { unpack } from "./block.js";
+
+/** A request that the server refused, with one line that says why. */
+export class Refusal extends Error {
+  /**
+   * @param {string} message
+   * @param {string | null} field the option that it is about
+   */
+  constructor(message, field = null) {
+    super(message);
+    this.field = field;
+  }
+}
+
+/** A request that never reached the server: it is down, or being started again. */
+export class Offline extends Error {}
+
+/**
+ * @typedef {{scenario?: string | null, options: Record<string, any>}} RunRequest
+ */
+
+/**
+ * Return what the server answers to JSON, or throw a Refusal.
+ * @param {string} path
+ * @param {any} [body] without it the request is a GET
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<Response>}
+ */
+export async function ask(path, body, signal) {
+  const options = body === undefined ? {} : {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(body),
+  };
+  const response = await fetch(path, { ...options, signal }).catch((error) => {
+    throw error instanceof TypeError ? new Offline(error.message) : error;
+  });
+  if (response.ok) return response;
+  const refusal = await response.json().catch(() => ({ error: response.statusText, field: null }));
+  throw new Refusal(refusal.error, refusal.field);
+}
+
+/**
+ * Return the JSON of an address.
+ * @param {string} path
+ * @param {any} [body]
+ * @returns {Promise<any>}
+ */
+export async function askJson(path, body) {
+  return (await ask(path, body)).json();
+}
+
+/**
+ * Return a block of arrays.
+ * @param {string} path
+ * @param {any} body
+ * @param {AbortSignal} [signal]
+ */
+export async function askBlock(path, body, signal) {
+  return unpack(await (await ask(path, body, signal)).arrayBuffer());
+}
+
+/**
+ * Return a function that runs `work` with the newest value it was called with: one at a time,
+ * whatever came between is left out.
+ * @template T
+ * @param {(value: T) => Promise<void>} work
+ * @returns {(value: T) => void}
+ */
+export function newest(work) {
+  let busy = false;
+  /** @type {{value: T} | null} */
+  let waiting = null;
+  const run = async (/** @type {T} */ value) => {
+    busy = true;
+    try {
+      await work(value);
+    } finally {
+      busy = false;
+      const next = waiting;
+      waiting = null;
+      if (next) void run(next.value);
+    }
+  };
+  return (value) => {
+    if (busy) waiting = { value };
+    else void run(value);
+  };
+}
+
+/**
+ * Return the address of a WebSocket of this server.
+ * @param {string} path
+ */
+export function socketAddress(path) {
+  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+}
+
+/**
+ * End a WebSocket, also one that has only been asked for: browsers complain of closing those.
+ * @param {WebSocket | null | undefined} socket
+ */
+export function hangUp(socket) {
+  if (!socket) return;
+  if (socket.readyState === WebSocket.CONNECTING)
+    socket.addEventListener("open", () => socket.close(), { once: true });
+  else socket.close();
+}

@@ -1,0 +1,54 @@
+/** Axes: limits that can be drawn, and round numbers between them. */
+
+/** Values that differ by less than this share of their size differ by rounding only. */
+export const ROUNDING = 1e-9;
+/** The same for samples that come in single precision. */
+export const SINGLE = 1e-6;
+// A single value gets this share of itself as room on both sides.
+const ROOM = 0.05;
+// Sizes that leave room for arithmetic.
+const [LEAST, MOST] = [1e-300, 1e300];
+const LEAST_MARKS = 3;
+
+/**
+ * Return limits of an axis that hold two values: finite, rising, and further apart than by
+ * rounding. A value that is not finite counts for nothing.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} [rounding] share of their size by which values differ without meaning
+ * @returns {[number, number]}
+ */
+export function axisLimits(low, high, rounding = ROUNDING) {
+  const ends = [low, high].filter(Number.isFinite)
+    .map((end) => Math.min(Math.max(end, -MOST), MOST));
+  if (!ends.length) return [-1, 1];
+  const [from, to] = [Math.min(...ends), Math.max(...ends)];
+  if (to - from > Math.max(rounding * Math.max(-from, to), LEAST)) return [from, to];
+  const middle = 0.5 * (from + to);
+  const room = ROOM * Math.abs(middle);
+  return room > LEAST ? [middle - room, middle + room] : [-1, 1];
+}
+
+/**
+ * Return round numbers between two, about `count` of them; of two that agree but for rounding the
+ * first, as it is.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} [count]
+ * @returns {number[]}
+ */
+export function ticks(low, high, count = 5) {
+  const [from, to] = axisLimits(low, high);
+  if (from !== low || to !== high) return Number.isFinite(low) ? [low] : [];
+  const rough = (high - low) / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const steps = [0.2, 0.5, 1, 2, 5, 10].map((k) => k * power);
+  // The step that is asked for, or a finer one if that left less than three marks.
+  for (let i = steps.findIndex((s) => s >= rough * (1 - 1e-9)); ; i -= 1) {
+    const step = steps[i];
+    const marks = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1)
+      marks.push(Math.abs(k) < 1e-9 ? 0 : k * step);
+    if (marks.length >= LEAST_MARKS || i === 0) return marks;
+  }
+}

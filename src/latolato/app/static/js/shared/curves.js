@@ -1,0 +1,388 @@
+/** Curves over time, one below the other, with one zoom and the clock's instant in all. */
+
+import UPlot from "../../vendor/uPlot.esm.js";
+import { t } from "../strings.js";
+import { axisLimits, SINGLE } from "./axis.js";
+import { envelope, isDense } from "./band.js";
+import { colour, el, freshId } from "./dom.js";
+import { drawShades } from "./shades.js";
+import { short } from "./units.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./clock.js").Clock} Clock */
+/**
+ * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>}} Curve
+ * @typedef {{label: string, height?: number, curves: (motion: Motion) => Curve[],
+ *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
+ */
+
+const AXIS_WIDTH = 58;
+// Room above and below the curves, as a share of their range.
+const MARGIN = 0.1;
+const READ_EVERY = 100; // ms
+const LINE = /** @type {any} */ (UPlot.paths).linear();
+// A notch of the wheel, with Ctrl held, shows so much less or more.
+const WHEEL = 1.3;
+
+export class Curves {
+  /**
+   * @param {HTMLElement} root
+   * @param {Clock} clock
+   * @param {Panel[]} panels
+   */
+  constructor(root, clock, panels) {
+    this.root = root;
+    this.clock = clock;
+    this.panels = panels;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** @type {Motion | null} */
+    this.pinned = null;
+    /** @type {{plot: any, head: HTMLElement, values: HTMLElement[], curves: Curve[],
+     *   host: HTMLElement, panel: Panel}[]} */
+    this.charts = [];
+    this.readAt = 0;
+    this.span = [0, 1];
+    this.signature = "";
+    this.setting = false;
+    // Pointers are shown together within these charts only: other charts have times of their own.
+    this.sync = freshId();
+    this.unsubscribe = clock.subscribe((time) => this.move(time));
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(root);
+    this.redraw = () => this.charts.forEach(({ plot }) => plot.redraw());
+    window.addEventListener("themechange", this.redraw);
+  }
+
+  /**
+   * Show a run, and a pinned one behind it: the first chart at once; returned are the tasks that
+   * show the others.
+   * @param {Motion} motion
+   * @param {Motion | null} [pinned]
+   */
+  show(motion, pinned = null) {
+    const wasWhole = !this.motion || (this.span[0] <= 0 && this.span[1] >= this.motion.end);
+    this.motion = motion;
+    this.pinned = pinned;
+    const names = [motion, ...(pinned ? [pinned] : [])].map((m) => m.balls.map((b) => b.name));
+    const signature = JSON.stringify(names);
+    if (signature !== this.signature) {
+      this.build(this.panels.map((panel) => this.curvesOf(panel, motion, pinned)));
+      this.signature = signature;
+    }
+    /** @type {[number, number]} */
+    const span = axisLimits(wasWhole ? 0 : this.span[0],
+      wasWhole ? motion.end : Math.min(this.span[1], motion.end));
+    this.span = span;
+    const tasks = this.charts.map((chart, i) => () => {
+      chart.curves = this.curvesOf(this.panels[i], motion, pinned);
+      this.setting = true;
+      chart.plot.batch(() => {
+        chart.plot.setData(data(motion, chart.curves), false);
+        chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
+      });
+      this.setting = false;
+      queueMicrotask(() => this.move(this.clock.time));
+    });
+    tasks[0]?.();
+    return tasks.slice(1);
+  }
+
+  /**
+   * @param {Panel} panel
+   * @param {Motion} motion
+   * @param {Motion | null} pinned
+   */
+  curvesOf(panel, motion, pinned) {
+    const own = panel.curves(motion);
+    if (!pinned) return own;
+    const old = panel.curves(pinned).map((curve) => ({
+      ...curve,
+      label: `${curve.label}, ${t("pinned")}`,
+      paint: "faint",
+      values: resampled(pinned.time, curve.values, motion.time),
+    }));
+    return [...old, ...own];
+  }
+
+  /** @param {Curve[][]} all */
+  build(all) {
+    for (const { plot } of this.charts) plot.destroy();
+    this.root.replaceChildren();
+    this.charts = this.panels.map((panel, i) => {
+      const values = all[i].map(() => el("output", {}));
+      const legend = el("ul", { class: "legend" }, ...all[i].map((curve, k) => {
+        const key = el("span", { class: `key ${curve.paint}` });
+        return el("li", {}, key, curve.label, " ", values[k]);
+      }));
+      const head = el("div", { class: "playhead" });
+      const host = el("div", {
+        class: "chart", tabindex: "0", role: "img",
+        "aria-label": `${panel.label}: ${all[i].map((c) => c.label).join(", ")}`,
+        on: {
+          keydown: (/** @type {KeyboardEvent} */ e) => this.key(e),
+          wheel: (/** @type {WheelEvent} */ e) => this.wheel(e),
+        },
+      });
+      this.root.append(el("figure", { class: "panel" },
+        el("figcaption", {}, el("strong", {}, panel.label), legend), host));
+      // Empty: `show` fills one chart after the other.
+      const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
+      plot.over.append(head);
+      return { plot, head, values, curves: all[i], host, panel };
+    });
+    this.resize();
+  }
+
+  /**
+   * @param {Panel} panel
+   * @param {Curve[]} curves
+   * @returns {UPlot.Options}
+   */
+  options(panel, curves) {
+    const paint = (/** @type {string} */ name) => () => colour(name, this.root);
+    const axis = {
+      stroke: paint("soft"),
+      grid: { stroke: paint("grid"), width: 1 },
+      ticks: { stroke: paint("grid"), width: 1, size: 4 },
+      font: "12px system-ui, sans-serif",
+    };
+    let pressed = 0;
+    return {
+      width: Math.max(this.root.clientWidth, 100),
+      height: panel.height ?? 170,
+      legend: { show: false },
+      padding: [8, 18, 0, 0],
+      scales: { x: { time: false, auto: false }, y: { range: (_, low, high) =>
+        UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true) } },
+      cursor: {
+        sync: { key: this.sync, setSeries: false },
+        drag: { x: true, y: false, setScale: true },
+        points: { show: false },
+        bind: {
+          mousedown: (_, __, handle) => (e) => {
+            pressed = e.clientX;
+            handle(e);
+            return null;
+          },
+          mouseup: (u, __, handle) => (e) => {
+            handle(e);
+            if (Math.abs(e.clientX - pressed) < 3 && (u.cursor.left ?? -1) >= 0)
+              this.clock.seek(u.posToVal(u.cursor.left ?? 0, "x"));
+            return null;
+          },
+          dblclick: () => () => {
+            this.zoom(0, this.motion?.end ?? 1);
+            return null;
+          },
+        },
+      },
+      axes: [
+        { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
+          marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
+            : short(m))) },
+        { ...axis, size: AXIS_WIDTH, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
+          marks.map((m) => short(m, 4)) },
+      ],
+      series: [{}, ...curves.map((curve) => ({
+        label: curve.label,
+        stroke: paint(curve.paint),
+        width: 1.3,
+        dash: curve.dash,
+        points: { show: false },
+        paths: (/** @type {any} */ u, /** @type {number} */ k, /** @type {number} */ i0,
+          /** @type {number} */ i1) => this.path(u, k, i0, i1),
+      }))],
+      hooks: {
+        drawAxes: [(/** @type {any} */ u) => {
+          if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), this.root);
+        }],
+        setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
+          if (key === "x" && !this.setting) this.zoom(u.scales.x.min, u.scales.x.max);
+        }],
+      },
+    };
+  }
+
+  /**
+   * Return the path of a curve: a line, or a band where swings are narrower than pixels.
+   * @param {any} u
+   * @param {number} k
+   * @param {number} i0
+   * @param {number} i1
+   */
+  path(u, k, i0, i1) {
+    const period = (2 * Math.PI) / (this.motion?.about.attributes?.natural_frequency ?? Infinity);
+    const position = (/** @type {number} */ x) => u.valToPos(x, "x", true);
+    const pixels = position(1) - position(0);
+    if (!isDense(period, pixels)) return LINE(u, k, i0, i1);
+    const { first, low, high } = envelope(u.data[0], u.data[k], i0, i1, position, period);
+    const stroke = new Path2D();
+    for (let i = 0; i < low.length; i += 1) {
+      if (low[i] > high[i]) continue;
+      const x = first + i + 0.5;
+      const top = u.valToPos(high[i], "y", true);
+      stroke.moveTo(x, top);
+      stroke.lineTo(x, Math.max(u.valToPos(low[i], "y", true), top + 1));
+    }
+    return { stroke, fill: null, clip: null, gaps: null, flags: 0 };
+  }
+
+  /**
+   * Show a stretch of time in all charts.
+   * @param {number} from
+   * @param {number} to
+   */
+  zoom(from, to) {
+    if (!this.motion || !(to > from)) return;
+    const least = this.motion.end * 1e-6;
+    this.span = [Math.max(0, from), Math.min(this.motion.end, Math.max(to, from + least))];
+    this.setting = true;
+    for (const { plot } of this.charts)
+      plot.setScale("x", { min: this.span[0], max: this.span[1] });
+    this.setting = false;
+    // uPlot sets scales at the end of the task.
+    queueMicrotask(() => this.move(this.clock.time));
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const [from, to] = this.span;
+    const width = to - from;
+    const middle = Math.min(Math.max(this.clock.time, from), to);
+    /** @type {Record<string, () => void>} */
+    const actions = {
+      "+": () => this.zoom(middle - 0.25 * width, middle + 0.25 * width),
+      "-": () => this.zoom(middle - width, middle + width),
+      "0": () => this.zoom(0, this.motion?.end ?? 1),
+      ArrowLeft: () => this.pan(-0.2 * width),
+      ArrowRight: () => this.pan(0.2 * width),
+    };
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    event.stopPropagation();
+    action();
+  }
+
+  /**
+   * Zoom about the pointer with Ctrl, move with Shift or a sideways wheel; else the page scrolls.
+   * @param {WheelEvent} event
+   */
+  wheel(event) {
+    const [from, to] = this.span;
+    const sideways = event.shiftKey ? event.deltaY || event.deltaX : event.deltaX;
+    if (event.ctrlKey) {
+      const by = event.deltaY > 0 ? WHEEL : 1 / WHEEL;
+      const left = this.charts.map(({ plot }) => plot.cursor.left).find((x) => x >= 0);
+      const at = left === undefined ? 0.5 * (from + to) : this.charts[0].plot.posToVal(left, "x");
+      this.zoom(at - (at - from) * by, at + (to - at) * by);
+    } else if (sideways) this.pan(0.1 * Math.sign(sideways) * (to - from));
+    else return;
+    event.preventDefault();
+  }
+
+  /** @param {number} by */
+  pan(by) {
+    const end = this.motion?.end ?? 1;
+    const [from, to] = this.span;
+    const shift = Math.min(Math.max(by, -from), end - to);
+    this.zoom(from + shift, to + shift);
+  }
+
+  /** @param {number} time */
+  move(time) {
+    const now = performance.now();
+    const read = now - this.readAt > READ_EVERY || !this.clock.playing;
+    for (const { plot, head, values, curves } of this.charts) {
+      const { min, max } = plot.scales.x;
+      const inside = time >= min && time <= max;
+      head.style.visibility = inside ? "visible" : "hidden";
+      if (inside) head.style.transform = `translateX(${plot.valToPos(time, "x")}px)`;
+      if (read && this.motion) {
+        curves.forEach((curve, k) => {
+          const text = short(valueAt(this.motion?.time ?? [], curve.values, time), 4);
+          if (values[k].textContent !== text) values[k].textContent = text;
+        });
+      }
+    }
+    if (read) this.readAt = now;
+  }
+
+  resize() {
+    const width = this.root.clientWidth;
+    if (!width) return;
+    for (const { plot, panel } of this.charts) {
+      if (plot.width !== width) plot.setSize({ width, height: panel.height ?? 170 });
+    }
+    this.move(this.clock.time);
+  }
+
+  destroy() {
+    this.unsubscribe();
+    this.observer.disconnect();
+    window.removeEventListener("themechange", this.redraw);
+    for (const { plot } of this.charts) plot.destroy();
+  }
+}
+
+/**
+ * @param {Motion | null} motion
+ * @param {Curve[]} curves
+ * @returns {any}
+ */
+function data(motion, curves) {
+  return [motion?.time ?? [0], ...curves.map((c) => drawn(c.values))];
+}
+
+/**
+ * Return values as the chart takes them: null where they are not finite.
+ * @param {ArrayLike<number>} values
+ */
+function drawn(values) {
+  for (let i = 0; i < values.length; i += 1)
+    if (!Number.isFinite(values[i]))
+      return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+  return values;
+}
+
+/**
+ * Return the sample at or before an instant.
+ * @param {ArrayLike<number>} times
+ * @param {ArrayLike<number>} values
+ * @param {number} time
+ */
+function valueAt(times, values, time) {
+  const n = times.length;
+  if (!n) return NaN;
+  const i = Math.round(((time - times[0]) / (times[n - 1] - times[0] || 1)) * (n - 1));
+  return values[Math.min(Math.max(i, 0), n - 1)];
+}
+
+/**
+ * Return values at other instants, linear between samples, NaN beyond the last.
+ * @param {ArrayLike<number>} times
+ * @param {ArrayLike<number>} values
+ * @param {ArrayLike<number>} wanted
+ */
+export function resampled(times, values, wanted) {
+  const result = new Float64Array(wanted.length);
+  let i = 0;
+  for (let k = 0; k < wanted.length; k += 1) {
+    while (i < times.length - 2 && times[i + 1] < wanted[k]) i += 1;
+    const share = (wanted[k] - times[i]) / (times[i + 1] - times[i]);
+    result[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
+  }
+  return result;
+}
+
+/**
+ * Return values times a number.
+ * @param {ArrayLike<number>} values
+ * @param {number} by
+ */
+export function scaled(values, by) {
+  const result = new Float64Array(values.length);
+  for (let i = 0; i < values.length; i += 1) result[i] = values[i] * by;
+  return result;
+}

@@ -1,0 +1,98 @@
+/** Elements in one line. */
+
+/**
+ * Return an element with attributes and children; `on` holds listeners, `class` its classes.
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...(Node | string | null | undefined | false)} children
+ * @returns {HTMLElementTagNameMap[K]}
+ */
+export function el(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name === "on") {
+      for (const [event, listener] of Object.entries(value))
+        element.addEventListener(event, /** @type {EventListener} */ (listener));
+    } else if (name in element && name !== "list" && name !== "form" && typeof value !== "string") {
+      /** @type {any} */ (element)[name] = value;
+    } else element.setAttribute(name, value === true ? "" : String(value));
+  }
+  element.append(...children.filter((c) => c !== null && c !== undefined && c !== false)
+    .map((c) => /** @type {Node | string} */ (c)));
+  return element;
+}
+
+/**
+ * Return the value of a colour of the style sheet, as canvases need it.
+ * @param {string} name
+ * @param {Element} [element]
+ */
+export function colour(name, element = document.documentElement) {
+  return getComputedStyle(element).getPropertyValue(`--${name}`).trim();
+}
+
+let count = 0;
+
+/** Return an id that no other element has. */
+export function freshId() {
+  count += 1;
+  return `id${count}`;
+}
+
+/**
+ * Show a line of text for a while, and to screen readers.
+ * @param {string} text
+ */
+export function tell(text) {
+  const place = document.getElementById("status");
+  if (!place) return;
+  place.textContent = text;
+  place.hidden = false;
+  clearTimeout(timer);
+  timer = setTimeout(() => { place.hidden = true; }, 4000);
+}
+
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let timer;
+
+/**
+ * Return a drawing surface that keeps its size in device pixels; `draw` is called after a change
+ * of size or theme.
+ * @param {HTMLCanvasElement} canvas
+ * @param {() => void} draw
+ */
+export function fitCanvas(canvas, draw) {
+  const fit = () => {
+    const ratio = window.devicePixelRatio || 1;
+    const box = canvas.getBoundingClientRect();
+    const width = Math.max(1, Math.round(box.width * ratio));
+    const height = Math.max(1, Math.round(box.height * ratio));
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    draw();
+  };
+  const observer = new ResizeObserver(fit);
+  observer.observe(canvas);
+  window.addEventListener("themechange", draw);
+  return () => {
+    observer.disconnect();
+    window.removeEventListener("themechange", draw);
+  };
+}
+
+/**
+ * Make the children of an element anew if what they show has changed: others keep the focus.
+ * @param {HTMLElement} place
+ * @param {any} content
+ * @param {() => (Node | string)[]} make
+ */
+export function refresh(place, content, make) {
+  const text = JSON.stringify(content);
+  if (place.dataset.content === text) return;
+  place.dataset.content = text;
+  place.replaceChildren(...make());
+}

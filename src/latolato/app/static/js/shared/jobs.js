@@ -1,0 +1,195 @@
+/** Long work on the server: how far it is, how it is cancelled, and what comes of it. */
+
+import { t } from "../strings.js";
+import { hangUp, Refusal, socketAddress } from "./api.js";
+import { unpack } from "./block.js";
+import { el } from "./dom.js";
+
+/** @typedef {{state: string, elapsed: number, progress?: number}} Status */
+/** @typedef {import("./block.js").Block} Block */
+
+// Of shorter work nobody asks how much is left.
+const SOON = 5; // s
+
+/**
+ * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
+ * an AbortError where the signal ends the job.
+ * @param {string} path
+ * @param {any} request
+ * @param {{tell?: (status: Status) => void, signal?: AbortSignal}} [options]
+ * @returns {Promise<Block>}
+ */
+export function doJob(path, request, { tell, signal } = {}) {
+  return new Promise((resolve, reject) => {
+    if (signal?.aborted) {
+      reject(new DOMException("", "AbortError"));
+      return;
+    }
+    const socket = new WebSocket(socketAddress(path));
+    socket.binaryType = "arraybuffer";
+    const abort = () => {
+      reject(new DOMException("", "AbortError"));
+      hangUp(socket);
+    };
+    signal?.addEventListener("abort", abort, { once: true });
+    socket.addEventListener("open", () => {
+      if (!signal?.aborted) socket.send(JSON.stringify(request));
+    });
+    socket.addEventListener("message", ({ data }) => {
+      if (data instanceof ArrayBuffer) resolve(unpack(data));
+      else {
+        const message = JSON.parse(data);
+        if ("error" in message) reject(new Refusal(message.error, message.field));
+        else tell?.(message);
+      }
+    });
+    socket.addEventListener("close", ({ reason }) => {
+      signal?.removeEventListener("abort", abort);
+      reject(new Refusal(reason || t("offline")));
+    });
+  });
+}
+
+/**
+ * Return how far a job is, in words.
+ * @param {Status} status
+ * @returns {string}
+ */
+export function statusText({ state, elapsed, progress }) {
+  const seconds = elapsed.toFixed(elapsed < 10 ? 1 : 0);
+  if (progress !== undefined && state === "working")
+    return t("job_progress", { percent: Math.round(100 * progress), seconds });
+  return t(`job_${state}`, { seconds });
+}
+
+/**
+ * Return a time as people say it.
+ * @param {number} seconds
+ * @returns {string}
+ */
+export function spanText(seconds) {
+  if (seconds < 90) return t("seconds", { count: Math.max(Math.round(seconds), 1) });
+  return t("minutes", { count: Math.round(seconds / 60) });
+}
+
+/** A line that shows how far a job is, with a button that cancels it. */
+export class JobLine {
+  constructor() {
+    /** @type {AbortController | null} */
+    this.running = null;
+    /** @type {(() => void) | null} what takes work that has not begun out of its queue */
+    this.leave = null;
+    this.expected = 0; // s
+    this.bar = el("progress", { max: "1", "aria-label": t("job_bar") });
+    this.text = el("span", { class: "soft", role: "status" });
+    this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
+      t("cancel"));
+    this.error = el("p", { class: "error", role: "alert", hidden: true });
+    this.line = el("div", { class: "row job", hidden: true }, this.bar, this.text, this.cancel);
+    this.root = el("div", {}, this.line, this.error);
+  }
+
+  /**
+   * Return what a job gives, or null if it is refused (which is shown) or cancelled.
+   * @param {string} path
+   * @param {any} request
+   * @param {number} [expected] roughly how many seconds it takes
+   * @returns {Promise<Block | null>}
+   */
+  async run(path, request, expected) {
+    this.running?.abort();
+    const own = this.running = new AbortController();
+    this.leave = null;
+    this.text.ariaLive = "polite";
+    this.bar.hidden = false;
+    this.error.hidden = true;
+    this.line.hidden = false;
+    this.line.dataset.status = "";
+    this.expected = expected ?? 0;
+    this.show({ state: "waiting", elapsed: 0 });
+    try {
+      return await doJob(path, request, { signal: own.signal, tell: (status) => {
+        if (this.running === own) this.show(status);
+      } });
+    } catch (error) {
+      if (error instanceof Refusal) this.refuse(error.message);
+      else if (!(error instanceof DOMException)) throw error;
+      return null;
+    } finally {
+      if (this.running === own) {
+        this.running = null;
+        this.line.hidden = true;
+      }
+    }
+  }
+
+  /** @param {string} text */
+  refuse(text) {
+    this.error.textContent = text;
+    this.error.hidden = false;
+  }
+
+  /** @param {Status} status */
+  show(status) {
+    const guessed = status.progress === undefined && status.state === "working"
+      && this.expected > SOON;
+    const left = this.expected - status.elapsed;
+    if (guessed && left > 0) this.bar.value = status.elapsed / this.expected;
+    else if (status.progress === undefined) this.bar.removeAttribute("value");
+    else this.bar.value = status.progress;
+    // Not at every frame: screen readers read each change.
+    const text = guessed && left > 0 ? t("job_left", { left: spanText(left) }) : statusText(status);
+    const seconds = Math.floor(status.elapsed);
+    if (`${status.state}${seconds}` === this.line.dataset.status) return;
+    this.line.dataset.status = `${status.state}${seconds}`;
+    this.text.textContent = text;
+  }
+
+  /**
+   * Say what work waits for that is yet to begin with `run`.
+   * @param {string} text
+   * @param {() => void} leave called if it is cancelled before
+   * @param {"polite" | "off"} [live] how screen readers read it
+   */
+  wait(text, leave, live = "polite") {
+    this.leave = leave;
+    this.error.hidden = true;
+    this.bar.hidden = true;
+    this.text.ariaLive = live;
+    if (this.text.textContent !== text) this.text.textContent = text;
+    this.line.hidden = false;
+  }
+
+  /** Cancel what runs or waits. */
+  stop() {
+    const { leave } = this;
+    this.leave = null;
+    if (leave) {
+      this.line.hidden = true;
+      leave();
+    } else this.running?.abort();
+  }
+}
+
+/**
+ * Return a file of a block.
+ * @param {Block} block
+ * @param {string} name of the array that holds its bytes
+ * @param {string} type
+ * @returns {Blob}
+ */
+export function fileOf(block, name, type) {
+  return new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (block.arrays[name])], { type });
+}
+
+/**
+ * Return nothing; the browser stores a file under a name.
+ * @param {Blob} file
+ * @param {string} name
+ */
+export function saveFile(file, name) {
+  const address = URL.createObjectURL(file);
+  const link = el("a", { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}

@@ -1,0 +1,173 @@
+/** A run as the page knows it: the state at any instant, from the samples and the contacts. */
+
+import { row } from "./block.js";
+
+/** @typedef {import("./block.js").Block} Block */
+/** @typedef {{name: string, row: number, sign: number, length: number, radius: number,
+ *   mass: number}} Ball */
+
+// A ball of unknown or zero radius is drawn with this share of the length.
+export const SHOWN_RADIUS = 0.04;
+const BOX_SAMPLES = 4000;
+
+/**
+ * Return the last index whose value does not exceed `x`, 0 if there is none.
+ * @param {ArrayLike<number>} values increasing
+ * @param {number} x
+ */
+export function before(values, x) {
+  let low = 0;
+  let high = values.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= x) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+export class Motion {
+  /** @param {Block} block */
+  constructor(block) {
+    this.block = block;
+    this.about = block.about;
+    this.time = /** @type {Float64Array} */ (block.arrays.time);
+    this.end = this.time[this.time.length - 1];
+    /** @type {Ball[]} */
+    this.balls = block.about.balls;
+    this.contacts = block.arrays.contact_time ?? new Float64Array(0);
+    this.low = block.about.attributes?.contact_angle_low ?? null;
+    this.high = block.about.attributes?.contact_angle_high ?? null;
+    this.longest = Math.max(...this.balls.map((b) => b.length));
+  }
+
+  /**
+   * Return one quantity over time, of one ball where it has several rows.
+   * @param {string} name
+   * @param {number} [ball]
+   */
+  values(name, ball = 0) {
+    if (!(name in this.block.arrays)) return null;
+    return row(this.block, name, Math.min(ball, this.block.shapes[name][0] - 1));
+  }
+
+  /**
+   * Return the drawn radius of a ball [m].
+   * @param {Ball} ball
+   */
+  radius(ball) {
+    return ball.radius || SHOWN_RADIUS * ball.length;
+  }
+
+  /**
+   * Return a quantity at an instant, linear between samples.
+   * @param {string} name
+   * @param {number} time
+   * @param {number} [ball]
+   */
+  at(name, time, ball = 0) {
+    const values = this.values(name, ball);
+    if (!values) return NaN;
+    const i = Math.min(before(this.time, time), this.time.length - 2);
+    const share = (time - this.time[i]) / (this.time[i + 1] - this.time[i]);
+    return values[i] + Math.min(Math.max(share, 0), 1) * (values[i + 1] - values[i]);
+  }
+
+  /**
+   * Return the angle of a ball at an instant [rad]: cubic between samples, and up to and from the
+   * wall where a contact lies between them.
+   * @param {Ball} ball
+   * @param {number} time
+   */
+  angle(ball, time) {
+    const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
+    const rates = /** @type {Float32Array} */ (this.values("angular_velocity", ball.row));
+    const i = Math.min(before(this.time, time), this.time.length - 2);
+    let t0 = this.time[i];
+    let t1 = this.time[i + 1];
+    let x0 = angles[i];
+    let x1 = angles[i + 1];
+    let v0 = rates[i];
+    let v1 = rates[i + 1];
+    if (this.low !== null && this.contacts.length) {
+      const after = this.block.arrays.angular_velocity_after;
+      const ahead = this.block.arrays.angular_velocity_before;
+      const kinds = this.block.arrays.contact_kind;
+      for (let k = before(this.contacts, t0); k < this.contacts.length; k += 1) {
+        const at = this.contacts[k];
+        if (at < t0) continue;
+        if (at > t1) break;
+        const wall = this.wall(kinds[k], 0.5 * (x0 + x1));
+        if (at <= time) [t0, x0, v0] = [at, wall, after[k]];
+        else {
+          [t1, x1, v1] = [at, wall, ahead[k]];
+          break;
+        }
+      }
+    }
+    const h = t1 - t0;
+    if (!(h > 0)) return ball.sign * x0;
+    const s = (time - t0) / h;
+    const angle =
+      x0 * (1 + 2 * s) * (1 - s) ** 2 + x1 * s * s * (3 - 2 * s) +
+      h * s * (1 - s) * (v0 * (1 - s) - v1 * s);
+    return ball.sign * angle;
+  }
+
+  /**
+   * Return the angle of the wall at which a contact of this kind happens [rad].
+   * @param {number} kind index in "bottom, top, rest, release"
+   * @param {number} near
+   */
+  wall(kind, near) {
+    if (kind === 0) return this.low;
+    if (kind === 1) return this.high;
+    return Math.abs(near - this.low) < Math.abs(near - this.high) ? this.low : this.high;
+  }
+
+  /**
+   * Return pivot and balls at an instant: positions in m, x to the right and y up.
+   * @param {number} time
+   */
+  pose(time) {
+    const height = this.at("pivot_height", time);
+    return {
+      height,
+      balls: this.balls.map((ball) => {
+        const angle = this.angle(ball, time);
+        return {
+          ball,
+          angle,
+          x: ball.length * Math.sin(angle),
+          y: height - ball.length * Math.cos(angle),
+        };
+      }),
+    };
+  }
+
+  /** Return the box that holds the motion, of long runs as some thousand instants see it [m]. */
+  box() {
+    const stride = Math.max(1, Math.floor(this.time.length / BOX_SAMPLES));
+    const pivot = /** @type {Float32Array} */ (this.values("pivot_height"));
+    let [left, right, low, high] = [0, 0, 0, 0];
+    for (const ball of this.balls) {
+      const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
+      const r = this.radius(ball);
+      for (let i = 0; i < angles.length; i += stride) {
+        if (!Number.isFinite(angles[i])) continue;
+        const x = ball.sign * ball.length * Math.sin(angles[i]);
+        const y = pivot[i] - ball.length * Math.cos(angles[i]);
+        left = Math.min(left, x - r);
+        right = Math.max(right, x + r);
+        low = Math.min(low, y - r);
+        high = Math.max(high, y + r, pivot[i]);
+      }
+    }
+    return { left, right, low, high };
+  }
+
+  /** Return the instants at which the drive begins a period; none for a drive without one. */
+  strobes() {
+    return [...(this.block.arrays.strobe ?? [])];
+  }
+}

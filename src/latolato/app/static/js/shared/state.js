@@ -1,0 +1,123 @@
+/** What is on show, kept in the address: the view, the scenario and every option. */
+
+/**
+ * The address is `?view=play&scenario=fig02&length=24.5 cm&map.x=frequency_ratio`: names without a
+ * dot are options of the command line, those with one belong to the view before it.
+ * @typedef {{view: string, scenario: string | null, options: Record<string, string>,
+ *   extra: Record<string, string>}} State
+ */
+
+/**
+ * What all views are given: the server's registry, and the state that they share.
+ * @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page
+ */
+
+/** The scenario that is shown where the address names nothing. */
+export const FIRST = "toy";
+const KEPT = ["view", "scenario", "token"];
+
+/**
+ * Return the state that an address holds.
+ * @param {string} search
+ * @returns {State}
+ */
+export function parse(search) {
+  /** @type {State} */
+  const state = { view: "play", scenario: null, options: {}, extra: {} };
+  for (const [name, value] of new URLSearchParams(search)) {
+    if (name === "view") state.view = value;
+    else if (name === "scenario") state.scenario = value;
+    else if (KEPT.includes(name)) continue;
+    else if (name.includes(".")) state.extra[name] = value;
+    else state.options[name] = value;
+  }
+  return state;
+}
+
+/**
+ * Return the address of a state.
+ * @param {State} state
+ * @returns {string}
+ */
+export function format(state) {
+  const query = new URLSearchParams();
+  query.set("view", state.view);
+  if (state.scenario) query.set("scenario", state.scenario);
+  for (const part of [state.options, state.extra])
+    for (const name of Object.keys(part).sort()) query.set(name, part[name]);
+  return `?${query}`;
+}
+
+/** The one state of the page; this class alone writes the address. */
+export class Store {
+  /** @param {Window} page */
+  constructor(page) {
+    this.page = page;
+    this.state = parse(page.location.search);
+    /** @type {((state: State, changed: string) => void)[]} */
+    this.listeners = [];
+    this.timer = 0;
+    page.addEventListener("popstate", () => {
+      this.state = parse(page.location.search);
+      this.tell("address");
+    });
+  }
+
+  /**
+   * Call a function at every change; returns what ends that.
+   * @param {(state: State, changed: string) => void} listener
+   */
+  subscribe(listener) {
+    this.listeners.push(listener);
+    return () => { this.listeners = this.listeners.filter((each) => each !== listener); };
+  }
+
+  /**
+   * Change parts of the state. A change of view enters the history, others replace the address.
+   * @param {Partial<State>} part
+   * @param {string} [changed] what it is: "view", "preset", "options" or "extra"
+   */
+  set(part, changed = "options") {
+    this.state = { ...this.state, ...part };
+    const write = () => {
+      const method = changed === "view" || changed === "preset" ? "pushState" : "replaceState";
+      this.page.history[method](null, "", format(this.state));
+    };
+    // Browsers refuse more than some hundred changes of the address in half a minute.
+    clearTimeout(this.timer);
+    if (changed === "view" || changed === "preset") write();
+    else this.timer = this.page.setTimeout(write, 150);
+    this.tell(changed);
+  }
+
+  /**
+   * Set one option, or take it back with null.
+   * @param {string} name
+   * @param {string | null} value
+   */
+  option(name, value) {
+    const options = { ...this.state.options };
+    if (value === null) delete options[name];
+    else options[name] = value;
+    this.set({ options });
+  }
+
+  /**
+   * Set what a view keeps in the address.
+   * @param {string} name such as "map.x"
+   * @param {string | null} value
+   */
+  keep(name, value) {
+    const extra = { ...this.state.extra };
+    if (value === null) delete extra[name];
+    else extra[name] = value;
+    this.set({ extra }, "extra");
+  }
+
+  /** @param {string} changed */
+  tell(changed) {
+    // One listener may end another: a view that is left hears of nothing more.
+    for (const listener of [...this.listeners])
+      if (this.listeners.includes(listener)) listener(this.state, changed);
+  }
+}

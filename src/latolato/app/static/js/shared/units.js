@@ -1,0 +1,137 @@
+/** Numbers and units as people write them. */
+
+/** @typedef {{name: string, size: number}} Unit */
+
+const SHOWN = { us: "µs", deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
+  "kg*m": "kg·m", "rad^2*s": "rad²s", "rad^2/s": "rad²/s" };
+
+/**
+ * Return a unit as it is shown.
+ * @param {string} unit
+ * @returns {string}
+ */
+export function shownUnit(unit) {
+  return /** @type {Record<string, string>} */ (SHOWN)[unit] ?? unit.replace("^2", "²");
+}
+
+// Below this numbers are written as powers of ten.
+const SMALL = 1e-4;
+
+/**
+ * Return a number with so many digits, without trailing zeros.
+ * @param {number} value
+ * @param {number} [digits]
+ * @returns {string}
+ */
+export function short(value, digits = 6) {
+  if (!Number.isFinite(value)) return "";
+  if (value !== 0 && Math.abs(value) < SMALL)
+    return value.toExponential(digits - 1).replace(/\.?0*e/, "e");
+  const text = value.toPrecision(digits);
+  if (text.includes("e")) return String(Number(text));
+  return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+/**
+ * Return a number to the place of the second digit of its standard deviation, with that.
+ * @param {number} value
+ * @param {number} sigma
+ * @returns {string}
+ */
+export function withSigma(value, sigma) {
+  const minus = (/** @type {string} */ text) => text.replace("-", "−");
+  if (!Number.isFinite(value)) return "–";
+  if (!(sigma > 0) || !Number.isFinite(sigma)) return minus(short(value));
+  const largest = Math.floor(Math.log10(Math.max(Math.abs(value), sigma)));
+  // Small and large numbers as powers of ten, to be read at a glance.
+  const power = largest < -3 || largest > 5 ? largest : 0;
+  const [a, b] = [value / 10 ** power, sigma / 10 ** power];
+  const digits = Math.min(Math.max(1 - Math.floor(Math.log10(b)), 0), 12);
+  const both = `${minus(a.toFixed(digits))} ± ${b.toFixed(digits)}`;
+  return power ? `(${both}) × 10${superscript(power)}` : both;
+}
+
+/**
+ * Return a number to the place of the second digit of a standard deviation.
+ * @param {number} value
+ * @param {number} sigma
+ * @returns {string}
+ */
+export function toPlace(value, sigma) {
+  const digits = 1 - Math.floor(Math.log10(sigma));
+  if (!(digits >= 0 && digits <= 6)) return short(value, 5).replace("-", "−");
+  return value.toFixed(digits).replace("-", "−");
+}
+
+/** @param {number} power */
+function superscript(power) {
+  return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
+}
+
+/**
+ * Return number and unit of a text such as "24.5 cm"; the unit may be missing.
+ * @param {string} text
+ * @returns {{number: number, unit: string} | null}
+ */
+export function parseQuantity(text) {
+  const match = /^\s*([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*?)\s*$/i.exec(text);
+  return match ? { number: Number(match[1].replace("−", "-")), unit: match[2] } : null;
+}
+
+/**
+ * Return a quantity in SI units, or null if the unit is not among these.
+ * @param {string} text
+ * @param {Unit[]} units
+ * @returns {number | null}
+ */
+export function toSi(text, units) {
+  const quantity = parseQuantity(text);
+  if (!quantity) return null;
+  if (quantity.unit === "") return quantity.number;
+  const unit = units.find(({ name }) => [name, shownUnit(name)].includes(quantity.unit));
+  return unit ? quantity.number * unit.size : null;
+}
+
+const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
+  Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ",
+  langle: "⟨", rangle: "⟩" };
+
+/**
+ * Return the parts of a symbol written in TeX as text, each on the line, below or above it.
+ * @param {string} tex such as "\\dot\\theta_0"
+ * @returns {{text: string, place: "line" | "sub" | "sup"}[]}
+ */
+export function symbolParts(tex) {
+  const plain = tex
+    .replace(/\\(d?dot)\s*\{?(\\?\w+?)\}?(?=_|\^|\s|$|[^\w])/g, (_, dot, name) =>
+      `${name}${dot === "ddot" ? "\u0308" : "\u0307"}`)
+    .replace(/\\mathrm\{(\w+)\}/g, "$1")
+    .replace(/\\([A-Za-z]+) ?/g, (_, name) => /** @type {Record<string, string>} */ (LETTERS)[name] ?? name)
+    .replace(/\\,/g, " ");
+  /** @type {{text: string, place: "line" | "sub" | "sup"}[]} */
+  const parts = [];
+  for (const match of plain.matchAll(/([_^])(?:\{([^}]*)\}|(.))|([^_^]+)/g)) {
+    const [, mark, group, letter, rest] = match;
+    const text = (group ?? letter ?? rest).replace(/[{}$]/g, "");
+    if (text) parts.push({ text, place: mark === "_" ? "sub" : mark === "^" ? "sup" : "line" });
+  }
+  return parts;
+}
+
+/**
+ * Return a symbol written in TeX as one line of text, for canvases and lists.
+ * @param {string} tex
+ * @returns {string}
+ */
+export function plainSymbol(tex) {
+  return symbolParts(tex).map(({ text, place }) => {
+    if (place === "sub") return /^\d+$/.test(text) ? below(text) : `_${text}`;
+    if (place === "sup") return text === "2" ? "²" : `^${text}`;
+    return text;
+  }).join("");
+}
+
+/** @param {string} digits */
+function below(digits) {
+  return [...digits].map((digit) => "₀₁₂₃₄₅₆₇₈₉"[Number(digit)]).join("");
+}

@@ -1,0 +1,62 @@
+/** Videos of the page: numbers with deviations, flags, and the frames of the clock. */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { ClipClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
+import { Track } from "../../../src/latolato/app/static/js/experiment/track.js";
+import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
+
+test("a number is told to the second digit of its deviation", () => {
+  assert.equal(withSigma(0.0027411, 1.2e-6), "0.0027411 ± 0.0000012");
+  assert.equal(withSigma(-123.456, 0.2), "−123.46 ± 0.20");
+  assert.equal(withSigma(2.7e-5, 1e-7), "(2.700 ± 0.010) × 10⁻⁵");
+  assert.equal(withSigma(20, 150), "20 ± 150");
+  assert.equal(withSigma(5, 0), "5");
+  assert.equal(withSigma(NaN, 1), "–");
+});
+
+const track = () => new Track({
+  about: { balls: 1, width: 100, height: 80, flags: ["ok", "collision", "occluded", "lost"],
+    attributes: { geometry: "metric", radius_pixels: 5 } },
+  arrays: {
+    time: Float64Array.from([1, 1.1, 1.2, 1.3]), media_time: Float64Array.from([0, 0.1, 0.2, 0.3]),
+    flag: Uint8Array.from([0, 2, 2, 3]), pivot: Float32Array.from([50, 50, 50, 50, 9, 9, 9, 9]),
+    centre: Float32Array.from([10, 20, 30, 40, 60, 61, 62, NaN]),
+  },
+  shapes: { flag: [1, 4], pivot: [2, 4], centre: [2, 4] },
+});
+
+test("stretches of one flag are one shade, half a frame wider to both sides", () => {
+  const found = track().shades().map(({ from, to, paint }) =>
+    [from.toFixed(3), to.toFixed(3), paint]);
+  assert.deepEqual(found, [["0.050", "0.250", "flag-occluded"], ["0.250", "0.350", "flag-lost"]]);
+  assert.deepEqual(track().counts(), [{ flag: "ok", count: 1 }, { flag: "occluded", count: 2 },
+    { flag: "lost", count: 1 }]);
+});
+
+test("places are those of the frame", () => {
+  const { pivot, balls, ghosts } = track().places(2);
+  assert.deepEqual([pivot, balls, ghosts], [{ u: 50, v: 9 }, [{ u: 30, v: 62 }], []]);
+});
+
+test("the clock asks for the middle of a frame and tells the one on show", () => {
+  const video = new EventTarget();
+  Object.assign(video, { seeking: false, currentTime: 0, pause() {}, paused: true });
+  const clock = new ClipClock(video);
+  clock.load(Float64Array.from([0, 0.1, 0.3]), Float64Array.from([0, 0.1, 0.3]));
+  clock.go(1);
+  assert.ok(video.currentTime > 0.1 && video.currentTime < 0.3);
+  video.dispatchEvent(new Event("seeked"));
+  assert.equal(clock.index, 1);
+  assert.equal(clock.time, 0.1);
+  clock.seek(0.29);
+  assert.ok(video.currentTime > 0.3);
+  video.seeking = true;
+  clock.go(0);
+  clock.go(1);
+  assert.ok(video.currentTime > 0.3);
+  video.seeking = false;
+  video.dispatchEvent(new Event("seeked"));
+  assert.ok(video.currentTime > 0.1 && video.currentTime < 0.3);
+});

@@ -1,0 +1,515 @@
+"""Videos that pages upload: tracked in a process of their own, refused in one line, removed."""
+
+import contextlib
+import dataclasses
+import json
+import math
+import os
+import random
+import re
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import anyio
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from starlette.testclient import TestClient
+
+import latolato as ll
+from app_server import start_server, stop_server
+from latolato.app.blocks import unpack
+from latolato.app.experiment.description import Description
+from latolato.app.experiment.store import Allowance, display_name
+from latolato.app.experiment.work import WORK
+from latolato.app.server import Settings, make_app
+from latolato.core.errors import InputError
+from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.track_table import read_table
+from little_videos import encoded, sound_alone
+
+HOME = "http://127.0.0.1:8000"
+HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
+GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """A tiny video of a free swing and its true table."""
+    path = tmp_path_factory.mktemp("clips") / "tiny.mp4"
+    run = ll.simulate(
+        ll.Pendulum(length=0.363, mass=0.1, damping=0.01), initial_angle=0.6, duration=5.0
+    )
+    camera = Camera(width=200, height=160, fps=20.0)
+    return path, synthesise_video(run, path, Scene(ball_radius=0.025), camera)
+
+
+class Page:
+    """What an open page does."""
+
+    def __init__(self, client, socket):
+        self.client, self.socket = client, socket
+        socket.send_json({"hello": True})
+        self.desk = socket.receive_json()["desk"]
+
+    def upload(self, content, name="swing.mp4", desk=None):
+        return self.client.post(
+            f"/api/experiment?desk={desk or self.desk}", content=content, headers={"x-name": name}
+        )
+
+    def clip(self, content, name="swing.mp4"):
+        answer = self.upload(content, name)
+        assert answer.status_code == 200, answer.text
+        return answer.json()["clip"]
+
+    @contextlib.contextmanager
+    def begin(self, **what):
+        """A job whose frames are not read yet; in the end its socket closes."""
+        with self.client.websocket_connect("/ws/experiment", headers=HEADERS) as socket:
+            socket.send_json({"desk": self.desk, **what})
+            yield socket
+
+    def do(self, **what):
+        """The result of a job, with its arrays, or the refusal."""
+        with self.begin(**what) as socket:
+            return end_of(socket)
+
+    def remove(self, clip):
+        answer = self.client.post("/api/experiment/remove", json={"desk": self.desk, "clip": clip})
+        assert answer.status_code == 200, answer.text
+        return answer.json()["trials"]
+
+    def file(self, clip, name):
+        return self.client.get(f"/api/experiment/{clip}/{name}")
+
+
+def end_of(socket):
+    """The last frame of a job."""
+    while True:
+        message = socket.receive()
+        if "bytes" in message:
+            about, arrays = unpack(message["bytes"])
+            return {"done": about, **arrays}
+        frame = json.loads(message["text"])
+        if "state" not in frame:
+            return frame
+
+
+@contextlib.contextmanager
+def opened(allowance=None):
+    """A page of a server, and the server's clips."""
+    app = make_app(Settings(clips=allowance or Allowance()))
+    with TestClient(app, base_url=HOME) as client:
+        with client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
+            yield Page(client, socket), app.state.clips
+        deadline = time.monotonic() + 10.0
+        while app.state.clips.desks and time.monotonic() < deadline:
+            time.sleep(0.02)
+
+
+@pytest.fixture
+def page():
+    with opened() as (found, _):
+        yield found
+
+
+@pytest.fixture(scope="module")
+def lasting_page():
+    with opened() as (found, _):
+        yield found
+
+
+def workers(parent=None):
+    """Processes that read clips for a process, by default for this one."""
+    parent = parent or os.getpid()
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            fields = status.read_text().rpartition(")")[2].split()
+            command = (status.parent / "cmdline").read_bytes()
+            is_limited = b"latolato.app.worker" in command and b"cpu_time" in command
+            if int(fields[1]) == parent and is_limited and fields[0] != "Z":
+                found.append(int(status.parent.name))
+    return found
+
+
+def wait(is_so):
+    """Wait until something is so."""
+    deadline = time.monotonic() + 20.0
+    while not is_so():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def one_line(message):
+    """The refusal in a message, which must be one line without a path of the server."""
+    assert "error" in message, message
+    text = message["error"]
+    assert 0 < len(text) < 400
+    assert not [part for part in ("\n", "/tmp", "latolato-clips", "Traceback") if part in text]
+    return text
+
+
+def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
+    path, truth = clip
+    with opened() as (page, store):
+        clip = page.clip(path.read_bytes(), "..%2F..%2Fmy%20swing.mp4")
+        seen = page.do(do="look", clip=clip)["done"]
+        assert (seen["width"], seen["height"], seen["frames"]) == (200, 160, truth.sizes["frame"])
+        for name in ("pivot", "ball_1"):
+            place = seen["proposal"]["pivot" if name == "pivot" else "balls"]
+            u, v = place if name == "pivot" else place[0]
+            # A pixel off is what a click is off.
+            assert abs(u - truth.attrs[f"{name}_pixel_u"]) < 2.0
+            assert abs(v - truth.attrs[f"{name}_pixel_v"]) < 2.0
+        description = {
+            "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
+            "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
+        }  # fmt: skip
+        answer = page.do(do="track", clip=clip, description=description)
+        done = answer["done"]
+        damping = done["fits"]["decay"]["values"]["damping"]
+        assert damping["value"] == pytest.approx(0.01, rel=0.02)  # 5 s of 200 x 160 pixels
+        assert done["fits"]["drive"]["error"].startswith("the pivot is at rest")
+        assert done["trials"] == []
+        assert "pivot is at rest" in done["no_trial"]
+        assert done["fits"]["decay"]["play"]["system"] == "pendulum"
+
+        about, points = unpack(answer["points"].tobytes())
+        table = page.file(clip, "track.csv").content
+        kept = path.parent / "table.csv"
+        kept.write_bytes(table)
+        np.testing.assert_allclose(points["angle"][0], read_table(kept)["angle_1"], atol=1e-6)
+        assert read_table(kept).attrs["source"] == "my swing.mp4"
+        assert 'video = "my swing.mp4"' in page.file(clip, "setup.toml").text
+        _, ghost = unpack(answer["model"].tobytes())
+        away = np.hypot(*(ghost["centre"] - points["centre"]))
+        assert np.nanmax(away) < 0.5  # pixels
+        for name in ("overlay.mp4", "report.html", "track.nc"):
+            assert page.file(clip, name).status_code == 404
+        assert page.do(do="export", clip=clip, file="overlay.mp4")["done"]
+        answer = page.file(clip, "overlay.mp4")
+        assert answer.status_code == 200
+        assert answer.headers["content-disposition"] == "attachment"
+        part = page.client.get(f"/api/experiment/{clip}/copy.mp4", headers={"range": "bytes=0-9"})
+        assert (part.status_code, len(part.content)) == (206, 10)
+        folder = store.folder
+        assert [each.name for each in folder.iterdir()] == [clip]
+        page.socket.close()
+        while store.desks:
+            time.sleep(0.02)
+        assert not list(folder.iterdir())
+        assert page.file(clip, "track.csv").status_code == 404
+    assert not folder.exists()
+    assert about["balls"] == 1
+
+
+def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
+    path, truth = clip
+    places = [
+        [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
+    ]
+    description = {"pivot": places[0], "balls": places[1:]}
+    limits = Allowance().limits
+    job = {
+        "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "width": 200, "height": 160,
+        "description": description, "limits": dataclasses.asdict(limits),
+    }  # fmt: skip
+    stages = []
+    done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
+    assert [stage for stage, _ in stages][-1] == "fitting"
+    assert max(share for stage, share in stages if stage == "tracking") == 1.0
+    about, points = unpack((tmp_path / "points.bin").read_bytes())
+    assert about["attributes"]["geometry"] == "angles"
+    assert "length is unknown" in " ".join(done["warnings"])
+    # By the dynamics: g/l from the period.
+    assert done["fits"]["decay"]["values"]["length"]["value"] == pytest.approx(0.363, rel=2e-3)
+    _, ghost = unpack((tmp_path / "model.bin").read_bytes())
+    assert np.nanmax(np.hypot(*(ghost["centre"] - points["centre"]))) < 0.5  # pixels
+    with pytest.raises(ValueError, match="length must be known"):
+        WORK["fit"]({**job, "kind": "model"}, lambda *_: None)
+    for name in ("report.html", "track.nc"):
+        assert WORK["export"]({**job, "file": name}, lambda *_: None) == {"file": name}
+        assert (tmp_path / name).stat().st_size > 0
+
+
+def gif_of(width, height):
+    """A picture that says that it is so large, in a few bytes."""
+    size = width.to_bytes(2, "little") + height.to_bytes(2, "little")
+    table = b"\x80\x00\x00" + bytes(6)
+    return b"GIF89a" + size + table + b",\0\0\0\0" + size + b"\0\x02\x02\x44\x01\0;"
+
+
+def bad_files(clip, folder):
+    """Yield names and contents of files that cannot be tracked, with what is said of them."""
+    whole = clip.read_bytes()
+    playlist = f"#EXTM3U\n#EXT-X-TARGETDURATION:3\n#EXTINF:3,\n{clip}\n#EXT-X-ENDLIST\n"
+    long = encoded(folder / "long.mp4", GREY[:10], [90_000 * 4000 * k for k in range(10)])
+    yield "note.mp4", b"hello", "cannot be read as a video"
+    yield "noise.mp4", random.Random(1).randbytes(20_000), "cannot be read as a video"
+    yield "list.m3u8", playlist.encode(), "cannot be read as a video"
+    yield "join.mp4", f"ffconcat version 1.0\nfile {clip}\n".encode(), "cannot be read"
+    yield "sound.mp4", sound_alone(folder / "sound.mp4").read_bytes(), "holds no video stream"
+    yield "half.mp4", whole[: len(whole) // 2], "cut off|decoding fails"
+    yield "head.mp4", whole[:200], "cut off|cannot be read"
+    yield "bomb.gif", gif_of(15000, 15000), "frames of 15000 x 15000 pixels, at most"
+    # FFmpeg itself reads none of this size.
+    yield "larger.gif", gif_of(65535, 65535), "size of its frames is unknown|cannot be read"
+    yield "long.mp4", long.read_bytes(), "at most 600 s"
+    few = encoded(folder / "few.mp4", GREY[:4])
+    yield "few.mp4", few.read_bytes(), "has 4 frames"
+    large = encoded(folder / "large.mp4", [np.zeros((2304, 4096), np.uint8)])
+    yield "large.mp4", large.read_bytes(), "frames of 4096 x 2304 pixels, at most"
+
+
+def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, tmp_path):
+    with contextlib.ExitStack() as jobs:
+        answers = [
+            (name, said, jobs.enter_context(page.begin(do="look", clip=page.clip(content, name))))
+            for name, content, said in bad_files(clip[0], tmp_path)
+        ]
+        for name, said, socket in answers:
+            text = one_line(end_of(socket))
+            assert re.search(said, text), (name, text)
+            assert name in text
+    assert page.client.get("/api/registry").status_code == 200
+
+
+def test_flipped_bits_break_nothing(page, clip):
+    whole = clip[0].read_bytes()
+    chance = random.Random(7)
+    for _ in range(5):
+        broken = bytearray(whole)
+        for _ in range(40):
+            broken[chance.randrange(len(broken))] ^= 1 << chance.randrange(8)
+        answer = page.do(do="look", clip=page.clip(bytes(broken)))
+        if "done" not in answer:
+            one_line(answer)
+    assert page.client.get("/api/registry").status_code == 200
+
+
+@pytest.mark.parametrize("name", ["megabytes", "minutes"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_a_limit_of_videos_that_is_not_positive_is_refused(name, value):
+    with pytest.raises(ValueError, match=f"video-{name} must be positive, got"):
+        Allowance.of(**{name: value})
+
+
+def test_a_smaller_limit_of_videos_leaves_the_work_its_time():
+    small = Allowance.of(megabytes=1, minutes=0.5)
+    assert (small.upload, small.duration) == (1_000_000, 30.0)
+    assert dataclasses.replace(small, upload=Allowance.upload, duration=600.0) == Allowance()
+
+
+@pytest.mark.parametrize(
+    "allowance, said",
+    [
+        ({"memory": 1.2e8}, "memory|ended without an answer|broke"),
+        ({"cpu_time": 1.0}, "too much processor time"),
+        ({"wall_time": 0.3}, "took more than 0.3 s"),
+    ],
+)
+def test_work_that_takes_too_much_is_ended_with_a_reason(allowance, said):
+    with opened(dataclasses.replace(Allowance(), **allowance)) as (page, store):
+        message = page.do(do="example", kind="decay")
+        assert re.search(said, one_line(message)), message
+        assert not workers()
+        assert not list(store.folder.iterdir())
+
+
+def test_what_is_cancelled_or_whose_page_has_gone_is_killed_and_removed():
+    with opened() as (page, store):
+        for leave in (lambda: None, page.socket.close):
+            with page.begin(do="example", kind="toy"):
+                wait(lambda: bool(workers()))
+                leave()
+            wait(lambda: not workers())
+            wait(lambda: not list(store.folder.iterdir()))
+        assert not store.desks
+
+
+def test_uploads_are_limited_in_size_number_and_sum(clip):
+    content = clip[0].read_bytes()
+    most = Allowance(upload=len(content), stored=2 * len(content) + 10, desk_clips=3, desks=1)
+    with opened(most) as (page, store):
+        answer = page.upload(content + b"x")
+        assert answer.status_code == 413
+        assert "limit for an upload" in answer.json()["error"]
+        parts = (content[i : i + 1000] for i in range(0, len(content) + 1000, 1000))
+        # In pieces of unknown number it is refused when it has become too large.
+        answer = page.client.post(
+            f"/api/experiment?desk={page.desk}", content=(p or b"too much" for p in parts)
+        )
+        assert answer.status_code == 413
+        assert not list(store.folder.iterdir())
+        page.clip(content)
+        page.clip(content)
+        answer = page.upload(content)
+        assert answer.status_code == 413
+        assert "too many videos" in answer.json()["error"]
+        page.clip(b"small")
+        assert page.upload(b"small").status_code == 413
+        assert page.upload(b"").status_code in (413, 422)
+        with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as other:
+            other.send_json({"hello": True})
+            assert "1 pages with videos are open" in other.receive_json()["error"]
+        first = next(iter(store.desks.values())).clips
+        key = next(iter(first))
+        assert page.remove(key) == []
+        assert key not in first
+        assert page.upload(b"small").status_code == 200
+
+
+def upload_with(receive, allowance=None):
+    """Return the status of an upload whose body comes from a function, and what is left."""
+    app = make_app(Settings(clips=allowance or Allowance()))
+    store = app.state.clips
+    desk = store.open_desk()
+    sent = []
+
+    async def run():
+        scope = {
+            "type": "http", "method": "POST", "path": "/api/experiment", "http_version": "1.1",
+            "query_string": f"desk={desk.key}".encode(), "scheme": "http", "root_path": "",
+            "headers": [(b"host", b"127.0.0.1:8000"), (b"x-name", b"swing.mp4")],
+        }  # fmt: skip
+
+        async def send(message):
+            sent.append(message)
+
+        await app(scope, receive, send)
+
+    # A browser of other tests may have its own loop in this thread.
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(anyio.run, run).result()
+    left = list(store.folder.iterdir())
+    store.close()
+    return sent[0]["status"], left
+
+
+def test_an_upload_that_breaks_off_or_stands_still_leaves_nothing():
+    messages = iter([
+        {"type": "http.request", "body": b"begin", "more_body": True},
+        {"type": "http.disconnect"},
+    ])  # fmt: skip
+
+    async def broken():
+        return next(messages)
+
+    async def still():
+        await anyio.sleep_forever()
+
+    assert upload_with(broken) == (400, [])
+    assert upload_with(still, Allowance(stall=0.05)) == (408, [])
+
+
+@pytest.mark.parametrize(
+    "name", ["../../etc/passwd", "..%2f..%2fx", "C:\\x\\y.mp4", "a%00b", "%0Aline", "", "é" * 500]
+)
+def test_the_name_of_an_upload_is_never_a_path(page, name):
+    answer = page.upload(b"x", name.encode("utf-8"))
+    name_there = answer.json()["name"]
+    assert 0 < len(name_there) <= 80
+    assert not set("/\\\0\n") & set(name_there)
+    assert name_there == display_name(name) or "é" in name
+    page.remove(answer.json()["clip"])
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["clip", "..%2Fclip", "../clip", "%2e%2e/%2e%2e/etc/passwd", "track.csv", "setup.toml/", ""],
+)
+def test_only_the_results_of_a_clip_are_sent(page, path):
+    clip = page.clip(b"secret")
+    assert page.client.get(f"/api/experiment/{clip}/{path}").status_code in (404, 405)
+    assert page.client.get(f"/api/experiment/guess/{path}").status_code in (404, 405)
+    page.remove(clip)
+
+
+def test_another_page_needs_its_own_place(page):
+    answer = page.upload(b"x", desk="guess")
+    assert answer.status_code == 422
+    assert "not connected" in answer.json()["error"]
+    assert page.client.get("/api/experiment/trials?desk=guess").status_code == 404
+    with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
+        other = Page(page.client, socket)
+        clip = page.clip(b"x")
+        assert "no longer on the server" in one_line(other.do(do="look", clip=clip))
+        page.remove(clip)
+
+
+FRAMES = st.one_of(
+    st.text(max_size=60),
+    st.sampled_from(["[" * 50_000, "x" * 100_001, "null", "1e999", '{"do": true}']),
+    st.dictionaries(
+        st.sampled_from(["desk", "do", "clip", "description", "kind", "file"]),
+        st.one_of(
+            st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=10),
+            st.sampled_from(["KEY", "look", "track", "fit", "export"]), st.lists(st.integers()),
+        ),
+    ).map(json.dumps),
+)  # fmt: skip
+
+
+@settings(max_examples=60, deadline=None)
+@given(FRAMES)
+def test_a_malformed_frame_is_answered_with_one_line(lasting_page, text):
+    with lasting_page.client.websocket_connect("/ws/experiment", headers=HEADERS) as socket:
+        socket.send_text(text.replace("KEY", lasting_page.desk))
+        message = socket.receive()
+    if "text" in message:
+        one_line(json.loads(message["text"]))
+    else:
+        assert (message["code"], message["reason"]) == (1007, "a request must be JSON")
+
+
+def test_a_page_that_is_not_served_any_more_is_no_fault(page):
+    page.socket.send_bytes(b"\x00\x01")  # nothing but its end matters
+    assert page.upload(b"x").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "description, message",
+    [
+        ([], "must be an object"),
+        ({"lenght": "1 m"}, "unknown name 'lenght'"),
+        ({"length": "36 parsec"}, "length"),
+        ({"length": "3 kg"}, "length"),
+        ({"length": "-1 cm"}, "length must be positive"),
+        ({"length": "nan m"}, "length"),
+        ({"mass": [1]}, "mass must be a text or a number"),
+        ({"pivot": [1]}, "pivot must be a column and a row"),
+        ({"pivot": "12"}, "pivot must be a column and a row"),
+        ({"balls": [[1, 2]] * 3}, "one place or two"),
+        ({"balls": [[1, float("inf")]]}, "balls must be a column and a row"),
+    ],
+)
+def test_the_description_of_a_video_is_checked(description, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        Description.from_json(description)
+
+
+def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path, monkeypatch):
+    from websockets.sync.client import connect
+
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    server = start_server()
+    home = server.address.rstrip("/")
+    address = server.address.replace("http", "ws") + "ws/experiment"
+    with connect(f"{address}/desk", origin=home) as desk, connect(address, origin=home) as socket:
+        desk.send('{"hello": true}')
+        key = json.loads(desk.recv())["desk"]
+        socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
+        while not (found := workers(server.process.pid)):
+            time.sleep(0.02)
+        assert list(tmp_path.glob("latolato-app-*/latolato-clips-*/*"))
+        stop_server(server)
+    assert not list(tmp_path.glob("latolato-app-*"))
+    # Also without a word from the server the worker would end: its input is closed.
+    deadline = time.monotonic() + 10.0
+    while Path(f"/proc/{found[0]}").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not Path(f"/proc/{found[0]}").exists()
