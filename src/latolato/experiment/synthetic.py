@@ -19,7 +19,7 @@ from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.picture import Studio, View, moments_needed
 from latolato.experiment.render import Floats
 from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.track_table import about, track_table
+from latolato.experiment.track_table import track_table
 from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
@@ -450,7 +450,6 @@ def _true_table(take: Take) -> xr.Dataset:
         table[name] = ("frame", values, meaning)
     meaning = {"units": "1", "long_name": "whether balls touch during the exposure", "symbol": ""}
     table["is_contact"] = ("frame", touches, meaning)
-    assert table["time"].attrs == about("time")
     return table
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -190,8 +189,7 @@ def trial_table(
 def about(name: str) -> dict[str, str]:
     """Return the attributes of a column's variable."""
     if name in QUANTITIES:
-        quantity = QUANTITIES[name]
-        return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+        return QUANTITIES[name].attributes
     words = {**TEXTS, **COUNTS, "trial": "number of the trial"}[name]
     return {"units": "1", "long_name": words, "symbol": ""}
 
@@ -220,6 +218,7 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
         If the file cannot be written.
     """
     from latolato.core.atomic import atomic_path
+    from latolato.io.column_files import write_columns
     from latolato.io.files import check_suffix, check_target, save
 
     checked_trials(trials)
@@ -228,16 +227,12 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     check_target(path)
     if suffix == ".nc":
         return save(trials, path)
-    with atomic_path(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="") as f:
-        for key, value in trials.attrs.items():
-            f.write(f"# {key}: {value}\n")
-        for name in COLUMNS:
-            meaning = trials[name].attrs
-            f.write(f"# column {name} [{meaning['units']}]: {meaning['long_name']}\n")
-        rows = csv.writer(f, lineterminator="\n")
-        rows.writerow(COLUMNS)
-        cells = ([_cell(v) for v in trials[name].values.tolist()] for name in COLUMNS)
-        rows.writerows(zip(*cells, strict=True))
+    columns = {
+        name: ([_cell(value) for value in trials[name].values.tolist()], trials[name].attrs)
+        for name in COLUMNS
+    }
+    with atomic_path(path) as unfinished:
+        write_columns(columns, trials.attrs, unfinished, suffix)
     return path
 
 
@@ -255,14 +250,10 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
     OSError
         If the file cannot be read.
     """
-    from latolato.io.files import check_suffix, load
+    from latolato.io.files import check_readable, load
 
     path = Path(path)
-    suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
-    if path.is_dir():
-        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
+    suffix = check_readable(path, SUFFIXES, "the name of a trial table")
     try:
         if suffix == ".nc":
             return checked_trials(load(path))
@@ -285,7 +276,23 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     >>> found.drive_amplitude.values.tolist(), str(found["class"].values[0])
     ([0.012], 'strong')
     """
-    columns, attributes = _parse_csv(text)
+    from latolato.io.column_files import parse_columns
+    from latolato.scenario.units import to_si
+
+    parts, header = parse_columns(text)
+    if "stabilised_angle" in parts:  # as tables were written before
+        raise InputError(
+            "the column stabilised_angle is called largest_angle_after_transient now",
+            way_out="rename it, and its _sigma",
+        )
+    columns: dict[str, Any] = {}
+    for name, (values, _) in parts.items():
+        cells = [value.strip() for value in values]
+        if name in COLUMNS and any(cells):
+            columns[name] = cells if name in TEXTS else _numbers(name, cells)
+    attributes = {}
+    if gravity is None and "gravity" in header:
+        gravity = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
     if gravity is not None:
         attributes["gravity"] = gravity
     return trial_table(columns, attributes)
@@ -336,43 +343,15 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the columns that a trial table has, and gravity where the header tells it."""
+def _numbers(name: str, cells: list[str]) -> list[float]:
+    """Return the numbers in a column's cells, which may have units."""
     from latolato.scenario.units import to_si
 
-    lines = text.splitlines()
-    attributes: dict[str, Any] = {}
-    for line in lines:
-        key, colon, value = line.lstrip("# ").partition(": ")
-        if line.startswith("#") and colon and key == "gravity":
-            attributes[key] = float(to_si(key, value, "m/s^2"))
-    table = csv.reader(line for line in lines if line.strip() and not line.startswith("#"))
-    rows = list(table)
-    if not rows:
-        raise InputError("it holds no columns")
-    names = [name.strip() for name in rows[0]]
-    if "stabilised_angle" in names:  # as tables were written before
-        raise InputError(
-            "the column stabilised_angle is called largest_angle_after_transient now",
-            way_out="rename it, and its _sigma",
-        )
-    columns: dict[str, Any] = {}
-    for number, row in enumerate(rows[1:], start=1):
-        if len(row) != len(names):
-            raise InputError(f"trial {number} has {len(row)} cells below {len(names)} column names")
-    for place, name in enumerate(names):
-        cells = [row[place].strip() for row in rows[1:]]
-        if name not in COLUMNS or not any(cells):
-            continue
-        if name in TEXTS:
-            columns[name] = cells
-            continue
-        unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-        values = []
-        for number, cell in enumerate(cells, start=1):
-            try:
-                values.append(float(to_si(name, cell, unit)) if cell else math.nan)
-            except InputError as error:
-                raise InputError(f"trial {number}: {error}") from None
-        columns[name] = values
-    return columns, attributes
+    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    values = []
+    for number, cell in enumerate(cells, start=1):
+        try:
+            values.append(float(to_si(name, cell, unit)) if cell else math.nan)
+        except InputError as error:
+            raise InputError(f"trial {number}: {error}") from None
+    return values
