@@ -16,7 +16,7 @@ from latolato.experiment.deviations import honest_deviations, scatter_of
 from latolato.experiment.gravity import Gravity, angle_offset_sigma, find_gravity
 from latolato.experiment.hinge import Hinge, find_hinge
 from latolato.experiment.lens import lens_errors, straightened
-from latolato.experiment.tracking.follow import Followed
+from latolato.experiment.tracking.positions import Positions
 
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 _STROKE = 6.0
@@ -91,13 +91,13 @@ class Calibration:
 
 
 def calibrate(
-    seen: Followed, size: tuple[int, int], rotation: int, optics: Optics | None = None
+    seen: Positions, size: tuple[int, int], rotation: int, optics: Optics | None = None
 ) -> Calibration:
     """Return angles about the hinge from positions in the image.
 
     Parameters
     ----------
-    seen : Followed
+    seen : Positions
         Raw positions.
     size : tuple of int
         Width and height of the picture as displayed [pixels].
@@ -123,7 +123,7 @@ def calibrate(
         pivots = _moved(seen.times + delay_pivot, pivots, seen.times)
     else:
         about = np.repeat(pivots[:, None], balls, axis=1)
-    is_measured = np.isin(seen.flags, ("ok", "collision", "occluded")) & np.isfinite(seen.angles)
+    is_measured = seen.is_measured & np.isfinite(seen.angles)
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured

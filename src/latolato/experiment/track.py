@@ -16,12 +16,13 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
-from latolato.experiment.gate import Track, examine
+from latolato.experiment.gate import examine
 from latolato.experiment.propose import proposal_text, propose
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.track_table import track_table
-from latolato.experiment.tracking.follow import Followed, follow
+from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.learn import Scene, learn_scene
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 from latolato.experiment.wander import follow_path, period_of
@@ -37,8 +38,6 @@ _RADIUS_TOLERANCE = 0.03
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
 _NEVER, _SELDOM = 0.25, 0.4
-# Flags of samples that were measured.
-_MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -302,14 +301,12 @@ def _tracked(
         if free.explained > scene.explained:
             scene = free
     stiffness = setup.gravity / length if length else 0.0
-    seen = follow(
-        video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
-    )
-    if not np.isin(seen.flags, _MEASURED).any():
+    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    share = float(seen.is_measured.mean())
+    if share == 0.0:
         raise InputError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
-    share = float(np.isin(seen.flags, _MEASURED).mean())
     if share < _NEVER:
         raise InputError(
             f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
@@ -321,21 +318,7 @@ def _tracked(
             "at?"
         )
     declared = radius / length * scene.arm if radius and length else None
-    doubtful = _gated(
-        task,
-        sample,
-        Track(
-            seen.centres,
-            seen.pivots,
-            np.isin(seen.flags, _MEASURED),
-            scene.look.radius,
-            balls,
-            declared,
-        ),
-    )
-    seen.flags[doubtful] = "lost"
-    for numbers in (seen.centres, seen.angles, seen.sigmas, seen.spreads):
-        numbers[doubtful] = np.nan
+    _examine(task, sample, seen, balls, declared)
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
@@ -350,19 +333,23 @@ def _tracked(
     return _table(task, scene, seen, measured)
 
 
-def _gated(task: Task, sample: Sample, followed: Track) -> np.ndarray:
-    """Return which samples are not to be believed, shape (frame, ball); refuse a track as a whole.
+def _examine(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    clicks: list[np.ndarray],
+    radius: float | None = None,
+) -> None:
+    """Give up samples that are not to be believed, or refuse the track as a whole.
 
     Warnings join the task's list.
     """
-    doubtful = np.zeros(followed.is_measured.shape, bool)
-    for finding in examine(sample, followed):
+    for finding in examine(sample, seen, clicks, radius):
         if finding.is_refusal:
             raise InputError(f"{task.video.path}: {finding.reason}", way_out=finding.way_out)
         task.warnings.append(f"{finding.reason}; {finding.way_out}")
         if finding.doubtful is not None:
-            doubtful |= finding.doubtful
-    return doubtful
+            seen.give_up(finding.doubtful)
 
 
 def _doubt(scene: Scene) -> float:
@@ -378,7 +365,7 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
     return lambda share: tell(low + (high - low) * share)
 
 
-def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> xr.Dataset:
+def _table(task: Task, scene: Scene, seen: Positions, measured: Calibration) -> xr.Dataset:
     """Return the table in metres, or in pixels where the length is unknown."""
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings
@@ -440,10 +427,7 @@ def _wandered(
 ) -> xr.Dataset:
     """Return the table of balls about an unseen pivot: their places in the image, no angles."""
     path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
-    doubtful = _gated(
-        task, sample, Track(path.centres, None, path.flags == "ok", path.radius, balls)
-    )
-    path.flags[doubtful], path.centres[doubtful] = "lost", np.nan
+    _examine(task, sample, path, balls)
     columns: dict[str, Any] = {"time": path.times}
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T

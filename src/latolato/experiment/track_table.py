@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # What a sample can be: seen; balls in contact; hidden; carried on by physics; given up.
 FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
+# Of these, what the picture shows; the rest is computed by the tracker.
+MEASURED = FLAGS[:3]
 SUFFIXES = (".csv", ".parquet", ".nc")
 # The columns in their order; those in curly brackets come with a second ball only.
 COLUMNS = (

@@ -17,8 +17,8 @@ from latolato.core.errors import InputError, said_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
-from latolato.experiment.track_table import balls_of, checked_table
-from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
+from latolato.experiment.track_table import MEASURED, balls_of, checked_table
+from latolato.experiment.trial_table import CLASSES, class_of, is_borderline, sets_of, trial_table
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 TABLES = (".csv", ".parquet", ".nc")
 VIDEOS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
-# What was seen of a ball; the rest is computed by the tracker.
-_SEEN = ("ok", "collision", "occluded")
 # Part of a record that is its last one where no transient is named.
 _LAST = 1.0 / 3.0
 # A turning point stands out by so many standard deviations, and by this share of the largest.
@@ -124,7 +122,7 @@ def trial_of(
         "largest_angle_sigma": whole[1],
         "largest_angle_after_transient": lasting[0],
         "largest_angle_after_transient_sigma": lasting[1],
-        "class": ("none", "weak", "strong")[int(class_of(whole[0], lasting[0]))],
+        "class": CLASSES[int(class_of(whole[0], lasting[0]))],
         "borderline": bool(is_borderline(*whole, *lasting)),
         "swings": swings,
         "balls": balls_of(table),
@@ -345,7 +343,7 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     """Return time, angle, standard deviation and flag of the samples of a ball that were seen."""
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     flag = table[f"flag_{ball}"].values.astype(str)
-    good = np.isfinite(angle) & np.isin(flag, _SEEN)
+    good = np.isfinite(angle) & np.isin(flag, MEASURED)
     if good.sum() < 8:
         raise InputError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +16,9 @@ from latolato.experiment.tracking.appearance import (
     samples_for,
 )
 from latolato.experiment.tracking.learn import Scene
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.predict import Prediction, Predictor
+from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
@@ -44,74 +45,29 @@ _FLOOR = 0.03
 _OFF_CIRCLE = 0.4
 
 
-@dataclass
-class Followed:
-    """Raw positions in the image.
-
-    Attributes
-    ----------
-    times : numpy.ndarray, shape (frame,)
-        Time stamps [s].
-    pivots : numpy.ndarray, shape (frame, 2)
-        Pivot (column, row) [pixels].
-    centres : numpy.ndarray, shape (frame, ball, 2)
-        Centres of the balls [pixels]; NaN where lost.
-    angles : numpy.ndarray, shape (frame, ball)
-        Unwrapped angles from straight down in the image [rad].
-    sigmas : numpy.ndarray, shape (frame, ball)
-        Standard deviations of the angles [rad].
-    spreads : numpy.ndarray, shape (frame, ball)
-        Standard deviations of the distances from the pivot [pixels].
-    flags : numpy.ndarray of str, shape (frame, ball)
-        ok, collision, occluded, predicted or lost.
-    """
-
-    times: np.ndarray
-    pivots: np.ndarray
-    centres: np.ndarray
-    angles: np.ndarray
-    sigmas: np.ndarray
-    spreads: np.ndarray
-    flags: np.ndarray
-
-
 def follow(
     video: Video,
+    sample: Sample,
     scene: Scene,
-    interval: float,
-    count: int,
     stiffness: float,
     progress: Callable[[float], None] | None = None,
-) -> Followed:
+) -> Positions:
     """Return where pivot and balls are in every frame.
 
     Parameters
     ----------
-    video, scene : Video, Scene
-        The clip and what was learned of it.
-    interval : float
-        Typical time between frames [s].
-    count : int
-        Number of frames.
+    video, sample, scene : Video, Sample, Scene
+        The clip, its first reading and what was learned of it.
     stiffness : float
         Gravity over length [1/s^2], 0 if unknown.
     """
-    balls = scene.balls
-    out = Followed(
-        np.empty(count),
-        np.empty((count, 2)),
-        np.full((count, balls, 2), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), "lost", "U9"),
-    )
-    follower = _Follower(scene, interval, stiffness)
+    count = len(sample.times)
+    out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
+    follower = _Follower(scene, sample.interval, stiffness)
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
             break
-        out.times[n] = frame.time
         out.pivots[n] = follower.pivot_in(frame)
         out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = follower.balls_in(frame)
         out.spreads[n] = follower.spreads
