@@ -19,8 +19,8 @@ import numpy as np
 import xarray as xr
 
 import latolato as ll
-from latolato.experiment.calibrate import Optics
 from latolato.experiment.conditions import conditions
+from latolato.experiment.lens import Optics
 from latolato.experiment.synthetic import synthesise_video
 
 ONE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.experiment.blobs import import_cv2
-from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.propose import distorted
+from latolato.experiment.lens import Optics, distorted
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.video import Frame, Video

@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.blobs import Backdrop, Disc
-from latolato.experiment.calibrate import Optics, undistorted
+from latolato.experiment.lens import Optics, distorted, undistorted
 from latolato.experiment.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.appearance import Colours
 from latolato.experiment.tracking.disc import disc_at
@@ -148,18 +148,6 @@ def propose(
         orbit.residual if orbit else math.nan,
         orbit.arc if orbit else math.nan,
     )
-
-
-def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
-    """Return where a lens shows undistorted places [pixels]."""
-    middle = (np.array(size) - 1.0) / 2.0
-    unit = 0.5 * math.hypot(*size)
-    away = (places - middle) / unit
-    squares = np.sum(away**2, axis=-1, keepdims=True)
-    moved: np.ndarray = middle + away * unit * (
-        1.0 + optics.lens_k1 * squares + optics.lens_k2 * squares**2
-    )
-    return moved
 
 
 def _rounded(place: np.ndarray) -> Place:

@@ -15,8 +15,9 @@ from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
-from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
+from latolato.experiment.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.gate import examine
+from latolato.experiment.lens import Optics
 from latolato.experiment.propose import proposal_text, propose
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.track_table import track_table
@@ -324,7 +325,7 @@ def _tracked(
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
-        unsure = share * scene.look.radius / measured.arm
+        unsure = share * scene.look.radius / measured.hinge.arm
         measured.sigmas = np.hypot(measured.sigmas, unsure)
         task.warnings.append(
             "the ball has a pattern that turns with it: where the pattern resembles the "
@@ -369,9 +370,9 @@ def _table(task: Task, scene: Scene, seen: Positions, measured: Calibration) -> 
     """Return the table in metres, or in pixels where the length is unknown."""
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings
-    scale = length / measured.arm if length else math.nan
+    scale = length / measured.hinge.arm if length else math.nan
     found_radius = scene.look.radius * scale
-    turn = measured.tilt
+    turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
     origin = np.nanmean(measured.pivots, axis=0)
@@ -407,17 +408,17 @@ def _table(task: Task, scene: Scene, seen: Positions, measured: Calibration) -> 
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
-        "gravity_direction": measured.tilt,
-        "gravity_source": measured.tilt_source,
+        "gravity_direction": measured.gravity.direction,
+        "gravity_source": measured.gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
         "exposure": scene.look.exposure,
-        "pivot_offset_x": float(measured.offset[0]),
-        "pivot_offset_y": float(measured.offset[1]),
-        "pivot_offset_x_sigma": float(measured.offset_sigma[0]),
-        "pivot_offset_y_sigma": float(measured.offset_sigma[1]),
-        "arm_pixels": measured.arm,
-        "arc": measured.arc,
-        "circle_residual": measured.circle_residual,
+        "pivot_offset_x": float(measured.hinge.offset[0]),
+        "pivot_offset_y": float(measured.hinge.offset[1]),
+        "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
+        "pivot_offset_y_sigma": float(measured.hinge.sigma[1]),
+        "arm_pixels": measured.hinge.arm,
+        "arc": measured.hinge.arc,
+        "circle_residual": measured.hinge.residual,
     }
     return track_table(columns, attributes)
 

@@ -17,8 +17,8 @@ from latolato.app.blocks import pack
 from latolato.app.experiment.description import EXPORTS, Description
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.core.errors import InputError
-from latolato.experiment.calibrate import Optics
 from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.lens import Optics
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.track import prepare, run
