@@ -214,8 +214,7 @@ def _early(data: Data, until: float) -> Data:
     """Return the samples up to an instant, at least ten of each series."""
     counts = [np.sort(data.times[data.series == s]) for s in np.unique(data.series)]
     until = max(until, *(float(times[min(9, len(times) - 1)]) for times in counts))
-    kept = data.times <= until
-    return Data(data.times[kept], data.values[kept], data.sigmas[kept], data.series[kept])
+    return data[data.times <= until]
 
 
 def _spread(
