@@ -65,13 +65,13 @@ def class_of(largest: Any, settled: Any) -> Any:
     return np.where(np.asarray(largest) >= strong, 2, np.where(np.asarray(settled) >= weak, 1, 0))
 
 
-def is_borderline(largest: Any, largest_sigma: Any, lasting: Any, lasting_sigma: Any) -> Any:
+def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma: Any) -> Any:
     """Return where the class could be another one within 3 standard deviations."""
     weak, strong = limits()
-    largest, lasting = np.asarray(largest, dtype=float), np.asarray(lasting, dtype=float)
-    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, lasting_sigma))
+    largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
+    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma))
     near_strong = np.abs(largest - strong) <= reach
-    near_weak = (largest < strong + reach) & (np.abs(lasting - weak) <= last)
+    near_weak = (largest < strong + reach) & (np.abs(settled - weak) <= last)
     return near_strong | near_weak
 
 
@@ -153,18 +153,18 @@ def trial_table(
         given["frequency_ratio"] = given["drive_frequency"] / natural
     given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
     largest = given.setdefault("largest_angle", unknown.copy())
-    lasting = given.setdefault("largest_angle_after_transient", unknown.copy())
+    settled = given.setdefault("largest_angle_after_transient", unknown.copy())
     sigmas = [
         given.get(f"{name}_sigma", unknown)
         for name in ("largest_angle", "largest_angle_after_transient")
     ]
     if "class" not in given:
-        if not (np.isfinite(largest) & np.isfinite(lasting)).all():
+        if not (np.isfinite(largest) & np.isfinite(settled)).all():
             raise InputError(
                 "a trial table without class needs largest_angle and largest_angle_after_transient"
             )
-        given["class"] = np.array([CLASSES[i] for i in class_of(largest, lasting)])
-    given.setdefault("borderline", is_borderline(largest, sigmas[0], lasting, sigmas[1]))
+        given["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
+    given.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
     if "set" not in given:
         sigma = given.get("drive_amplitude_sigma")
         given["set"] = np.array(sets_of(given["drive_amplitude"], sigma))

@@ -108,8 +108,8 @@ def trial_of(
         notes.append("drive not steady")
     angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
-    lasting, swings, settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
-    if not settled:
+    steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
+    if not has_settled:
         notes.append("not settled in the last part")
     return {
         "source": str(table.attrs.get("source", "")),
@@ -120,10 +120,10 @@ def trial_of(
         "frequency_ratio": frequency.value * math.sqrt(length / gravity),
         "largest_angle": whole[0],
         "largest_angle_sigma": whole[1],
-        "largest_angle_after_transient": lasting[0],
-        "largest_angle_after_transient_sigma": lasting[1],
-        "class": CLASSES[int(class_of(whole[0], lasting[0]))],
-        "borderline": bool(is_borderline(*whole, *lasting)),
+        "largest_angle_after_transient": steady[0],
+        "largest_angle_after_transient_sigma": steady[1],
+        "class": CLASSES[int(class_of(whole[0], steady[0]))],
+        "borderline": bool(is_borderline(*whole, *steady)),
         "swings": swings,
         "balls": balls_of(table),
         "length": length,
@@ -355,21 +355,21 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
 def _largest(
     time: Floats, angle: Floats, sigma: Floats, flag: Any, late: float
 ) -> tuple[tuple[float, float], tuple[float, float], int, bool]:
-    """Return largest angle and lasting one with their deviations, swings, and if it settled."""
+    """Return largest and settled angle with their deviations, swings, and if it settled."""
     when, sizes, errors = turning_points(time, angle, sigma, flag)
     # What the record reached is a fact of the record: only the tracker's noise is in doubt.
     whole = _extreme(sizes, errors, np.abs(angle), sigma, varies=0.0)
     last, inside = when >= late, time >= late
     if inside.sum() < 4:
         raise InputError(f"the ball was seen in {inside.sum()} frames of the last part")
-    lasting = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
+    steady = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
     middle = 0.5 * (late + float(time[-1]))
     halves = [
         float(np.max(np.abs(angle[part]), initial=0.0))
         for part in (inside & (time < middle), time >= middle)
     ]
     gap = abs(halves[1] - halves[0])
-    return whole, lasting, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * lasting[1]
+    return whole, steady, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * steady[1]
 
 
 def turning_points(

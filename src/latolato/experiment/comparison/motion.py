@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.experiment.comparison.uncertainties import (
+    LATE,
     Floats,
     checked_sigmas,
     drawn,
@@ -132,10 +133,10 @@ def compare_motion(
         "residual_rms": (_rms(residual), "root mean square of the residual", "rad"),
         "residual_rms_late": (_rms(residual[late]), "the same in the last third", "rad"),
         "phase_rms_late": (_rms(phase[late]), "root mean square of the phase there", "rad"),
-        "largest_measured": (_top(data.values), "largest measured angle", "rad"),
-        "largest_computed": (_top(computed), "largest computed angle", "rad"),
-        "lasting_measured": (_top(data.values[late]), "largest measured angle there", "rad"),
-        "lasting_computed": (_top(computed[late]), "largest computed angle there", "rad"),
+        "largest_angle": (_top(data.values), "largest measured angle", "rad"),
+        "largest_angle_computed": (_top(computed), "largest computed angle", "rad"),
+        LATE: (_top(data.values[late]), "largest measured angle there", "rad"),
+        f"{LATE}_computed": (_top(computed[late]), "largest computed angle there", "rad"),
         "followed_until": (followed, "time until which it follows", "s"),
     }
     variables: dict[str, Any] = {
@@ -292,7 +293,7 @@ def _top(values: Floats) -> float:
 def _verdict(numbers: Mapping[str, tuple[float, str, str]], first: float, last: float) -> str:
     """Return how computation and measurement compare in plain words."""
     value = {name: each[0] for name, each in numbers.items()}
-    one, other = (math.degrees(value[f"lasting_{k}"]) for k in ("measured", "computed"))
+    one, other = (math.degrees(value[name]) for name in (LATE, f"{LATE}_computed"))
     if value["followed_until"] >= last:
         words = (
             f"The computed motion follows the measured one for all {last - first:.4g} s: they "

@@ -234,10 +234,10 @@ def _drawn(
     columns = {"drive_amplitude": amplitude.ravel(), "drive_frequency": frequency.ravel()}
     columns |= {name: np.repeat(values, n) for name, values in given.items()}
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
-    largest, lasting = about("largest_angle"), about("largest_angle_after_transient")
+    largest, settled = about("largest_angle"), about("largest_angle_after_transient")
     classes = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
-    angles = np.isfinite(largest) & np.isfinite(lasting)
-    seen = np.where(angles, class_of(largest, lasting), classes)
+    angles = np.isfinite(largest) & np.isfinite(settled)
+    seen = np.where(angles, class_of(largest, settled), classes)
     return _Draws(seen, computed, random)
 
 

@@ -97,8 +97,8 @@ def compare_response(
     checked_trials(trials)
     if not isinstance(system, Pendulum):
         raise InputError(f"a response needs a Pendulum or a LatoLato, got {system!r}")
-    lasting = trials[LATE].values
-    if not np.isfinite(lasting).all():
+    settled = trials[LATE].values
+    if not np.isfinite(settled).all():
         raise InputError("response curves need the largest_angle_after_transient of every trial")
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
@@ -150,13 +150,13 @@ def compare_response(
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
-        seen.append(peak_of(ratio[own], lasting[own], sigma[own], steady[own], random))
+        seen.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
         each = [peak_of(ratios, curves[k, i]) for k in range(count)]
         spread = float(np.std([peak.place for peak in each]))
         computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
                           each[0].kind))  # fmt: skip
     variables: dict[str, Any] = {
-        LATE: variable("trial", lasting, LATE),
+        LATE: variable("trial", settled, LATE),
         f"{LATE}_sigma": variable("trial", sigma, f"{LATE}_sigma"),
         "trial_ratio": variable("trial", ratio, "frequency_ratio"),
         "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
