@@ -9,11 +9,12 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
-from latolato.experiment import gate, track
-from latolato.experiment.conditions import conditions
+from latolato.experiment import track
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.conditions import conditions
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.tracking import gate
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame

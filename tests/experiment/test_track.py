@@ -9,10 +9,10 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.experiment.overlay import places_of
-from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
 from latolato.experiment.track_table import read_table
 from latolato.experiment.tracking.learn import learn_scene
+from latolato.experiment.tracking.propose import propose
 from latolato.experiment.tracking.sample import read_sample
 from latolato.experiment.video import open_video
 
@@ -216,7 +216,7 @@ def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cro
 
 
 def test_the_period_of_a_swing_comes_from_its_path():
-    from latolato.experiment.wander import period_of
+    from latolato.experiment.tracking.wander import period_of
 
     times = np.arange(0.0, 12.0, 1 / 30)
     angle = 0.5 * np.exp(-0.02 * times) * np.cos(2.0 * np.pi * times / 1.213 + 0.4)

@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.deviations import honest_deviations, scatter_of
-from latolato.experiment.gravity import (
+from latolato.experiment.calibration.deviations import honest_deviations, scatter_of
+from latolato.experiment.calibration.gravity import (
     LEVELLED,
     Gravity,
     angle_offset_sigma,
     find_extremes,
     find_gravity,
 )
-from latolato.experiment.hinge import Hinge, find_hinge
-from latolato.experiment.lens import Optics, lens_errors, undistorted
-from latolato.experiment.tracking import fitting, smears
-from latolato.experiment.tracking import inner_loops as kernels
+from latolato.experiment.calibration.hinge import Hinge, find_hinge
+from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
+from latolato.experiment.tracking.kernels import fitting, smears
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.video import Frame

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.blobs import import_cv2
+from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.lens import Optics, distorted
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of
+from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.video import Frame, Video
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import Any
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.core.versions import version_of
-from latolato.experiment.lens import Optics
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 

@@ -15,18 +15,18 @@ from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
-from latolato.experiment.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.gate import examine
-from latolato.experiment.lens import Optics
-from latolato.experiment.propose import proposal_text, propose
+from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import follow
+from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import Scene, learn_scene
 from latolato.experiment.tracking.positions import Positions
+from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
+from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
-from latolato.experiment.wander import follow_path, period_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,8 +139,8 @@ def track(
     -----
     Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
     the prediction; balls cannot pass each other. The track must pass the checks of
-    `latolato.experiment.gate`. It can miss: balls of other sizes or colours than each other, a
-    perspective that is not seen in the circle, and what each of the checks can miss.
+    `latolato.experiment.tracking.gate`. It can miss: balls of other sizes or colours than each
+    other, a perspective that is not seen in the circle, and what each of the checks can miss.
 
     See Also
     --------

@@ -17,8 +17,8 @@ from latolato.app.blocks import pack
 from latolato.app.experiment.description import EXPORTS, Description
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.lens import Optics
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.track import prepare, run
@@ -225,8 +225,8 @@ def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Render a short video with known truth, and look at it."""
     import latolato as ll
-    from latolato.experiment.scene import Camera, Scene
-    from latolato.experiment.synthetic import synthesise_video
+    from latolato.experiment.synthetic.scene import Camera, Scene
+    from latolato.experiment.synthetic.synthesise import synthesise_video
 
     ball: dict[str, Any] = {"length": 0.363, "mass": 0.108, "damping": 0.00274}
     radius, rate = 0.02, 30.0

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.tracking import fitting
-from latolato.experiment.tracking import inner_loops as kernels
+from latolato.experiment.tracking.kernels import fitting
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.video import Video
 
 # Angles tried around the circle per radius of the ball.

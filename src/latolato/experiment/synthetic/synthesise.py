@@ -16,9 +16,9 @@ from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
-from latolato.experiment.picture import Studio, View, moments_needed
-from latolato.experiment.render import Floats
-from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic.picture import Studio, View, moments_needed
+from latolato.experiment.synthetic.render import Floats
+from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.track_table import track_table
 from latolato.io.files import check_suffix
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.blobs import Backdrop, Disc
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video

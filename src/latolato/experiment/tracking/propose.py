@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.blobs import Backdrop, Disc
-from latolato.experiment.lens import Optics, distorted, undistorted
-from latolato.experiment.orbit import Orbit, better, circle, driven_circle
+from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.tracking.appearance import Colours
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video

@@ -12,10 +12,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.deviations import SYSTEMATIC, honest_deviations, scatter_of
-from latolato.experiment.gravity import STROKE, Gravity, angle_offset_sigma, find_gravity
-from latolato.experiment.hinge import Hinge, find_hinge
-from latolato.experiment.lens import Optics, lens_errors, undistorted
+from latolato.experiment.calibration.deviations import SYSTEMATIC, honest_deviations, scatter_of
+from latolato.experiment.calibration.gravity import (
+    STROKE,
+    Gravity,
+    angle_offset_sigma,
+    find_gravity,
+)
+from latolato.experiment.calibration.hinge import Hinge, find_hinge
+from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.tracking.positions import Positions
 
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it

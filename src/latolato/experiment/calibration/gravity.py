@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from latolato.experiment.hinge import CLICK, NARROW_ARC, UNROUND, WIDE_ARC, Hinge
+from latolato.experiment.calibration.hinge import CLICK, NARROW_ARC, UNROUND, WIDE_ARC, Hinge
 
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 STROKE = 6.0
