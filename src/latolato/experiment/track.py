@@ -21,7 +21,7 @@ from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write
 from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
-from latolato.experiment.tracking.learn import Scene, learn_scene
+from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
@@ -147,7 +147,7 @@ def track(
     latolato.experiment.track_table.write_table : Writes the table.
     """
     path = checked_path("path", path)
-    given = {
+    settings = {
         "length": length,
         "radius": radius,
         "gravity": gravity,
@@ -155,7 +155,7 @@ def track(
         "slow_motion": slow_motion,
         "limits": limits,
     }
-    task = prepare(path, pivot, balls, given, sidecar, progress)
+    task = prepare(path, pivot, balls, settings, sidecar, progress)
     table = run(task, progress)
     if sidecar is not None:
         write_sidecar(task.setup, path, sidecar)
@@ -170,55 +170,45 @@ def prepare(
     path: Path,
     pivot: Place | None,
     balls: int | Sequence[Place] | None,
-    given: dict[str, Any],
+    settings: dict[str, Any],
     sidecar: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
     for name in ("length", "radius", "gravity"):
-        if given.get(name) is not None:
-            checked_number(name, given[name], POSITIVE, QUANTITIES[name].unit)
-    slower = given.get("slow_motion")
+        if settings.get(name) is not None:
+            checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
+    slower = settings.get("slow_motion")
     video = open_video(
-        path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
+        path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
     )
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError(f"must be 1 or 2, got {count}", parameter="balls")
     if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-        setup = with_changes(read_sidecar(sidecar, path), given)
+        setup = with_changes(read_sidecar(sidecar, path), settings)
         if count is not None and count != len(setup.balls):
             raise InputError(
                 f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                 way_out="remove it, or point at pivot and balls",
             )
         video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
-        messages = [proposal_text(setup.pivot, setup.balls)] if setup.is_proposed else []
+        messages = [proposal_text(setup)] if setup.is_proposed else []
         return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
     if pivot is not None and clicks is not None:
-        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), given)
+        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), settings)
         return Task(video, _checked(setup, video))
     _checked(
         Setup(pivot=None if pivot is None else _pair(pivot), balls=tuple(map(_pair, clicks or ()))),
         video,
     )
     sample = _sample_of(video, progress)
-    proposal = propose(
-        video, sample, pivot=pivot, balls=clicks, count=count, optics=given.get("optics")
+    proposal, size = propose(
+        video, sample, pivot=pivot, balls=clicks, count=count, optics=settings.get("optics")
     )
-    setup = Setup(
-        pivot=proposal.pivot,
-        balls=proposal.balls,
-        is_proposed=True,
-    )
-    return Task(
-        video,
-        with_changes(setup, given),
-        sample,
-        [proposal_text(proposal.pivot, proposal.balls)],
-        proposal.radius,
-    )
+    setup = with_changes(proposal, settings)
+    return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
@@ -292,11 +282,13 @@ def _tracked(
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_scene(video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED))
+    scene = learn_image_model(
+        video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
+    )
     if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
-            free = learn_scene(video, sample, pivot, balls, None, None)
+            free = learn_image_model(video, sample, pivot, balls, None, None)
         except InputError:
             free = scene
         if free.explained > scene.explained:
@@ -353,7 +345,7 @@ def _examine(
             seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: Scene) -> float:
+def _doubt(scene: ImageModel) -> float:
     """Return by which share the radius measured may differ from that declared."""
     return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
@@ -366,7 +358,7 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
     return lambda share: tell(low + (high - low) * share)
 
 
-def _table(task: Task, scene: Scene, seen: Positions, measured: Calibration) -> xr.Dataset:
+def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
     """Return the table in metres, or in pixels where the length is unknown."""
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings

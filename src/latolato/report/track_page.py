@@ -382,7 +382,7 @@ def _thumbnails(
         if number not in kept:
             continue
         plain = picture_of(kept[number], video)
-        marked = artist.drawn(plain.copy(), number, is_told=False)
+        marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
         image = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")

@@ -8,14 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from latolato.experiment.tracking.appearance import (
-    Fit,
     arc,
     best_angles,
     fit_balls,
     gains_at,
     samples_for,
 )
-from latolato.experiment.tracking.learn import Scene
+from latolato.experiment.tracking.learn import ImageModel
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.predict import Prediction, Predictor
 from latolato.experiment.tracking.sample import Sample
@@ -48,7 +47,7 @@ _OFF_CIRCLE = 0.4
 def follow(
     video: Video,
     sample: Sample,
-    scene: Scene,
+    scene: ImageModel,
     stiffness: float,
     progress: Callable[[float], None] | None = None,
 ) -> Positions:
@@ -56,7 +55,7 @@ def follow(
 
     Parameters
     ----------
-    video, sample, scene : Video, Sample, Scene
+    video, sample, scene : Video, Sample, ImageModel
         The clip, its first reading and what was learned of it.
     stiffness : float
         Gravity over length [1/s^2], 0 if unknown.
@@ -79,7 +78,7 @@ def follow(
 class _Follower:
     """State carried from frame to frame."""
 
-    def __init__(self, scene: Scene, interval: float, stiffness: float) -> None:
+    def __init__(self, scene: ImageModel, interval: float, stiffness: float) -> None:
         self.scene, self.interval = scene, interval
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
         self.predictor = Predictor(stiffness, gap)
@@ -192,7 +191,7 @@ class _Follower:
         angles, sigmas = np.empty(balls), np.empty(balls)
         fits: list[tuple[np.ndarray, float]] = [(np.zeros(2), 0.0)] * balls
         for group in groups:
-            fit: Fit = fit_balls(
+            fit = fit_balls(
                 scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
             )
             for k, b in enumerate(group):
