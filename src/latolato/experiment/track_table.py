@@ -100,28 +100,28 @@ def track_table(
             raise InputError(f"a track table has no column '{name}': {suggest(name, list(known))}")
     if "time" not in columns:
         raise InputError("a track table needs the column 'time' [s]")
-    given = {name: _values(name, value) for name, value in columns.items()}
-    count = len(given["time"])
+    arrays = {name: _values(name, value) for name, value in columns.items()}
+    count = len(arrays["time"])
     if count == 0:
         raise InputError("a track table needs rows, got none")
-    for name, values in given.items():
+    for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(
                 f"column '{name}' must have {count} rows as time has, got {values.shape}"
             )
-    given.setdefault("frame", np.arange(count))
-    _check_increasing("time", given["time"])
-    _check_increasing("frame", given["frame"])
+    arrays.setdefault("frame", np.arange(count))
+    _check_increasing("time", arrays["time"])
+    _check_increasing("frame", arrays["frame"])
     for ball in range(1, balls + 1):
-        angle = given.setdefault(f"angle_{ball}", np.full(count, np.nan))
-        given.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
+        angle = arrays.setdefault(f"angle_{ball}", np.full(count, np.nan))
+        arrays.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
     variables = {
         name: (
             "frame",
-            given[name] if name in given else np.full(count, np.nan),
+            arrays.get(name, np.full(count, np.nan)),
             QUANTITIES[name].attributes,
         )
-        for name in (*names, *(name for name in known[len(names) :] if name in given))
+        for name in (*names, *(name for name in known[len(names) :] if name in arrays))
     }
     table = xr.Dataset(variables, attrs={"table": _KIND, **_attributes(attributes or {})})
     return table.set_coords("time")
@@ -258,9 +258,9 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, (int, float, str)) else json.dumps(value)
 
 
-def _values(name: str, given: Any) -> Any:
+def _values(name: str, column: Any) -> Any:
     """Return a column as an array of its kind."""
-    values = np.asarray(given)
+    values = np.asarray(column)
     if name.startswith("flag_"):
         values = values.astype(str)
         for flag in np.unique(values):
@@ -311,10 +311,10 @@ def _check_increasing(name: str, values: Any) -> None:
         )
 
 
-def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
+def _attributes(entries: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as plain numbers and texts, without those that are None."""
     attributes: dict[str, Any] = {}
-    for key, value in given.items():
+    for key, value in entries.items():
         plain = value.item() if hasattr(value, "item") else value
         if plain is None:
             continue

@@ -125,21 +125,24 @@ def trial_table(
     for name in columns:
         if name not in COLUMNS:
             raise InputError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
-    given = {name: _values(name, values) for name, values in columns.items()}
-    if "drive_amplitude" not in given or not {"drive_frequency", "frequency_ratio"} & given.keys():
+    arrays = {name: _values(name, values) for name, values in columns.items()}
+    if (
+        "drive_amplitude" not in arrays
+        or not {"drive_frequency", "frequency_ratio"} & arrays.keys()
+    ):
         raise InputError(
             "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
             "and class or largest_angle and largest_angle_after_transient; "
             f"got {', '.join(columns) or 'none'}"
         )
-    count = len(given["drive_amplitude"])
+    count = len(arrays["drive_amplitude"])
     if count == 0:
         raise InputError("a trial table needs rows, got none")
-    for name, values in given.items():
+    for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(f"column '{name}' must have {count} rows, got {values.shape}")
     for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
-        values = given.get(name, np.ones(count))
+        values = arrays.get(name, np.ones(count))
         bad = np.flatnonzero(~(values > 0.0))
         if bad.size:
             raise InputError(
@@ -147,37 +150,37 @@ def trial_table(
             )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     unknown = np.full(count, np.nan)
-    length = given.setdefault("length", unknown.copy())
+    length = arrays.setdefault("length", unknown.copy())
     natural = np.sqrt(float(attributes["gravity"]) / length)
-    if "frequency_ratio" not in given:
-        given["frequency_ratio"] = given["drive_frequency"] / natural
-    given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
-    largest = given.setdefault("largest_angle", unknown.copy())
-    settled = given.setdefault("largest_angle_after_transient", unknown.copy())
+    if "frequency_ratio" not in arrays:
+        arrays["frequency_ratio"] = arrays["drive_frequency"] / natural
+    arrays.setdefault("drive_frequency", arrays["frequency_ratio"] * natural)
+    largest = arrays.setdefault("largest_angle", unknown.copy())
+    settled = arrays.setdefault("largest_angle_after_transient", unknown.copy())
     sigmas = [
-        given.get(f"{name}_sigma", unknown)
+        arrays.get(f"{name}_sigma", unknown)
         for name in ("largest_angle", "largest_angle_after_transient")
     ]
-    if "class" not in given:
+    if "class" not in arrays:
         if not (np.isfinite(largest) & np.isfinite(settled)).all():
             raise InputError(
                 "a trial table without class needs largest_angle and largest_angle_after_transient"
             )
-        given["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
-    given.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
-    if "set" not in given:
-        sigma = given.get("drive_amplitude_sigma")
-        given["set"] = np.array(sets_of(given["drive_amplitude"], sigma))
-        given["set_by"] = np.full(count, "amplitude")
-    given.setdefault("set_by", np.full(count, "given"))
+        arrays["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
+    arrays.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
+    if "set" not in arrays:
+        sigma = arrays.get("drive_amplitude_sigma")
+        arrays["set"] = np.array(sets_of(arrays["drive_amplitude"], sigma))
+        arrays["set_by"] = np.full(count, "amplitude")
+    arrays.setdefault("set_by", np.full(count, "given"))
     variables: dict[str, Any] = {}
     for name in COLUMNS:
         if name in TEXTS:
-            values = given.get(name, np.full(count, "", dtype="<U1"))
+            values = arrays.get(name, np.full(count, "", dtype="<U1"))
         elif name in COUNTS:
-            values = np.asarray(given.get(name, np.zeros(count)), dtype=np.int64)
+            values = np.asarray(arrays.get(name, np.zeros(count)), dtype=np.int64)
         else:
-            values = given.get(name, unknown)
+            values = arrays.get(name, unknown)
         variables[name] = ("trial", values, about(name))
     return xr.Dataset(
         variables,
@@ -272,8 +275,8 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     Examples
     --------
     >>> rows = ["drive_amplitude,frequency_ratio,class", "12 mm,2.0,strong"]
-    >>> found = parse_trials(chr(10).join(rows))
-    >>> found.drive_amplitude.values.tolist(), str(found["class"].values[0])
+    >>> trials = parse_trials(chr(10).join(rows))
+    >>> trials.drive_amplitude.values.tolist(), str(trials["class"].values[0])
     ([0.012], 'strong')
     """
     from latolato.io.column_files import parse_columns
@@ -321,9 +324,9 @@ def is_trial_table(path: str | Path) -> bool:
     return False
 
 
-def _values(name: str, given: Any) -> Any:
+def _values(name: str, column: Any) -> Any:
     """Return a column as an array of its kind."""
-    values = np.asarray(given)
+    values = np.asarray(column)
     if name in TEXTS:
         values = np.array([str(each).strip() for each in values.tolist()])
         if name == "class":

@@ -329,11 +329,11 @@ def _row(
     return row
 
 
-def _tracked(video: Path, given: Mapping[str, Any]) -> xr.Dataset:
+def _tracked(video: Path, settings: Mapping[str, Any]) -> xr.Dataset:
     """Return the track table of a video; its warnings are its report's, not the batch's."""
     from latolato.experiment import track
 
-    options = {name: value for name, value in given.items() if value is not None}
+    options = {name: value for name, value in settings.items() if value is not None}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return track.track(video, **options)

@@ -231,7 +231,7 @@ def _spread(
     from dataclasses import replace
 
     random = np.random.default_rng(seed)
-    given = drawn(system, widths, count + 1, random)
+    varied = drawn(system, widths, count + 1, random)
     moved = random.multivariate_normal(
         np.zeros(len(solution.names)), solution.covariance, size=count
     )
@@ -239,8 +239,8 @@ def _spread(
     middle = motion(system, data)(solution.values)
     for k in range(count):
         law: Any = system
-        if given:
-            law = replace(law, **{name: float(values[k + 1]) for name, values in given.items()})
+        if varied:
+            law = replace(law, **{name: float(values[k + 1]) for name, values in varied.items()})
         start = {
             name: solution.values[name] + float(step)
             for name, step in zip(solution.names, moved[k], strict=True)

@@ -158,11 +158,11 @@ def fit_decay(
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
-    given = length_of(table, length)
+    declared = length_of(table, length)
     data = samples_of(table, ball, start=start, end=end)
     piece = table.isel(frame=within(table["time"].values, start, end))
-    if given is not None:  # before a driven swing is taken for one that somebody holds
-        _check_rest(piece, given)
+    if declared is not None:  # before a driven swing is taken for one that somebody holds
+        _check_rest(piece, declared)
     begin = free_start(data.times, data.values) if start is None else float(data.times[0])
     data = data[data.times >= begin]
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
@@ -176,9 +176,9 @@ def fit_decay(
         swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
     )
     first = _first_guess(data, swings)
-    if given is None:
+    if declared is None:
         _check_rest(piece, gravity / first["natural_frequency"] ** 2)
-    body = _Body(given, mass, radius, gravity)
+    body = _Body(declared, mass, radius, gravity)
     aside = sight_guesses(table, data)
     parts = []
     if method != "envelope":
@@ -191,7 +191,7 @@ def fit_decay(
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
         "start": begin, "end": float(data.times[-1]), "ball": ball, "mass": mass, "radius": radius,
-        "declared_length": given, "gravity": gravity, "method": method,
+        "declared_length": declared, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
     for part in parts:
