@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 import latolato as ll
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track import track
 
 

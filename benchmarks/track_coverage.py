@@ -19,9 +19,9 @@ import numpy as np
 import xarray as xr
 
 import latolato as ll
-from latolato.experiment.calibrate import Optics
-from latolato.experiment.conditions import conditions
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.synthetic.conditions import conditions
+from latolato.experiment.synthetic.synthesise import synthesise_video
 
 ONE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
 TWO = ll.LatoLato(length=0.245, mass=0.1064, damping=0.005, radius=0.02, restitution=0.9)

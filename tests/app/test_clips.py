@@ -26,8 +26,8 @@ from latolato.app.experiment.store import Allowance, display_name
 from latolato.app.experiment.work import WORK
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 from little_videos import encoded, sound_alone
 

@@ -7,8 +7,8 @@ import pytest
 
 import latolato as ll
 from browser_checks import serious_faults
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 
 # How long work on a video may take [ms].

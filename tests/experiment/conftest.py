@@ -3,8 +3,8 @@
 import pytest
 
 import latolato as ll
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 
 SMALL = Camera(width=320, height=240, fps=60.0)
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)

@@ -9,11 +9,13 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
-from latolato.experiment import gate, track
-from latolato.experiment.conditions import conditions
+from latolato.experiment import track
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.conditions import conditions
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.tracking import gate
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame
 
@@ -172,28 +174,22 @@ def _swinging(count=30):
     return np.stack([160.0 + 150.0 * np.sin(angle), 30.0 + 150.0 * np.cos(angle)], axis=-1)
 
 
-def _track(centres, radius=12.0, clicks=None, declared=None):
-    count = len(centres)
-    return gate.Track(
-        np.asarray(centres, float)[:, None],
-        np.tile([160.0, 30.0], (count, 1)),
-        np.ones((count, 1), bool),
-        radius,
-        [np.asarray(centres[0])] if clicks is None else clicks,
-        declared,
-    )
+def _track(centres, radius=12.0):
+    track = Positions.unknown(np.arange(len(centres)) / 30.0, 1, radius)
+    track.centres[:, 0], track.pivots[:], track.flags[:] = centres, [160.0, 30.0], "ok"
+    return track
 
 
 def test_the_ball_that_swings_passes_every_check():
     centres = _swinging()
-    assert gate.examine(_drawn(centres), _track(centres, declared=11.0)) == []
+    assert gate.examine(_drawn(centres), _track(centres), centres[:1], 11.0) == []
 
 
 def test_a_ball_beside_the_click_is_refused():
     centres = _swinging()
-    near = _track(centres, clicks=[centres[0] + [0.0, 14.0]])
-    assert gate.clicked_ball(near) is None
-    far = gate.clicked_ball(_track(centres, clicks=[centres[0] + [0.0, 16.0]]))
+    track = _track(centres)
+    assert gate.clicked_ball(track, [centres[0] + [0.0, 14.0]]) is None
+    far = gate.clicked_ball(track, [centres[0] + [0.0, 16.0]])
     assert far is not None
     assert far.is_refusal
     assert "16 pixels" in far.reason
@@ -203,7 +199,7 @@ def test_a_ball_beside_the_click_is_refused():
     "declared,passes", [(9.0, True), (7.9, False), (17.9, True), (18.1, False)]
 )
 def test_the_radius_may_differ_by_half(declared, passes):
-    finding = gate.declared_radius(_track(_swinging(), declared=declared))
+    finding = gate.declared_radius(_track(_swinging()), declared)
     assert (finding is None) is passes
 
 

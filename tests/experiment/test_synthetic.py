@@ -10,10 +10,10 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
-from latolato.experiment.conditions import conditions
 from latolato.experiment.encode import write_video
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import prepare, synthesise_video
+from latolato.experiment.synthetic.conditions import conditions
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import prepare, synthesise_video
 from latolato.experiment.track_table import read_table
 
 # A ball alone, drawn flat, so that its centroid is its centre.

@@ -9,10 +9,10 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.experiment.overlay import places_of
-from latolato.experiment.propose import propose
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
 from latolato.experiment.track_table import read_table
-from latolato.experiment.tracking.learn import learn_scene
+from latolato.experiment.tracking.learn import learn_image_model
+from latolato.experiment.tracking.propose import propose
 from latolato.experiment.tracking.sample import read_sample
 from latolato.experiment.video import open_video
 
@@ -148,7 +148,7 @@ def test_two_balls_have_their_columns_and_a_summary(toy, tmp_path, capsys):
 def test_pivot_and_balls_are_found_without_clicks(name, request):
     clip = request.getfixturevalue(name)
     video = open_video(clip.path)
-    found = propose(video, read_sample(video))
+    found, _ = propose(video, read_sample(video))
     assert len(found.balls) == len(clip.balls)
     assert np.hypot(*(np.array(found.pivot) - clip.pivot)) < 3.0
     for ball, true in zip(found.balls, clip.balls, strict=True):
@@ -216,7 +216,7 @@ def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cro
 
 
 def test_the_period_of_a_swing_comes_from_its_path():
-    from latolato.experiment.wander import period_of
+    from latolato.experiment.tracking.wander import period_of
 
     times = np.arange(0.0, 12.0, 1 / 30)
     angle = 0.5 * np.exp(-0.02 * times) * np.cos(2.0 * np.pi * times / 1.213 + 0.4)
@@ -244,14 +244,14 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
     learned = []
 
     def astray(*args):
-        scene = learn_scene(*args)
+        scene = learn_image_model(*args)
         learned.append(args[4])
         if args[4] is not None:  # the radius declared: a circle beside the ball is taken for it
             scene.look.radius *= 1.3
             scene.explained = 0.8
         return scene
 
-    monkeypatch.setattr("latolato.experiment.track.learn_scene", astray)
+    monkeypatch.setattr("latolato.experiment.track.learn_image_model", astray)
     radius = swing.truth.attrs["radius"]
     with pytest.warns(RuntimeWarning, match="the balls' radius is"):
         table = ll.track(

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import latolato as ll
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track import track
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)

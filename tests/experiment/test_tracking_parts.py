@@ -8,22 +8,21 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.calibrate import Optics, undistorted
-from latolato.experiment.deviations import honest_deviations, scatter_of
-from latolato.experiment.gravity import (
+from latolato.experiment.calibration.deviations import honest_deviations, scatter_of
+from latolato.experiment.calibration.gravity import (
     LEVELLED,
     Gravity,
     angle_offset_sigma,
     find_extremes,
     find_gravity,
 )
-from latolato.experiment.hinge import find_hinge
-from latolato.experiment.lens import lens_errors
-from latolato.experiment.tracking import fitting, smears
-from latolato.experiment.tracking import inner_loops as kernels
+from latolato.experiment.calibration.hinge import Hinge, find_hinge
+from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
+from latolato.experiment.tracking.kernels import fitting, smears
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.video import Frame
@@ -342,12 +341,13 @@ def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
         for path in (straight, bent)
     )
     assert down.source == other.source == "drive axis"
-    told = [angle_offset_sigma(one, 3.0, 0.0, 400.0) for one in (down, other)]
-    assert told[0] < 2e-4
-    assert 3e-4 < told[1] < 3e-3
+    wide, narrow = (Hinge(np.zeros(2), np.zeros(2), 400.0, arc, 0.0) for arc in (3.0, 0.1))
+    sigmas = [angle_offset_sigma(one, wide) for one in (down, other)]
+    assert sigmas[0] < 2e-4
+    assert 3e-4 < sigmas[1] < 3e-3
     # A click of a narrow arc is a pixel uncertain.
-    assert angle_offset_sigma(down, 0.1, 0.0, 400.0) > 1.0 / 400.0
-    assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), 3.0, 0.0, 400.0) >= LEVELLED
+    assert angle_offset_sigma(down, narrow) > 1.0 / 400.0
+    assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), wide) >= LEVELLED
 
 
 def test_extremes_give_the_rest_position_of_a_decay():

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import latolato as ll
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.synthetic import synthesise_video
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import write_trials
 from latolato.report import reproduce

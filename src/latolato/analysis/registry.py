@@ -59,9 +59,7 @@ def labelled(
 
     def entry(key: str, given: Any) -> Any:
         dims, values = given if isinstance(given, tuple) else ((), given)
-        about = known[key]
-        attributes = {"units": about.unit, "long_name": about.long_name, "symbol": about.symbol}
-        return dims, values, attributes
+        return dims, values, known[key].attributes
 
     attributes: dict[str, Any] = {
         "title": f"latolato analysis {name}",

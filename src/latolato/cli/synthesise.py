@@ -40,9 +40,9 @@ def run(
     InputError
         Without a name of the video, and for unknown conditions, names and values.
     """
-    from latolato.experiment.conditions import conditions
-    from latolato.experiment.scene import Camera, Scene
-    from latolato.experiment.synthetic import check_target, synthesise_video
+    from latolato.experiment.synthetic.conditions import conditions
+    from latolato.experiment.synthetic.scene import Camera, Scene
+    from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
 
     begun = time.perf_counter()
     if output is None:

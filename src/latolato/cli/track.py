@@ -99,7 +99,7 @@ def jobs_of(
 
 def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
-    from latolato.experiment.calibrate import Optics
+    from latolato.experiment.calibration.lens import Optics
     from latolato.experiment.parameters import VIDEO_PARAMETERS
     from latolato.experiment.video import Limits
     from latolato.scenario.units import to_si

@@ -32,6 +32,11 @@ class Quantity:
         unit = "" if self.unit == "1" else f" [{self.unit}]"
         return f"{self.long_name} ${self.symbol}${unit}"
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What a dataset's variable says about itself: ``units``, ``long_name``, ``symbol``."""
+        return {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
+
 
 # Products of ten numbers of these sizes are floats; a pendulum's are far from either.
 SMALLEST, LARGEST = 1e-30, 1e30

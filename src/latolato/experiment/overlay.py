@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.blobs import import_cv2
-from latolato.experiment.calibrate import Optics
+from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.propose import distorted
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of
+from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.video import Frame, Video
 
 if TYPE_CHECKING:
@@ -163,28 +162,25 @@ class Artist:
         self.line = max(1, round(min(size) / 500.0))
         self.text = max(0.35, min(size) / 1300.0)
 
-    def drawn(self, picture: np.ndarray, number: int, *, is_told: bool = True) -> np.ndarray:
+    def drawn(self, picture: np.ndarray, number: int, *, has_text: bool = True) -> np.ndarray:
         """Return a picture with the samples of a frame on it, and with what they are in words."""
-        cv2 = import_cv2()
         picture = np.ascontiguousarray(picture)
         pivot = self.pivots[number]
         for b, flag in enumerate(self.flags[number]):
             centre, colour = self.centres[number, b], COLOURS[str(flag)]
-            if is_told and flag != "ok":
-                self._written(cv2, picture, f"ball {b + 1} {flag}", (0, 2 + b), colour)
+            if has_text and flag != "ok":
+                self._write(picture, f"ball {b + 1} {flag}", 2 + b, colour)
             if not np.isfinite(centre).all():
                 continue
             away = centre - pivot
             if np.isfinite(away).all():
                 end = centre - away * min(self.radius / max(float(np.hypot(*away)), 1e-9), 1.0)
-                self._line(cv2, picture, pivot, end, colour)
-            self._circle(cv2, picture, centre, self.radius, colour)
-            self._circle(cv2, picture, centre, 1.0, colour)
+                _line(picture, pivot, end, colour, self.line)
+            _circle(picture, centre, self.radius, colour, self.line)
+            _circle(picture, centre, 1.0, colour, self.line)
         if np.isfinite(pivot).all():
-            reach = 0.5 * self.radius + 3.0
-            for away in ([reach, 0.0], [0.0, reach]):
-                self._line(cv2, picture, pivot - away, pivot + away, _PIVOT)
-        if not is_told:
+            _cross(picture, pivot, 0.5 * self.radius + 3.0, self.line)
+        if not has_text:
             return picture
         degrees = ", ".join(
             f"{math.degrees(angle):.1f} deg"
@@ -192,28 +188,39 @@ class Artist:
             if math.isfinite(angle)
         )
         text = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
-        self._written(cv2, picture, text, (0, 1), _PIVOT)
+        self._write(picture, text, 1, _PIVOT)
         return picture
 
-    def _line(self, cv2: Any, picture: Any, begin: Any, end: Any, colour: Any) -> None:
-        """Draw a line over a darker one, to be seen on any ground."""
-        for width, ink in ((2 * self.line, _DARK), (self.line, colour)):
-            cv2.line(picture, _fixed(begin), _fixed(end), ink, width, cv2.LINE_AA, _SHIFT)
-
-    def _circle(self, cv2: Any, picture: Any, centre: Any, radius: float, colour: Any) -> None:
-        """Draw a circle over a darker one."""
-        size = round(radius * 2**_SHIFT)
-        for width, ink in ((2 * self.line, _DARK), (self.line, colour)):
-            cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
-
-    def _written(self, cv2: Any, picture: Any, text: str, at: tuple[int, int], colour: Any) -> None:
-        """Write a line of text in the lower left corner; `at` counts lines from below."""
+    def _write(self, picture: Any, text: str, row: int, colour: Any) -> None:
+        """Write a line of text in the lower left corner; `row` counts from below."""
+        cv2 = import_cv2()
         font, step = cv2.FONT_HERSHEY_SIMPLEX, round(42 * self.text)
-        u, v = round(14 * self.text) + at[0], picture.shape[0] - step * at[1] + step // 2
+        u, v = round(14 * self.text), picture.shape[0] - step * row + step // 2
         (width, height), low = cv2.getTextSize(text, font, self.text, self.line)
         corner, other = (u - 4, v - height - 4), (u + width + 4, v + low)
         cv2.rectangle(picture, corner, other, _DARK, cv2.FILLED)
         cv2.putText(picture, text, (u, v), font, self.text, colour, self.line, cv2.LINE_AA)
+
+
+def _line(picture: Any, begin: Any, end: Any, colour: Any, line: int) -> None:
+    """Draw a line over a darker one, to be seen on any ground."""
+    cv2 = import_cv2()
+    for width, ink in ((2 * line, _DARK), (line, colour)):
+        cv2.line(picture, _fixed(begin), _fixed(end), ink, width, cv2.LINE_AA, _SHIFT)
+
+
+def _circle(picture: Any, centre: Any, radius: float, colour: Any, line: int) -> None:
+    """Draw a circle over a darker one."""
+    cv2 = import_cv2()
+    size = round(radius * 2**_SHIFT)
+    for width, ink in ((2 * line, _DARK), (line, colour)):
+        cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
+
+
+def _cross(picture: Any, centre: Any, reach: float, line: int) -> None:
+    """Draw the pivot."""
+    for away in (np.array([reach, 0.0]), np.array([0.0, reach])):
+        _line(picture, centre - away, centre + away, _PIVOT, line)
 
 
 def _fixed(place: Any) -> tuple[int, int]:
@@ -224,24 +231,17 @@ def _fixed(place: Any) -> tuple[int, int]:
 
 def draw_setup(video: Video, setup: Setup, radius: float | None = None) -> np.ndarray:
     """Return the first frame with pivot and balls marked as a set-up has them."""
-    cv2 = import_cv2()
     first = next(iter(video.frames()))
     picture = np.ascontiguousarray(picture_of(first, video))
     line = max(1, round(min(video.width, video.height) / 400.0))
     size = radius or 0.03 * min(video.width, video.height)
     pivot = None if setup.pivot is None else np.array(setup.pivot)
-    for width, dark in ((line + 2, True), (line, False)):
-        for b, ball in enumerate(setup.balls):
-            ink = _DARK if dark else COLOURS["ok" if b == 0 else "occluded"]
-            if pivot is not None:
-                cv2.line(picture, _fixed(pivot), _fixed(ball), ink, width, cv2.LINE_AA, _SHIFT)
-            reach = round(size * 2**_SHIFT)
-            cv2.circle(picture, _fixed(ball), reach, ink, width, cv2.LINE_AA, _SHIFT)
+    for ball, flag in zip(setup.balls, ("ok", "occluded"), strict=False):
         if pivot is not None:
-            ink = _DARK if dark else _PIVOT
-            for away in (np.array([size, 0.0]), np.array([0.0, size])):
-                cv2.line(picture, _fixed(pivot - away), _fixed(pivot + away), ink, width,
-                         cv2.LINE_AA, _SHIFT)  # fmt: skip
+            _line(picture, pivot, ball, COLOURS[flag], line)
+        _circle(picture, ball, size, COLOURS[flag], line)
+    if pivot is not None:
+        _cross(picture, pivot, size, line)
     return picture
 
 

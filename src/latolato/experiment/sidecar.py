@@ -13,7 +13,7 @@ from typing import Any
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.core.versions import version_of
-from latolato.experiment.calibrate import Optics
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
@@ -152,9 +152,9 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         raise InputError(f"'{path}': {error}") from None
 
 
-def with_changes(setup: Setup, given: Mapping[str, Any]) -> Setup:
+def with_changes(setup: Setup, changes: Mapping[str, Any]) -> Setup:
     """Return a set-up with the values that are not None put in."""
-    return replace(setup, **{name: value for name, value in given.items() if value is not None})
+    return replace(setup, **{name: value for name, value in changes.items() if value is not None})
 
 
 def _parsed(path: Path) -> dict[str, Any]:
@@ -207,11 +207,11 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     )
 
 
-def _check_names(where: str, given: Any, known: tuple[str, ...]) -> None:
+def _check_names(where: str, table: Any, known: tuple[str, ...]) -> None:
     """Raise InputError for a name that is not known."""
-    if not isinstance(given, Mapping):
+    if not isinstance(table, Mapping):
         raise InputError(f"{where} must be a table")
-    for name in given:
+    for name in table:
         if name not in known:
             raise InputError(f"unknown '{where}{'.' if where else ''}{name}': "
                              f"{suggest(name, list(known))}")  # fmt: skip

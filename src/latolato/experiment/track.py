@@ -15,16 +15,18 @@ from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
-from latolato.experiment.calibrate import Calibration, Optics, calibrate, unsmeared
-from latolato.experiment.gate import Track, examine
-from latolato.experiment.propose import proposal_text, propose
+from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
 from latolato.experiment.track_table import track_table
-from latolato.experiment.tracking.follow import Followed, follow
-from latolato.experiment.tracking.learn import Scene, learn_scene
+from latolato.experiment.tracking.follow import follow
+from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.learn import ImageModel, learn_image_model
+from latolato.experiment.tracking.positions import Positions
+from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
+from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
-from latolato.experiment.wander import follow_path, period_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,8 +39,6 @@ _RADIUS_TOLERANCE = 0.03
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
 _NEVER, _SELDOM = 0.25, 0.4
-# Flags of samples that were measured.
-_MEASURED = ("ok", "collision", "occluded")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -139,15 +139,15 @@ def track(
     -----
     Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
     the prediction; balls cannot pass each other. The track must pass the checks of
-    `latolato.experiment.gate`. It can miss: balls of other sizes or colours than each other, a
-    perspective that is not seen in the circle, and what each of the checks can miss.
+    `latolato.experiment.tracking.gate`. It can miss: balls of other sizes or colours than each
+    other, a perspective that is not seen in the circle, and what each of the checks can miss.
 
     See Also
     --------
     latolato.experiment.track_table.write_table : Writes the table.
     """
     path = checked_path("path", path)
-    given = {
+    settings = {
         "length": length,
         "radius": radius,
         "gravity": gravity,
@@ -155,7 +155,7 @@ def track(
         "slow_motion": slow_motion,
         "limits": limits,
     }
-    task = prepare(path, pivot, balls, given, sidecar, progress)
+    task = prepare(path, pivot, balls, settings, sidecar, progress)
     table = run(task, progress)
     if sidecar is not None:
         write_sidecar(task.setup, path, sidecar)
@@ -170,55 +170,45 @@ def prepare(
     path: Path,
     pivot: Place | None,
     balls: int | Sequence[Place] | None,
-    given: dict[str, Any],
+    settings: dict[str, Any],
     sidecar: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
     for name in ("length", "radius", "gravity"):
-        if given.get(name) is not None:
-            checked_number(name, given[name], POSITIVE, QUANTITIES[name].unit)
-    slower = given.get("slow_motion")
+        if settings.get(name) is not None:
+            checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
+    slower = settings.get("slow_motion")
     video = open_video(
-        path, slow_motion=1.0 if slower is None else slower, limits=given.get("limits")
+        path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
     )
     clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
     if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-        setup = with_changes(read_sidecar(sidecar, path), given)
+        setup = with_changes(read_sidecar(sidecar, path), settings)
         if count is not None and count != len(setup.balls):
             raise InputError(
                 f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                 way_out="remove it, or point at pivot and balls",
             )
         video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
-        messages = [proposal_text(setup.pivot, setup.balls)] if setup.is_proposed else []
+        messages = [proposal_text(setup)] if setup.is_proposed else []
         return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
     if pivot is not None and clicks is not None:
-        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), given)
+        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), settings)
         return Task(video, _checked(setup, video))
     _checked(
         Setup(pivot=None if pivot is None else _pair(pivot), balls=tuple(map(_pair, clicks or ()))),
         video,
     )
     sample = _sample_of(video, progress)
-    proposal = propose(
-        video, sample, pivot=pivot, balls=clicks, count=count, optics=given.get("optics")
+    proposal, size = propose(
+        video, sample, pivot=pivot, balls=clicks, count=count, optics=settings.get("optics")
     )
-    setup = Setup(
-        pivot=proposal.pivot,
-        balls=proposal.balls,
-        is_proposed=True,
-    )
-    return Task(
-        video,
-        with_changes(setup, given),
-        sample,
-        [proposal_text(proposal.pivot, proposal.balls)],
-        proposal.radius,
-    )
+    setup = with_changes(proposal, settings)
+    return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
@@ -292,24 +282,24 @@ def _tracked(
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_scene(video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED))
+    scene = learn_image_model(
+        video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
+    )
     if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
-            free = learn_scene(video, sample, pivot, balls, None, None)
+            free = learn_image_model(video, sample, pivot, balls, None, None)
         except InputError:
             free = scene
         if free.explained > scene.explained:
             scene = free
     stiffness = setup.gravity / length if length else 0.0
-    seen = follow(
-        video, scene, sample.interval, len(sample.times), stiffness, _part(progress, _LEARNED, 1.0)
-    )
-    if not np.isin(seen.flags, _MEASURED).any():
+    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    share = float(seen.is_measured.mean())
+    if share == 0.0:
         raise InputError(
             f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
         )
-    share = float(np.isin(seen.flags, _MEASURED).mean())
     if share < _NEVER:
         raise InputError(
             f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
@@ -321,27 +311,13 @@ def _tracked(
             "at?"
         )
     declared = radius / length * scene.arm if radius and length else None
-    doubtful = _gated(
-        task,
-        sample,
-        Track(
-            seen.centres,
-            seen.pivots,
-            np.isin(seen.flags, _MEASURED),
-            scene.look.radius,
-            balls,
-            declared,
-        ),
-    )
-    seen.flags[doubtful] = "lost"
-    for numbers in (seen.centres, seen.angles, seen.sigmas, seen.spreads):
-        numbers[doubtful] = np.nan
+    _examine(task, sample, seen, balls, declared)
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
-        unsure = share * scene.look.radius / measured.arm
+        unsure = share * scene.look.radius / measured.hinge.arm
         measured.sigmas = np.hypot(measured.sigmas, unsure)
         task.warnings.append(
             "the ball has a pattern that turns with it: where the pattern resembles the "
@@ -350,22 +326,26 @@ def _tracked(
     return _table(task, scene, seen, measured)
 
 
-def _gated(task: Task, sample: Sample, followed: Track) -> np.ndarray:
-    """Return which samples are not to be believed, shape (frame, ball); refuse a track as a whole.
+def _examine(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    clicks: list[np.ndarray],
+    radius: float | None = None,
+) -> None:
+    """Give up samples that are not to be believed, or refuse the track as a whole.
 
     Warnings join the task's list.
     """
-    doubtful = np.zeros(followed.is_measured.shape, bool)
-    for finding in examine(sample, followed):
+    for finding in examine(sample, seen, clicks, radius):
         if finding.is_refusal:
             raise InputError(f"{task.video.path}: {finding.reason}", way_out=finding.way_out)
         task.warnings.append(f"{finding.reason}; {finding.way_out}")
         if finding.doubtful is not None:
-            doubtful |= finding.doubtful
-    return doubtful
+            seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: Scene) -> float:
+def _doubt(scene: ImageModel) -> float:
     """Return by which share the radius measured may differ from that declared."""
     return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
@@ -378,13 +358,13 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
     return lambda share: tell(low + (high - low) * share)
 
 
-def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> xr.Dataset:
+def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
     """Return the table in metres, or in pixels where the length is unknown."""
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings
-    scale = length / measured.arm if length else math.nan
+    scale = length / measured.hinge.arm if length else math.nan
     found_radius = scene.look.radius * scale
-    turn = measured.tilt
+    turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
     origin = np.nanmean(measured.pivots, axis=0)
@@ -420,17 +400,17 @@ def _table(task: Task, scene: Scene, seen: Followed, measured: Calibration) -> x
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
-        "gravity_direction": measured.tilt,
-        "gravity_source": measured.tilt_source,
+        "gravity_direction": measured.gravity.direction,
+        "gravity_source": measured.gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
         "exposure": scene.look.exposure,
-        "pivot_offset_x": float(measured.offset[0]),
-        "pivot_offset_y": float(measured.offset[1]),
-        "pivot_offset_x_sigma": float(measured.offset_sigma[0]),
-        "pivot_offset_y_sigma": float(measured.offset_sigma[1]),
-        "arm_pixels": measured.arm,
-        "arc": measured.arc,
-        "circle_residual": measured.circle_residual,
+        "pivot_offset_x": float(measured.hinge.offset[0]),
+        "pivot_offset_y": float(measured.hinge.offset[1]),
+        "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
+        "pivot_offset_y_sigma": float(measured.hinge.sigma[1]),
+        "arm_pixels": measured.hinge.arm,
+        "arc": measured.hinge.arc,
+        "circle_residual": measured.hinge.residual,
     }
     return track_table(columns, attributes)
 
@@ -440,10 +420,7 @@ def _wandered(
 ) -> xr.Dataset:
     """Return the table of balls about an unseen pivot: their places in the image, no angles."""
     path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
-    doubtful = _gated(
-        task, sample, Track(path.centres, None, path.flags == "ok", path.radius, balls)
-    )
-    path.flags[doubtful], path.centres[doubtful] = "lost", np.nan
+    _examine(task, sample, path, balls)
     columns: dict[str, Any] = {"time": path.times}
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T

@@ -6,10 +6,7 @@ Every part of the experiment chain reads and writes tables through this module.
 
 from __future__ import annotations
 
-import csv
 import json
-import math
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +22,8 @@ if TYPE_CHECKING:
 
 # What a sample can be: seen; balls in contact; hidden; carried on by physics; given up.
 FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
+# Of these, what the picture shows; the rest is computed by the tracker.
+MEASURED = FLAGS[:3]
 SUFFIXES = (".csv", ".parquet", ".nc")
 # The columns in their order; those in curly brackets come with a second ball only.
 COLUMNS = (
@@ -36,8 +35,6 @@ PICTURE_COLUMNS = (
     "pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "{ball_2_u}", "{ball_2_v}",
 )  # fmt: skip
 _KIND = "track"
-# One column of a text file as its header describes it.
-_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
 
 
 def column_names(balls: int) -> tuple[str, ...]:
@@ -103,24 +100,28 @@ def track_table(
             raise InputError(f"a track table has no column '{name}': {suggest(name, list(known))}")
     if "time" not in columns:
         raise InputError("a track table needs the column 'time' [s]")
-    given = {name: _values(name, value) for name, value in columns.items()}
-    count = len(given["time"])
+    arrays = {name: _values(name, value) for name, value in columns.items()}
+    count = len(arrays["time"])
     if count == 0:
         raise InputError("a track table needs rows, got none")
-    for name, values in given.items():
+    for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(
                 f"column '{name}' must have {count} rows as time has", value=values.shape
             )
-    given.setdefault("frame", np.arange(count))
-    _check_increasing("time", given["time"])
-    _check_increasing("frame", given["frame"])
+    arrays.setdefault("frame", np.arange(count))
+    _check_increasing("time", arrays["time"])
+    _check_increasing("frame", arrays["frame"])
     for ball in range(1, balls + 1):
-        angle = given.setdefault(f"angle_{ball}", np.full(count, np.nan))
-        given.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
+        angle = arrays.setdefault(f"angle_{ball}", np.full(count, np.nan))
+        arrays.setdefault(f"flag_{ball}", np.where(np.isfinite(angle), "ok", "lost"))
     variables = {
-        name: ("frame", given[name] if name in given else np.full(count, np.nan), about(name))
-        for name in (*names, *(name for name in known[len(names) :] if name in given))
+        name: (
+            "frame",
+            arrays.get(name, np.full(count, np.nan)),
+            QUANTITIES[name].attributes,
+        )
+        for name in (*names, *(name for name in known[len(names) :] if name in arrays))
     }
     table = xr.Dataset(variables, attrs={"table": _KIND, **_attributes(attributes or {})})
     return table.set_coords("time")
@@ -161,17 +162,10 @@ def balls_of(table: xr.Dataset) -> int:
     return 2 if "angle_2" in table.variables else 1
 
 
-def about(name: str) -> dict[str, str]:
-    """Return the attributes of a column's variable."""
-    quantity = QUANTITIES[name]
-    return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
-
-
 def write_table(table: xr.Dataset, path: str | Path) -> Path:
     """Write a track table as CSV, Parquet or NetCDF by its suffix and return the path.
 
-    A CSV begins with ``# key: value`` lines of its attributes and one ``# column name [unit]``
-    line for each column. The file appears whole or not at all.
+    The file appears whole or not at all; see `latolato.io.column_files.write_columns`.
 
     Raises
     ------
@@ -182,6 +176,7 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
         If the file cannot be written.
     """
     from latolato.core.atomic import atomic_path
+    from latolato.io.column_files import write_columns
     from latolato.io.files import check_suffix, check_target, save
 
     checked_table(table)
@@ -190,9 +185,9 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     check_target(path)
     if suffix == ".nc":
         return save(table, path)
-    write = _write_csv if suffix == ".csv" else _write_parquet
+    columns = {name: (table[name].values, table[name].attrs) for name in names_in(table)}
     with atomic_path(path) as unfinished:
-        write(table, unfinished)
+        write_columns(columns, table.attrs, unfinished, suffix)
     return path
 
 
@@ -207,18 +202,21 @@ def read_table(path: str | Path) -> xr.Dataset:
     OSError
         If the file cannot be read.
     """
-    from latolato.io.files import check_suffix
+    from latolato.io.column_files import read_columns
+    from latolato.io.files import check_readable, load
 
     path = Path(path)
-    suffix = check_suffix(path, SUFFIXES, "the name of a track table")
-    if path.is_dir():
-        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
+    suffix = check_readable(path, SUFFIXES, "the name of a track table")
     if path.stat().st_size == 0:
         raise InputError(f"'{path}' is empty")
-    read = {".csv": _read_csv, ".parquet": _read_parquet, ".nc": _read_netcdf}[suffix]
-    columns, units, attributes = read(path)
+    if suffix == ".nc":
+        stored = load(path)
+        parts = {str(name): (each.values, each.attrs) for name, each in stored.variables.items()}
+        # Numbers that are unknown are left out.
+        attributes = {str(key): each for key, each in stored.attrs.items() if each == each}
+    else:
+        parts, attributes = read_columns(path, suffix)
+    columns = {name: _known(name, values) for name, (values, _) in parts.items()}
     if attributes.get("table") != _KIND:
         raise InputError(
             f"'{path}' is no track table: it does not say 'table: track'",
@@ -230,12 +228,12 @@ def read_table(path: str | Path) -> xr.Dataset:
         if missing:
             raise InputError(f"column {', '.join(missing)} is missing")
         for name in columns:
-            unit = QUANTITIES[name].unit if name in QUANTITIES else units.get(name)
-            if units.get(name) != unit:
+            unit = parts[name][1].get("units", "")
+            if name in QUANTITIES and unit != QUANTITIES[name].unit:
                 raise InputError(
-                    f"the unit of column '{name}' must be [{unit}], got [{units.get(name, '')}]"
+                    f"the unit of column '{name}' must be [{QUANTITIES[name].unit}], got [{unit}]"
                 )
-        attributes = {key: value for key, value in attributes.items() if key != "table"}
+        attributes = {key: _plain(value) for key, value in attributes.items() if key != "table"}
         known = {*column_names(balls), *(name.strip("{}") for name in PICTURE_COLUMNS)}
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
@@ -248,9 +246,21 @@ def read_table(path: str | Path) -> xr.Dataset:
         raise InputError(f"'{path}': {error}") from None
 
 
-def _values(name: str, given: Any) -> Any:
+def _known(name: str, values: Any) -> Any:
+    """Return a column with the empty cells of its numbers as NaN."""
+    if isinstance(values, list) and not name.startswith("flag_"):
+        return [value or "nan" for value in values]
+    return values
+
+
+def _plain(value: Any) -> Any:
+    """Return what a file holds as an attribute: a number, or else a text."""
+    return value if isinstance(value, (int, float, str)) else json.dumps(value)
+
+
+def _values(name: str, column: Any) -> Any:
     """Return a column as an array of its kind."""
-    values = np.asarray(given)
+    values = np.asarray(column)
     if name.startswith("flag_"):
         values = values.astype(str)
         for flag in np.unique(values):
@@ -301,10 +311,10 @@ def _check_increasing(name: str, values: Any) -> None:
         )
 
 
-def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
+def _attributes(entries: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as plain numbers and texts, without those that are None."""
     attributes: dict[str, Any] = {}
-    for key, value in given.items():
+    for key, value in entries.items():
         plain = value.item() if hasattr(value, "item") else value
         if plain is None:
             continue
@@ -312,131 +322,3 @@ def _attributes(given: Mapping[str, Any]) -> dict[str, Any]:
             raise InputError(f"attribute '{key}' must be a number or a text", value=value)
         attributes[str(key)] = int(plain) if isinstance(plain, bool) else plain
     return attributes
-
-
-def _write_csv(table: xr.Dataset, path: Path) -> None:
-    """Write the columns below a header of ``# key: value`` lines."""
-    names = names_in(table)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        for key, value in table.attrs.items():
-            file.write(f"# {key}: {_as_text(value)}\n")
-        for name in names:
-            meaning = table[name].attrs
-            file.write(f"# column {name} [{meaning['units']}]: {meaning['long_name']}\n")
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(names)
-        rows.writerows(zip(*(table[name].values.tolist() for name in names), strict=True))
-
-
-def _as_text(value: Any) -> str:
-    """Return an attribute as a header line holds it; texts that look like others are quoted."""
-    if not isinstance(value, str):
-        return json.dumps(value)
-    try:
-        json.loads(value)
-    except ValueError:
-        if value == value.strip() and value.isprintable():
-            return value
-    return json.dumps(value)
-
-
-def _as_value(text: str) -> Any:
-    """Return an attribute from what `_as_text` wrote."""
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        return text
-    return value if isinstance(value, (int, float, str)) else text
-
-
-Parts = tuple[dict[str, Any], dict[str, str], dict[str, Any]]
-
-
-def _read_csv(path: Path) -> Parts:
-    """Return the columns, their units and the attributes of a file written by `_write_csv`."""
-    attributes: dict[str, Any] = {}
-    units: dict[str, str] = {}
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise InputError(f"'{path}' is no text file", way_out="save it as UTF-8 text") from None
-    count = 0
-    for line in lines:
-        if not line.startswith("#"):
-            break
-        count += 1
-        text = line[1:].strip()
-        column = _COLUMN.fullmatch(text)
-        if column:
-            units[column["name"]] = column["units"]
-        else:
-            key, _, value = text.partition(":")
-            attributes[key.strip()] = _as_value(value.strip())
-    rows = [row for row in csv.reader(lines[count:]) if row]
-    if not rows:
-        raise InputError(f"'{path}' holds no columns")
-    names, body = [name.strip() for name in rows[0]], rows[1:]
-    for i, row in enumerate(body):
-        if len(row) != len(names):
-            raise InputError(
-                f"'{path}': row {i + 1} has {len(row)} cells below {len(names)} column names"
-            )
-    cells = zip(*body, strict=True) if body else [()] * len(names)
-    columns = {
-        name: list(values) if name.startswith("flag_") else [value or "nan" for value in values]
-        for name, values in zip(names, cells, strict=True)
-    }
-    return columns, units, attributes
-
-
-def _write_parquet(table: xr.Dataset, path: Path) -> None:
-    """Write the columns, their units with each field."""
-    from latolato.io.files import import_pyarrow
-
-    pyarrow = import_pyarrow()
-    names = names_in(table)
-    arrays = [pyarrow.array(table[name].values) for name in names]
-    schema = pyarrow.schema(
-        [
-            pyarrow.field(name, array.type, metadata=about(name))
-            for name, array in zip(names, arrays, strict=True)
-        ],
-        metadata={key: json.dumps(value) for key, value in table.attrs.items()},
-    )
-    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
-
-
-def _read_parquet(path: Path) -> Parts:
-    """Return the columns, their units and the attributes of a Parquet file."""
-    from latolato.io.files import import_pyarrow
-
-    pyarrow = import_pyarrow()
-    try:
-        stored = pyarrow.parquet.read_table(path)
-    except pyarrow.ArrowInvalid as error:
-        raise InputError(f"'{path}' is no Parquet file: {error}") from None
-    attributes = {}
-    for key, value in (stored.schema.metadata or {}).items():
-        if not key.startswith((b"ARROW:", b"pandas")):
-            attributes[key.decode()] = _as_value(value.decode())
-    units = {}
-    for name in stored.column_names:
-        meaning = stored.schema.field(name).metadata or {}
-        units[name] = meaning.get(b"units", b"").decode()
-    columns = {name: stored[name].to_pandas().to_numpy() for name in stored.column_names}
-    return columns, units, attributes
-
-
-def _read_netcdf(path: Path) -> Parts:
-    """Return the columns, their units and the attributes of a NetCDF file."""
-    from latolato.io.files import load
-
-    table = load(path)
-    units = {str(name): str(v.attrs.get("units", "")) for name, v in table.variables.items()}
-    columns = {str(name): variable.values for name, variable in table.variables.items()}
-    attributes = {
-        str(key): value
-        for key, value in table.attrs.items()
-        if not (isinstance(value, float) and math.isnan(value))
-    }
-    return columns, units, attributes

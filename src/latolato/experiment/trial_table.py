@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -66,13 +65,13 @@ def class_of(largest: Any, settled: Any) -> Any:
     return np.where(np.asarray(largest) >= strong, 2, np.where(np.asarray(settled) >= weak, 1, 0))
 
 
-def is_borderline(largest: Any, largest_sigma: Any, lasting: Any, lasting_sigma: Any) -> Any:
+def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma: Any) -> Any:
     """Return where the class could be another one within 3 standard deviations."""
     weak, strong = limits()
-    largest, lasting = np.asarray(largest, dtype=float), np.asarray(lasting, dtype=float)
-    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, lasting_sigma))
+    largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
+    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma))
     near_strong = np.abs(largest - strong) <= reach
-    near_weak = (largest < strong + reach) & (np.abs(lasting - weak) <= last)
+    near_weak = (largest < strong + reach) & (np.abs(settled - weak) <= last)
     return near_strong | near_weak
 
 
@@ -126,21 +125,24 @@ def trial_table(
     for name in columns:
         if name not in COLUMNS:
             raise InputError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
-    given = {name: _values(name, values) for name, values in columns.items()}
-    if "drive_amplitude" not in given or not {"drive_frequency", "frequency_ratio"} & given.keys():
+    arrays = {name: _values(name, values) for name, values in columns.items()}
+    if (
+        "drive_amplitude" not in arrays
+        or not {"drive_frequency", "frequency_ratio"} & arrays.keys()
+    ):
         raise InputError(
             "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
             "and class or largest_angle and largest_angle_after_transient; "
             f"got {', '.join(columns) or 'none'}"
         )
-    count = len(given["drive_amplitude"])
+    count = len(arrays["drive_amplitude"])
     if count == 0:
         raise InputError("a trial table needs rows, got none")
-    for name, values in given.items():
+    for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(f"column '{name}' must have {count} rows", value=values.shape)
     for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
-        values = given.get(name, np.ones(count))
+        values = arrays.get(name, np.ones(count))
         bad = np.flatnonzero(~(values > 0.0))
         if bad.size:
             raise InputError(
@@ -148,37 +150,37 @@ def trial_table(
             )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     unknown = np.full(count, np.nan)
-    length = given.setdefault("length", unknown.copy())
+    length = arrays.setdefault("length", unknown.copy())
     natural = np.sqrt(float(attributes["gravity"]) / length)
-    if "frequency_ratio" not in given:
-        given["frequency_ratio"] = given["drive_frequency"] / natural
-    given.setdefault("drive_frequency", given["frequency_ratio"] * natural)
-    largest = given.setdefault("largest_angle", unknown.copy())
-    lasting = given.setdefault("largest_angle_after_transient", unknown.copy())
+    if "frequency_ratio" not in arrays:
+        arrays["frequency_ratio"] = arrays["drive_frequency"] / natural
+    arrays.setdefault("drive_frequency", arrays["frequency_ratio"] * natural)
+    largest = arrays.setdefault("largest_angle", unknown.copy())
+    settled = arrays.setdefault("largest_angle_after_transient", unknown.copy())
     sigmas = [
-        given.get(f"{name}_sigma", unknown)
+        arrays.get(f"{name}_sigma", unknown)
         for name in ("largest_angle", "largest_angle_after_transient")
     ]
-    if "class" not in given:
-        if not (np.isfinite(largest) & np.isfinite(lasting)).all():
+    if "class" not in arrays:
+        if not (np.isfinite(largest) & np.isfinite(settled)).all():
             raise InputError(
                 "a trial table without class needs largest_angle and largest_angle_after_transient"
             )
-        given["class"] = np.array([CLASSES[i] for i in class_of(largest, lasting)])
-    given.setdefault("borderline", is_borderline(largest, sigmas[0], lasting, sigmas[1]))
-    if "set" not in given:
-        sigma = given.get("drive_amplitude_sigma")
-        given["set"] = np.array(sets_of(given["drive_amplitude"], sigma))
-        given["set_by"] = np.full(count, "amplitude")
-    given.setdefault("set_by", np.full(count, "given"))
+        arrays["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
+    arrays.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
+    if "set" not in arrays:
+        sigma = arrays.get("drive_amplitude_sigma")
+        arrays["set"] = np.array(sets_of(arrays["drive_amplitude"], sigma))
+        arrays["set_by"] = np.full(count, "amplitude")
+    arrays.setdefault("set_by", np.full(count, "given"))
     variables: dict[str, Any] = {}
     for name in COLUMNS:
         if name in TEXTS:
-            values = given.get(name, np.full(count, "", dtype="<U1"))
+            values = arrays.get(name, np.full(count, "", dtype="<U1"))
         elif name in COUNTS:
-            values = np.asarray(given.get(name, np.zeros(count)), dtype=np.int64)
+            values = np.asarray(arrays.get(name, np.zeros(count)), dtype=np.int64)
         else:
-            values = given.get(name, unknown)
+            values = arrays.get(name, unknown)
         variables[name] = ("trial", values, about(name))
     return xr.Dataset(
         variables,
@@ -190,8 +192,7 @@ def trial_table(
 def about(name: str) -> dict[str, str]:
     """Return the attributes of a column's variable."""
     if name in QUANTITIES:
-        quantity = QUANTITIES[name]
-        return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+        return QUANTITIES[name].attributes
     words = {**TEXTS, **COUNTS, "trial": "number of the trial"}[name]
     return {"units": "1", "long_name": words, "symbol": ""}
 
@@ -220,6 +221,7 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
         If the file cannot be written.
     """
     from latolato.core.atomic import atomic_path
+    from latolato.io.column_files import write_columns
     from latolato.io.files import check_suffix, check_target, save
 
     checked_trials(trials)
@@ -228,16 +230,12 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     check_target(path)
     if suffix == ".nc":
         return save(trials, path)
-    with atomic_path(path) as unfinished, unfinished.open("w", encoding="utf-8", newline="") as f:
-        for key, value in trials.attrs.items():
-            f.write(f"# {key}: {value}\n")
-        for name in COLUMNS:
-            meaning = trials[name].attrs
-            f.write(f"# column {name} [{meaning['units']}]: {meaning['long_name']}\n")
-        rows = csv.writer(f, lineterminator="\n")
-        rows.writerow(COLUMNS)
-        cells = ([_cell(v) for v in trials[name].values.tolist()] for name in COLUMNS)
-        rows.writerows(zip(*cells, strict=True))
+    columns = {
+        name: ([_cell(value) for value in trials[name].values.tolist()], trials[name].attrs)
+        for name in COLUMNS
+    }
+    with atomic_path(path) as unfinished:
+        write_columns(columns, trials.attrs, unfinished, suffix)
     return path
 
 
@@ -255,14 +253,10 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
     OSError
         If the file cannot be read.
     """
-    from latolato.io.files import check_suffix, load
+    from latolato.io.files import check_readable, load
 
     path = Path(path)
-    suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
-    if path.is_dir():
-        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
+    suffix = check_readable(path, SUFFIXES, "the name of a trial table")
     try:
         if suffix == ".nc":
             return checked_trials(load(path))
@@ -281,11 +275,27 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     Examples
     --------
     >>> rows = ["drive_amplitude,frequency_ratio,class", "12 mm,2.0,strong"]
-    >>> found = parse_trials(chr(10).join(rows))
-    >>> found.drive_amplitude.values.tolist(), str(found["class"].values[0])
+    >>> trials = parse_trials(chr(10).join(rows))
+    >>> trials.drive_amplitude.values.tolist(), str(trials["class"].values[0])
     ([0.012], 'strong')
     """
-    columns, attributes = _parse_csv(text)
+    from latolato.io.column_files import parse_columns
+    from latolato.scenario.units import to_si
+
+    parts, header = parse_columns(text)
+    if "stabilised_angle" in parts:  # as tables were written before
+        raise InputError(
+            "the column stabilised_angle is called largest_angle_after_transient now",
+            way_out="rename it, and its _sigma",
+        )
+    columns: dict[str, Any] = {}
+    for name, (values, _) in parts.items():
+        cells = [value.strip() for value in values]
+        if name in COLUMNS and any(cells):
+            columns[name] = cells if name in TEXTS else _numbers(name, cells)
+    attributes = {}
+    if gravity is None and "gravity" in header:
+        gravity = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
     if gravity is not None:
         attributes["gravity"] = gravity
     return trial_table(columns, attributes)
@@ -314,9 +324,9 @@ def is_trial_table(path: str | Path) -> bool:
     return False
 
 
-def _values(name: str, given: Any) -> Any:
+def _values(name: str, column: Any) -> Any:
     """Return a column as an array of its kind."""
-    values = np.asarray(given)
+    values = np.asarray(column)
     if name in TEXTS:
         values = np.array([str(each).strip() for each in values.tolist()])
         if name == "class":
@@ -336,43 +346,15 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _parse_csv(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the columns that a trial table has, and gravity where the header tells it."""
+def _numbers(name: str, cells: list[str]) -> list[float]:
+    """Return the numbers in a column's cells, which may have units."""
     from latolato.scenario.units import to_si
 
-    lines = text.splitlines()
-    attributes: dict[str, Any] = {}
-    for line in lines:
-        key, colon, value = line.lstrip("# ").partition(": ")
-        if line.startswith("#") and colon and key == "gravity":
-            attributes[key] = float(to_si(key, value, "m/s^2"))
-    table = csv.reader(line for line in lines if line.strip() and not line.startswith("#"))
-    rows = list(table)
-    if not rows:
-        raise InputError("it holds no columns")
-    names = [name.strip() for name in rows[0]]
-    if "stabilised_angle" in names:  # as tables were written before
-        raise InputError(
-            "the column stabilised_angle is called largest_angle_after_transient now",
-            way_out="rename it, and its _sigma",
-        )
-    columns: dict[str, Any] = {}
-    for number, row in enumerate(rows[1:], start=1):
-        if len(row) != len(names):
-            raise InputError(f"trial {number} has {len(row)} cells below {len(names)} column names")
-    for place, name in enumerate(names):
-        cells = [row[place].strip() for row in rows[1:]]
-        if name not in COLUMNS or not any(cells):
-            continue
-        if name in TEXTS:
-            columns[name] = cells
-            continue
-        unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-        values = []
-        for number, cell in enumerate(cells, start=1):
-            try:
-                values.append(float(to_si(name, cell, unit)) if cell else math.nan)
-            except InputError as error:
-                raise InputError(f"trial {number}: {error}") from None
-        columns[name] = values
-    return columns, attributes
+    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    values = []
+    for number, cell in enumerate(cells, start=1):
+        try:
+            values.append(float(to_si(name, cell, unit)) if cell else math.nan)
+        except InputError as error:
+            raise InputError(f"trial {number}: {error}") from None
+    return values

@@ -17,8 +17,8 @@ from latolato.core.errors import InputError, said_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
-from latolato.experiment.track_table import balls_of, checked_table
-from latolato.experiment.trial_table import class_of, is_borderline, sets_of, trial_table
+from latolato.experiment.track_table import MEASURED, balls_of, checked_table
+from latolato.experiment.trial_table import CLASSES, class_of, is_borderline, sets_of, trial_table
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
 TABLES = (".csv", ".parquet", ".nc")
 VIDEOS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
-# What was seen of a ball; the rest is computed by the tracker.
-_SEEN = ("ok", "collision", "occluded")
 # Part of a record that is its last one where no transient is named.
 _LAST = 1.0 / 3.0
 # A turning point stands out by so many standard deviations, and by this share of the largest.
@@ -110,8 +108,8 @@ def trial_of(
         notes.append("drive not steady")
     angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
-    lasting, swings, settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
-    if not settled:
+    steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
+    if not has_settled:
         notes.append("not settled in the last part")
     return {
         "source": str(table.attrs.get("source", "")),
@@ -122,10 +120,10 @@ def trial_of(
         "frequency_ratio": frequency.value * math.sqrt(length / gravity),
         "largest_angle": whole[0],
         "largest_angle_sigma": whole[1],
-        "largest_angle_after_transient": lasting[0],
-        "largest_angle_after_transient_sigma": lasting[1],
-        "class": ("none", "weak", "strong")[int(class_of(whole[0], lasting[0]))],
-        "borderline": bool(is_borderline(*whole, *lasting)),
+        "largest_angle_after_transient": steady[0],
+        "largest_angle_after_transient_sigma": steady[1],
+        "class": CLASSES[int(class_of(whole[0], steady[0]))],
+        "borderline": bool(is_borderline(*whole, *steady)),
         "swings": swings,
         "balls": balls_of(table),
         "length": length,
@@ -331,11 +329,11 @@ def _row(
     return row
 
 
-def _tracked(video: Path, given: Mapping[str, Any]) -> xr.Dataset:
+def _tracked(video: Path, settings: Mapping[str, Any]) -> xr.Dataset:
     """Return the track table of a video; its warnings are its report's, not the batch's."""
     from latolato.experiment import track
 
-    options = {name: value for name, value in given.items() if value is not None}
+    options = {name: value for name, value in settings.items() if value is not None}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         return track.track(video, **options)
@@ -345,7 +343,7 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     """Return time, angle, standard deviation and flag of the samples of a ball that were seen."""
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     flag = table[f"flag_{ball}"].values.astype(str)
-    good = np.isfinite(angle) & np.isin(flag, _SEEN)
+    good = np.isfinite(angle) & np.isin(flag, MEASURED)
     if good.sum() < 8:
         raise InputError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]
@@ -357,21 +355,21 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
 def _largest(
     time: Floats, angle: Floats, sigma: Floats, flag: Any, late: float
 ) -> tuple[tuple[float, float], tuple[float, float], int, bool]:
-    """Return largest angle and lasting one with their deviations, swings, and if it settled."""
+    """Return largest and settled angle with their deviations, swings, and if it settled."""
     when, sizes, errors = turning_points(time, angle, sigma, flag)
     # What the record reached is a fact of the record: only the tracker's noise is in doubt.
     whole = _extreme(sizes, errors, np.abs(angle), sigma, varies=0.0)
     last, inside = when >= late, time >= late
     if inside.sum() < 4:
         raise InputError(f"the ball was seen in {inside.sum()} frames of the last part")
-    lasting = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
+    steady = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
     middle = 0.5 * (late + float(time[-1]))
     halves = [
         float(np.max(np.abs(angle[part]), initial=0.0))
         for part in (inside & (time < middle), time >= middle)
     ]
     gap = abs(halves[1] - halves[0])
-    return whole, lasting, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * lasting[1]
+    return whole, steady, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * steady[1]
 
 
 def turning_points(

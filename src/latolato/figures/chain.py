@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-    from latolato.experiment.scene import Camera, Scene
+    from latolato.experiment.synthetic.scene import Camera, Scene
 
 # What the extra `video` brings that is used here.
 _MODULES = ("av", "cv2", "lmfit")
@@ -48,7 +48,7 @@ class Clip:
     size : tuple of int
         Width and height of the picture [pixel].
     scene : tuple of (str, object)
-        Values of `latolato.experiment.scene.Scene` that differ from its defaults.
+        Values of `latolato.experiment.synthetic.scene.Scene` that differ from its defaults.
     """
 
     system: Pendulum | LatoLato
@@ -70,7 +70,7 @@ class Clip:
 
     def stage(self) -> tuple[Scene, Camera]:
         """Return what is seen and how it is filmed."""
-        from latolato.experiment.scene import Camera, Scene
+        from latolato.experiment.synthetic.scene import Camera, Scene
 
         width, height = self.size
         camera = Camera(width=width, height=height, fps=self.fps)
@@ -90,7 +90,7 @@ def film(clip: Clip) -> xr.Dataset:
     flagged ok [rad].
     """
     from latolato.experiment import track
-    from latolato.experiment.synthetic import synthesise_video
+    from latolato.experiment.synthetic.synthesise import synthesise_video
 
     scene, camera = clip.stage()
     with TemporaryDirectory() as folder, warnings.catch_warnings():
@@ -140,7 +140,7 @@ def sample(clip: Clip) -> xr.Dataset:
 
 def still_of(clip: Clip, number: int = 0) -> Any:
     """Return a frame of the video as variables: colours of pixels, shape (row, column, rgb)."""
-    from latolato.experiment.synthetic import prepare
+    from latolato.experiment.synthetic.synthesise import prepare
 
     scene, camera = clip.stage()
     run = clip.run()

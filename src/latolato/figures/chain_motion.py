@@ -25,8 +25,7 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
     table = chain.sample(clip) if quick else chain.film(clip)
     dataset = compare_motion(table, clip.system)
     # Nothing here is a measurement.
-    dataset = dataset.rename({f"{n}_measured": f"{n}_synthetic" for n in ("largest", "lasting")})
-    for name in ("largest_synthetic", "lasting_synthetic"):
+    for name in ("largest_angle", "largest_angle_after_transient"):
         about = dataset[name].attrs
         about["long_name"] = about["long_name"].replace("measured", "synthetic")
     # Where there is no phase its likeness is nothing.
@@ -46,7 +45,8 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statement of a motion names."""
-    synthetic, computed = float(dataset.lasting_synthetic), float(dataset.lasting_computed)
+    synthetic = float(dataset.largest_angle_after_transient)
+    computed = float(dataset.largest_angle_after_transient_computed)
     residual, phase = float(dataset.residual_rms_late), float(dataset.phase_rms_late)
     return {
         "residual": residual,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.atomic import atomic_path, check_folder, checked_path, remove_leftovers
-from latolato.core.errors import InputError, import_extra
+from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.core.versions import FORMAT, check_format
+from latolato.io.column_files import Columns, import_pyarrow, read_columns, write_columns
 from latolato.simulation.record import BALL, BALLS, Record
 
 if TYPE_CHECKING:
@@ -25,10 +25,6 @@ SUFFIXES = (".nc", ".csv", ".parquet")
 # Complex variables as NetCDF holds them: two variables with this attribute.
 _PARTS = ("real", "imag")
 _PART = "complex_part"
-# Values and attributes of variables along one dimension.
-Columns = dict[str, tuple[Any, dict[str, Any]]]
-# One column of a text file as its header describes it.
-_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
 
 
 def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
@@ -36,6 +32,16 @@ def check_suffix(path: str | Path, known: tuple[str, ...], what: str) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in known:
         raise InputError(f"{what} must end in {', '.join(known)}", value=Path(path).name)
+    return suffix
+
+
+def check_readable(path: Path, known: tuple[str, ...], what: str) -> str:
+    """Return the suffix of a file that is there, or raise; see `check_suffix`."""
+    suffix = check_suffix(path, known, what)
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
     return suffix
 
 
@@ -90,7 +96,10 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
         return path
     if isinstance(dataset, Record):
         dataset = dataset.to_dataset().assign_attrs(format=FORMAT)
-    write = _write_csv if suffix == ".csv" else _write_parquet
+
+    def write(dataset: xr.Dataset, dimension: str, unfinished: Path) -> None:
+        write_columns(_columns(dataset, dimension), dataset.attrs, unfinished, suffix)
+
     if is_sweep(dataset):
         from latolato.sweeps.long_table import as_table
 
@@ -107,7 +116,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     else:
         with atomic_path(path) as first:
             write(dataset, "time", first)
-        _remove_contacts(_contacts_path(path), _read_csv if suffix == ".csv" else _read_parquet)
+        _remove_contacts(_contacts_path(path), suffix)
     return path
 
 
@@ -148,9 +157,7 @@ def load(path: str | Path) -> xr.Dataset:
         return open_store(path)
     if path.suffix == ".zarr" and not path.exists():
         raise FileNotFoundError(f"there is no store '{path}'")
-    suffix = check_suffix(path, SUFFIXES, "the name of a result file")
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
+    suffix = check_readable(path, SUFFIXES, "the name of a result file")
     with reading(path):
         dataset = _read_netcdf(path) if suffix == ".nc" else _read_tables(path, suffix)
         check_format(dataset.attrs.pop("format", 1), f"'{path}'")
@@ -163,16 +170,31 @@ def load(path: str | Path) -> xr.Dataset:
 
 def _read_tables(path: Path, suffix: str) -> xr.Dataset:
     """Return the sweep in a table, or the run in one or two of them."""
-    read = _read_csv if suffix == ".csv" else _read_parquet
-    columns, attributes = read(path)
+    columns, attributes = _read(path, suffix)
     if "plan" in attributes:
         from latolato.sweeps.long_table import from_table
 
         return from_table({name: values for name, (values, _) in columns.items()}, attributes)
     contacts: Columns = {}
     if attributes.get("contact", "none") != "none":
-        contacts, _ = read(_contacts_path(path))
+        contacts, _ = _read(_contacts_path(path), suffix)
     return _assembled(columns, contacts, attributes)
+
+
+def _read(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns, as numbers or words, and the attributes of a run's or sweep's table."""
+    columns, attributes = read_columns(path, suffix)
+    if "flag_1" in columns:
+        raise InputError(
+            f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
+        )
+    if not {"scenario", "plan"} & attributes.keys():
+        raise InputError(f"'{path}' is no run of latolato: its header is missing")
+    typed: Columns = {
+        name: (np.array(values, dtype=_kind(name)), _about(name) | about)
+        for name, (values, about) in columns.items()
+    }
+    return typed, attributes
 
 
 @contextmanager
@@ -197,11 +219,11 @@ def _contacts_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.contacts{path.suffix}")
 
 
-def _remove_contacts(path: Path, read: Callable[[Path], tuple[Columns, dict[str, Any]]]) -> None:
+def _remove_contacts(path: Path, suffix: str) -> None:
     """Remove the contacts of an earlier run; a file of anything else stays."""
     if path.is_file():
         with suppress(OSError, ValueError):
-            columns, _ = read(path)
+            columns, _ = _read(path, suffix)
             if "contact_time" in columns:
                 path.unlink()
 
@@ -321,8 +343,7 @@ def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) 
     dataset = xr.Dataset(variables, attrs=attributes).set_coords("time")
     if not two:
         return dataset
-    about = {"units": BALL.unit, "long_name": BALL.long_name, "symbol": BALL.symbol}
-    return dataset.assign_coords(ball=("ball", list(BALLS), about))
+    return dataset.assign_coords(ball=("ball", list(BALLS), BALL.attributes))
 
 
 def _no_contacts(two: bool) -> Columns:
@@ -335,125 +356,11 @@ def _no_contacts(two: bool) -> Columns:
     return {name: (np.array([], dtype=_kind(name)), _about(name)) for name in names}
 
 
-def _write_csv(dataset: xr.Dataset, dimension: str, path: Path) -> None:
-    """Write the variables along a dimension below a header of ``# key: value`` lines."""
-    import csv
-
-    columns = _columns(dataset, dimension)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        for key, value in dataset.attrs.items():
-            plain = value if isinstance(value, str) else json.dumps(_plain(value))
-            file.write(f"# {key}: {plain}\n")
-        for name, (_, about) in columns.items():
-            unit, meaning = about.get("units", "1"), about.get("long_name", name)
-            file.write(f"# column {name} [{unit}]: {meaning}\n")
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(columns)
-        table.writerows(zip(*(values.tolist() for values, _ in columns.values()), strict=True))
-
-
-def _read_csv(path: Path) -> tuple[Columns, dict[str, Any]]:
-    """Return the columns and the attributes of a file written by `_write_csv`."""
-    import csv
-
-    import numpy as np
-
-    attributes: dict[str, Any] = {}
-    about: dict[str, dict[str, str]] = {}
-    with path.open(encoding="utf-8", newline="") as file:
-        line = file.readline()
-        while line.startswith("# "):
-            column = _COLUMN.fullmatch(line[2:].rstrip("\n"))
-            if column:
-                name, unit, meaning = column.groups()
-                about[name] = _about(name) | {"units": unit, "long_name": meaning}
-            else:
-                key, _, value = line[2:].rstrip("\n").partition(": ")
-                attributes[key] = _parsed(value)
-            line = file.readline()
-        names = line.rstrip("\n").split(",")
-        if not about or names != list(about):
-            raise InputError(f"'{path}' is no run of latolato: its header is missing")
-        if "flag_1" in names:
-            raise InputError(
-                f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
-            )
-        rows = list(csv.reader(file))
-    cells = zip(*rows, strict=True) if rows else ((),) * len(names)
-    columns: Columns = {}
-    for name, values in zip(names, cells, strict=True):
-        columns[name] = (np.array(values, dtype=_kind(name)), about[name])
-    return columns, attributes
-
-
-def _write_parquet(dataset: xr.Dataset, dimension: str, path: Path) -> None:
-    """Write the variables along a dimension, their units with each field."""
-    pyarrow = import_pyarrow()
-    columns = _columns(dataset, dimension)
-    arrays = [pyarrow.array(values) for values, _ in columns.values()]
-    schema = pyarrow.schema(
-        [
-            pyarrow.field(
-                name,
-                array.type,
-                metadata={k: v for k, v in about.items() if isinstance(v, str)},
-            )
-            for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
-        ],
-        metadata={k: json.dumps(_plain(v)) for k, v in dataset.attrs.items()},
-    )
-    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
-
-
-def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
-    """Return the columns and the attributes of a file written by `_write_parquet`."""
-    pyarrow = import_pyarrow()
-    table = pyarrow.parquet.read_table(path)
-    metadata = table.schema.metadata or {}
-    attributes = {
-        key.decode(): json.loads(value)
-        for key, value in metadata.items()
-        if not key.startswith((b"ARROW:", b"pandas"))
-    }
-    if "scenario" not in attributes and "plan" not in attributes:
-        raise InputError(f"'{path}' is no run of latolato: its metadata are missing")
-    columns: Columns = {}
-    for name in table.column_names:
-        result = table.schema.field(name).metadata or {}
-        about = {key.decode(): value.decode() for key, value in result.items()}
-        columns[name] = (table[name].to_numpy().astype(_kind(name)), about)
-    return columns, attributes
-
-
-def import_pyarrow() -> Any:
-    """Return pyarrow with its Parquet."""
-    options = {"purpose": "a Parquet file", "way_out": "use .nc or .csv"}
-    import_extra("pyarrow.parquet", "parquet", **options)
-    return import_extra("pyarrow", "parquet", **options)
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON knows it."""
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _parsed(text: str) -> Any:
-    """Return the value of a header line; the scenario stays the text that it is."""
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        return text
-    return text if isinstance(value, dict) else value
-
-
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column's variable, as far as they are known."""
     for ball in BALLS:
         name = name.removesuffix(f"_{ball}")
-    if name not in QUANTITIES:
-        return {}
-    quantity = QUANTITIES[name]
-    return {"units": quantity.unit, "long_name": quantity.long_name, "symbol": quantity.symbol}
+    return QUANTITIES[name].attributes if name in QUANTITIES else {}
 
 
 def _kind(name: str) -> type:

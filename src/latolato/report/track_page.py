@@ -363,7 +363,7 @@ def _image(content: bytes, kind: str, text: str) -> str:
 
 def _fitted(picture: np.ndarray, width: int) -> np.ndarray:
     """Return a picture that is not wider than asked for."""
-    from latolato.experiment.blobs import import_cv2
+    from latolato.experiment.tracking.blobs import import_cv2
 
     cv2 = import_cv2()
     if picture.shape[1] <= width:
@@ -382,7 +382,7 @@ def _thumbnails(
         if number not in kept:
             continue
         plain = picture_of(kept[number], video)
-        marked = artist.drawn(plain.copy(), number, is_told=False)
+        marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
         image = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")
@@ -393,7 +393,7 @@ def _thumbnails(
 
 def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray:
     """Return the part of a picture about a ball, or where it was last seen, as a square."""
-    from latolato.experiment.blobs import import_cv2
+    from latolato.experiment.tracking.blobs import import_cv2
 
     centres = artist.centres[: number + 1, b]
     places = centres[np.isfinite(centres).all(axis=1)]

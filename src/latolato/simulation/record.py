@@ -84,8 +84,7 @@ class Record:
         if two:
             coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
-            about = BALL if name == "ball" else QUANTITIES[name]
-            attrs = {"units": about.unit, "long_name": about.long_name, "symbol": about.symbol}
+            attrs = (BALL if name == "ball" else QUANTITIES[name]).attributes
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
                 attrs["long_name"] += ", both balls" if of_both else ", per ball"

@@ -18,7 +18,7 @@ from latolato.app.experiment.description import EXPORTS, Description
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.core.errors import InputError
-from latolato.experiment.calibrate import Optics
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
@@ -222,8 +222,8 @@ def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Render a short video with known truth, and look at it."""
     import latolato as ll
-    from latolato.experiment.scene import Camera, Scene
-    from latolato.experiment.synthetic import synthesise_video
+    from latolato.experiment.synthetic.scene import Camera, Scene
+    from latolato.experiment.synthetic.synthesise import synthesise_video
 
     ball: dict[str, Any] = {"length": 0.363, "mass": 0.108, "damping": 0.00274}
     radius, rate = 0.02, 30.0

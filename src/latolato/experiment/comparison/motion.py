@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.experiment.comparison.uncertainties import (
+    LATE,
     Floats,
     checked_sigmas,
     drawn,
@@ -132,10 +133,10 @@ def compare_motion(
         "residual_rms": (_rms(residual), "root mean square of the residual", "rad"),
         "residual_rms_late": (_rms(residual[late]), "the same in the last third", "rad"),
         "phase_rms_late": (_rms(phase[late]), "root mean square of the phase there", "rad"),
-        "largest_measured": (_top(data.values), "largest measured angle", "rad"),
-        "largest_computed": (_top(computed), "largest computed angle", "rad"),
-        "lasting_measured": (_top(data.values[late]), "largest measured angle there", "rad"),
-        "lasting_computed": (_top(computed[late]), "largest computed angle there", "rad"),
+        "largest_angle": (_top(data.values), "largest measured angle", "rad"),
+        "largest_angle_computed": (_top(computed), "largest computed angle", "rad"),
+        LATE: (_top(data.values[late]), "largest measured angle there", "rad"),
+        f"{LATE}_computed": (_top(computed[late]), "largest computed angle there", "rad"),
         "followed_until": (followed, "time until which it follows", "s"),
     }
     variables: dict[str, Any] = {
@@ -214,8 +215,7 @@ def _early(data: Data, until: float) -> Data:
     """Return the samples up to an instant, at least ten of each series."""
     counts = [np.sort(data.times[data.series == s]) for s in np.unique(data.series)]
     until = max(until, *(float(times[min(9, len(times) - 1)]) for times in counts))
-    kept = data.times <= until
-    return Data(data.times[kept], data.values[kept], data.sigmas[kept], data.series[kept])
+    return data[data.times <= until]
 
 
 def _spread(
@@ -231,7 +231,7 @@ def _spread(
     from dataclasses import replace
 
     random = np.random.default_rng(seed)
-    given = drawn(system, widths, count + 1, random)
+    varied = drawn(system, widths, count + 1, random)
     moved = random.multivariate_normal(
         np.zeros(len(solution.names)), solution.covariance, size=count
     )
@@ -239,8 +239,8 @@ def _spread(
     middle = motion(system, data)(solution.values)
     for k in range(count):
         law: Any = system
-        if given:
-            law = replace(law, **{name: float(values[k + 1]) for name, values in given.items()})
+        if varied:
+            law = replace(law, **{name: float(values[k + 1]) for name, values in varied.items()})
         start = {
             name: solution.values[name] + float(step)
             for name, step in zip(solution.names, moved[k], strict=True)
@@ -293,7 +293,7 @@ def _top(values: Floats) -> float:
 def _verdict(numbers: Mapping[str, tuple[float, str, str]], first: float, last: float) -> str:
     """Return how computation and measurement compare in plain words."""
     value = {name: each[0] for name, each in numbers.items()}
-    one, other = (math.degrees(value[f"lasting_{k}"]) for k in ("measured", "computed"))
+    one, other = (math.degrees(value[name]) for name in (LATE, f"{LATE}_computed"))
     if value["followed_until"] >= last:
         words = (
             f"The computed motion follows the measured one for all {last - first:.4g} s: they "

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.analysis.stroboscopic import wilson_interval
 from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_count
 from latolato.experiment.comparison.uncertainties import (
     Floats,
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 AMPLITUDES = ("drive_amplitude", "amplitude_ratio")
 FREQUENCIES = ("drive_frequency", "frequency_ratio")
-SIDES = ("left", "right")
 
 
 def compare_map(
@@ -130,18 +130,12 @@ def compare_map(
     table = np.zeros((3, 3), dtype=np.int64)
     np.add.at(table, (measured, computed), 1)
     variables |= {
-        "x": (("trial"), places[1][known], _about(across)),
-        "y": (("trial"), places[0][known], _about(up)),
+        "x": variable("trial", places[1][known], across),
+        "y": variable("trial", places[0][known], up),
         "class_measured": plain("trial", measured, "measured class (0 none, 1 weak, 2 strong)"),
         "class_computed": plain("trial", computed, "class of the map there"),
         "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
-        "borderline": plain(
-            "trial", taken["borderline"].values, taken["borderline"].attrs["long_name"]
-        ),
-        "set": plain("trial", taken["set"].values.astype(str), taken["set"].attrs["long_name"]),
-        "source": plain(
-            "trial", taken["source"].values.astype(str), taken["source"].attrs["long_name"]
-        ),
+        **{name: taken[name].variable for name in ("borderline", "set", "source")},
         "agreement": plain((), share, "share of trials whose class is the map's"),
         "agreement_low": plain((), low, "low end of its 95 % interval"),
         "agreement_high": plain((), high, "high end of its 95 % interval"),
@@ -152,13 +146,15 @@ def compare_map(
             ("measured", "computed"), table, "trials by measured and computed class"
         ),
         **borders,
-        "motion_class": ((up, across), classes.values, dict(classes.attrs) or _about("x")),
+        "motion_class": (
+            (up, across),
+            classes.values,
+            {"units": "1", "long_name": "class of motion", **classes.attrs},
+        ),
     }
-    variables["motion_class"][2].setdefault("units", "1")
-    variables["motion_class"][2].setdefault("long_name", "class of motion")
     if "mean_energy" in grid:
         energy = grid["mean_energy"].transpose(up, across)
-        variables["mean_energy"] = ((up, across), energy.values, dict(energy.attrs))
+        variables["mean_energy"] = energy.variable
     outside = trials.sizes["trial"] - n
     words = _verdict(share, low, high, kappa, n, outside, borders)
     attributes = {
@@ -167,8 +163,8 @@ def compare_map(
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
     coordinates = {
-        up: (up, classes[up].values, dict(classes[up].attrs)),
-        across: (across, classes[across].values, dict(classes[across].attrs)),
+        up: classes[up].variable,
+        across: classes[across].variable,
         "measured": plain("measured", list(CLASSES), "measured class"),
         "computed": plain("computed", list(CLASSES), "computed class"),
     }
@@ -224,20 +220,20 @@ def _drawn(
         return values
 
     amplitude, frequency = about("drive_amplitude"), about("drive_frequency")
-    given = drawn(plan.system, widths, count, random)
-    if "length" in given:
-        amplitude = amplitude * (given["length"] / plan.system.balls[0].length)[:, None]
+    varied = drawn(plan.system, widths, count, random)
+    if "length" in varied:
+        amplitude = amplitude * (varied["length"] / plan.system.balls[0].length)[:, None]
     missing = ~np.isfinite(frequency)
     if missing.any():
         ratio = np.broadcast_to(trials["frequency_ratio"].values, (count, n))
         frequency = np.where(missing, ratio * plan.system.natural_frequency, frequency)
     columns = {"drive_amplitude": amplitude.ravel(), "drive_frequency": frequency.ravel()}
-    columns |= {name: np.repeat(values, n) for name, values in given.items()}
+    columns |= {name: np.repeat(values, n) for name, values in varied.items()}
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
-    largest, lasting = about("largest_angle"), about("largest_angle_after_transient")
+    largest, settled = about("largest_angle"), about("largest_angle_after_transient")
     classes = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
-    angles = np.isfinite(largest) & np.isfinite(lasting)
-    seen = np.where(angles, class_of(largest, lasting), classes)
+    angles = np.isfinite(largest) & np.isfinite(settled)
+    seen = np.where(angles, class_of(largest, settled), classes)
     return _Draws(seen, computed, random)
 
 
@@ -312,13 +308,13 @@ def _boundaries(
     words = {
         "boundary_set": "set of trials",
         "boundary_side": "side on which the motion ends",
-        "boundary_y": _about(up)["long_name"],
+        "boundary_y": QUANTITIES[up].long_name,
         "boundary_x": "measured boundary",
         "boundary_half_gap": "half the gap between the trials on its sides",
         "boundary_computed": "boundary of the map",
     }
-    units = {"boundary_y": _about(up)["units"]}
-    kind = _about(across)["units"]
+    units = {"boundary_y": QUANTITIES[up].unit}
+    kind = QUANTITIES[across].unit
     return {
         name: plain(
             "boundary", np.array(values, dtype=str if name in texts else float), text,
@@ -337,11 +333,6 @@ def _edge(line: xr.DataArray, across: str, side: str) -> float:
     k = int(np.argmax(moves)) if side == "left" else len(x) - 1 - int(np.argmax(moves[::-1]))
     other = k - 1 if side == "left" else k + 1
     return float(0.5 * (x[k] + x[other])) if 0 <= other < len(x) else float(x[k])
-
-
-def _about(name: str) -> dict[str, str]:
-    """Return the attributes of an axis."""
-    return dict(variable((), 0.0, name)[2]) if name != "x" else {}
 
 
 def _verdict(

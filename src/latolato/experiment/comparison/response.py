@@ -97,8 +97,8 @@ def compare_response(
     checked_trials(trials)
     if not isinstance(system, Pendulum):
         raise InputError("a response needs a Pendulum or a LatoLato", value=system)
-    lasting = trials[LATE].values
-    if not np.isfinite(lasting).all():
+    settled = trials[LATE].values
+    if not np.isfinite(settled).all():
         raise InputError("response curves need the largest_angle_after_transient of every trial")
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
@@ -125,24 +125,17 @@ def compare_response(
         observables=observables,
         **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
     )
-    given = drawn(system, widths, count, random)
-    columns: dict[str, list[Floats]] = {"drive_amplitude": [], "drive_frequency": []}
-    columns |= {name: [] for name in given}
-    for k in range(count):
-        off = random.standard_normal(len(names)) if k else np.zeros(len(names))
-        moved = amplitudes + doubt * off
-        if "length" in given:
-            moved = moved * given["length"][k] / system.balls[0].length
-        columns["drive_amplitude"].append(np.repeat(moved, points))
-        columns["drive_frequency"].append(np.tile(ratios * natural, len(names)))
-        for name, values in given.items():
-            columns[name].append(np.full(len(names) * points, values[k]))
-    # At the places of the trials themselves.
-    columns["drive_amplitude"].append(trials["drive_amplitude"].values)
-    columns["drive_frequency"].append(frequency)
-    for name in given:
-        columns[name].append(np.full(len(frequency), float(getattr(system, name))))
-    run = run_at(plan, {name: np.concatenate(parts) for name, parts in columns.items()})
+    moved = _moved_sets(system, widths, amplitudes, doubt, count, random)
+    # The curves of all draws, then the places of the trials themselves.
+    columns = {name: np.repeat(values, points) for name, values in moved.items()}
+    columns["drive_frequency"] = np.tile(ratios * natural, count * len(names))
+    own_values = {name: np.full(len(frequency), getattr(system, name)) for name in widths}
+    at_trials = {
+        **own_values,
+        "drive_amplitude": trials["drive_amplitude"].values,
+        "drive_frequency": frequency,
+    }
+    run = run_at(plan, {n: np.concatenate([v, at_trials[n]]) for n, v in columns.items()})
     late = run[LATE].values
     curves = late[: -len(frequency)].reshape(count, len(names), points)
     seen, computed_peaks = [], []
@@ -150,13 +143,13 @@ def compare_response(
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
-        seen.append(peak_of(ratio[own], lasting[own], sigma[own], steady[own], random))
+        seen.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
         each = [peak_of(ratios, curves[k, i]) for k in range(count)]
         spread = float(np.std([peak.place for peak in each]))
         computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
                           each[0].kind))  # fmt: skip
     variables: dict[str, Any] = {
-        LATE: variable("trial", lasting, LATE),
+        LATE: variable("trial", settled, LATE),
         f"{LATE}_sigma": variable("trial", sigma, f"{LATE}_sigma"),
         "trial_ratio": variable("trial", ratio, "frequency_ratio"),
         "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
@@ -170,19 +163,7 @@ def compare_response(
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
     }  # fmt: skip
-    for kind, peaks in (("measured", seen), ("computed", computed_peaks)):
-        for part, words in (("place", "place"), ("sigma", "deviation of the place")):
-            variables[f"peak_{kind}_{part}"] = variable(
-                "set_name", [getattr(peak, part) for peak in peaks], "frequency_ratio",
-                f"{words} of the {kind} peak",
-            )  # fmt: skip
-        variables[f"peak_{kind}_height"] = variable(
-            "set_name", [peak.height for peak in peaks], LATE,
-            f"height of the {kind} peak",
-        )  # fmt: skip
-        variables[f"peak_{kind}_kind"] = plain(
-            "set_name", [peak.kind for peak in peaks], f"how the {kind} peak was found"
-        )
+    variables |= _peak_variables("measured", seen) | _peak_variables("computed", computed_peaks)
     coordinates = {
         "frequency_ratio": variable("frequency_ratio", ratios, "frequency_ratio"),
         "set_name": plain("set_name", names, "set of trials"),
@@ -193,6 +174,27 @@ def compare_response(
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def _moved_sets(
+    system: System,
+    widths: Mapping[str, float],
+    amplitudes: Floats,
+    doubt: Floats,
+    count: int,
+    random: np.random.Generator,
+) -> dict[str, Floats]:
+    """Return amplitude and uncertain parameters of each set in each draw, shape (draw x set,)."""
+    values = drawn(system, widths, count, random)
+    moved = []
+    for k in range(count):
+        off = random.standard_normal(len(amplitudes)) if k else np.zeros(len(amplitudes))
+        trial = amplitudes + doubt * off
+        if "length" in values:  # which is the picture's scale
+            trial = trial * values["length"][k] / system.balls[0].length
+        moved.append(trial)
+    own = {name: np.repeat(each, len(amplitudes)) for name, each in values.items()}
+    return {"drive_amplitude": np.concatenate(moved), **own}
 
 
 def peak_of(
@@ -239,6 +241,28 @@ def peak_of(
             drawn_places.append(_vertex(x[order], y[order])[1])
     spread = float(np.std(drawn_places)) if drawn_places else 0.0
     return Peak(place, math.hypot(spread, 0.5 * abs(place - places[top])), height, kind)
+
+
+def _peak_variables(kind: str, peaks: list[Peak]) -> dict[str, Any]:
+    """Return place, deviation, height and kind of the peaks of all sets as variables."""
+    places = variable(
+        "set_name", [p.place for p in peaks], "frequency_ratio", f"place of the {kind} peak"
+    )
+    sigmas = variable(
+        "set_name",
+        [p.sigma for p in peaks],
+        "frequency_ratio",
+        f"deviation of the place of the {kind} peak",
+    )
+    heights = variable("set_name", [p.height for p in peaks], LATE, f"height of the {kind} peak")
+    return {
+        f"peak_{kind}_place": places,
+        f"peak_{kind}_sigma": sigmas,
+        f"peak_{kind}_height": heights,
+        f"peak_{kind}_kind": plain(
+            "set_name", [p.kind for p in peaks], f"how the {kind} peak was found"
+        ),
+    }
 
 
 def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:

@@ -28,13 +28,8 @@ def variable(
     dims: str | tuple[str, ...], values: Any, name: str, words: str | None = None
 ) -> tuple[Any, Any, dict[str, str]]:
     """Return a variable with unit and symbol of a quantity, and other words where given."""
-    quantity = QUANTITIES[name]
-    about = {
-        "units": quantity.unit,
-        "long_name": words or quantity.long_name,
-        "symbol": quantity.symbol,
-    }
-    return dims, values, about
+    attributes = QUANTITIES[name].attributes
+    return dims, values, {**attributes, "long_name": words or attributes["long_name"]}
 
 
 def plain(

@@ -158,13 +158,13 @@ def fit_decay(
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
-    given = length_of(table, length)
+    declared = length_of(table, length)
     data = samples_of(table, ball, start=start, end=end)
     piece = table.isel(frame=within(table["time"].values, start, end))
-    if given is not None:  # before a driven swing is taken for one that somebody holds
-        _check_rest(piece, given)
+    if declared is not None:  # before a driven swing is taken for one that somebody holds
+        _check_rest(piece, declared)
     begin = free_start(data.times, data.values) if start is None else float(data.times[0])
-    data = _from(data, begin)
+    data = data[data.times >= begin]
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
         raise InputError(
@@ -176,9 +176,9 @@ def fit_decay(
         swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
     )
     first = _first_guess(data, swings)
-    if given is None:
+    if declared is None:
         _check_rest(piece, gravity / first["natural_frequency"] ** 2)
-    body = _Body(given, mass, radius, gravity)
+    body = _Body(declared, mass, radius, gravity)
     aside = sight_guesses(table, data)
     parts = []
     if method != "envelope":
@@ -191,7 +191,7 @@ def fit_decay(
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
         "start": begin, "end": float(data.times[-1]), "ball": ball, "mass": mass, "radius": radius,
-        "declared_length": given, "gravity": gravity, "method": method,
+        "declared_length": declared, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
     for part in parts:
@@ -271,7 +271,8 @@ def _by_equation(
         "angle_residual": ("sample", solution.residuals),
         "is_outlier": ("sample", ~solution.kept),
     }
-    return _Part(estimates, curves, _quality(solution) | {"law": chosen}, sentences)
+    attributes = solution.quality | {"chi_square": solution.chi_square, "law": chosen}
+    return _Part(estimates, curves, attributes, sentences)
 
 
 def _by_envelope(
@@ -318,12 +319,6 @@ def _check_rest(piece: xr.Dataset, length: float) -> None:
         )
 
 
-def _from(data: Data, begin: float) -> Data:
-    """Return the samples from an instant on."""
-    kept = data.times >= begin
-    return Data(data.times[kept], data.values[kept], data.sigmas[kept], data.series[kept])
-
-
 def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
     """Return a guess of all parameters from the turning points and the first swing."""
     sizes = np.abs(swings.angles)
@@ -367,8 +362,7 @@ def _compared(
     All have the samples and the correlation of the fullest one among them.
     """
     # A verdict needs no more samples than that.
-    thin = slice(None, None, max(1, len(data) // _ENOUGH))
-    data = Data(data.times[thin], data.values[thin], data.sigmas[thin], data.series[thin])
+    data = data[:: max(1, len(data) // _ENOUGH)]
     fullest: Solution | None = None
     solutions = {}
     for name in _FULLEST_FIRST:
@@ -487,12 +481,12 @@ class _Body:
 
     def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
         """Return the estimates in the terms of people."""
-        rate = _estimate(solution, "natural_frequency", "rad/s")
+        rate = solution.estimate("natural_frequency", "rad/s")
         length = self._length(rate)
         estimates: dict[str, Estimate] = {}
         lever = self.length or length.value
         for term in terms:
-            raw = _estimate(solution, term, "1/s")
+            raw = solution.estimate(term, "1/s")
             unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
             if self.mass is not None:
                 estimates[_COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
@@ -506,17 +500,17 @@ class _Body:
             ("initial_angle", "rad"),
             ("initial_angular_velocity", "rad/s"),
         ):
-            estimates[name] = _estimate(solution, name, unit)
+            estimates[name] = solution.estimate(name, unit)
         for name in (ASIDE, ABOVE):
             if name in solution.values:
-                estimates[name] = _estimate(solution, name, "1").scaled(lever, "m")
+                estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
         return estimates
 
     def envelope(
         self, solution: Solution, length: Estimate | None, first: Mapping[str, float]
     ) -> dict[str, Estimate]:
         """Return the estimates of the envelope."""
-        estimates = {"decay_rate_envelope": _estimate(solution, "decay_rate", "1/s")}
+        estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
         if self.mass is not None:
             dynamic = length.value if length else self.gravity / first["natural_frequency"] ** 2
             factor = 2.0 * self.mass * (self.length or dynamic)
@@ -569,23 +563,6 @@ class _Body:
         if (~solution.kept).any():
             words += f" {int((~solution.kept).sum())} outliers were left out."
         return words
-
-
-def _estimate(solution: Solution, name: str, unit: str) -> Estimate:
-    """Return a parameter of a solution as an estimate."""
-    interval = solution.intervals.get(name, (math.nan, math.nan))
-    return Estimate(solution.values[name], solution.sigma(name), unit, *interval)
-
-
-def _quality(solution: Solution) -> dict[str, Any]:
-    """Return how good a solution is, by its residuals."""
-    return {
-        "scatter": solution.scatter,
-        "chi_square": solution.chi_square,
-        "autocorrelation": solution.correlation,
-        "effective_samples": solution.effective_samples,
-        "outliers": int((~solution.kept).sum()),
-    }
 
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:

@@ -145,9 +145,7 @@ def fit_drive(
     }
     about = {
         "start": float(data.times[0]), "end": float(data.times[-1]), "samples": len(data),
-        "stages": shape.stages, "scatter": solution.scatter,
-        "autocorrelation": solution.correlation, "effective_samples": solution.effective_samples,
-        "outliers": int((~solution.kept).sum()), "source": table.attrs.get("source"),
+        "stages": shape.stages, **solution.quality, "source": table.attrs.get("source"),
     }  # fmt: skip
     return make_fit("drive", estimates, " ".join(words), curves, about, drive)
 
@@ -311,24 +309,19 @@ def _guesses_of(solution: Solution) -> dict[str, Guess]:
 
 def _estimates(solution: Solution, shape: Shape) -> dict[str, Estimate]:
     """Return the estimates in the terms of people."""
-    estimates = {}
-    for name, unit in (("drive_amplitude", "m"), ("drive_frequency", "rad/s")):
-        ends = solution.intervals.get(name, (math.nan, math.nan))
-        estimates[name] = Estimate(solution.values[name], solution.sigma(name), unit, *ends)
+    estimates = {
+        "drive_amplitude": solution.estimate("drive_amplitude", "m"),
+        "drive_frequency": solution.estimate("drive_frequency", "rad/s"),
+    }
     if shape.stages > 1:
-        last, step = shape.frequencies[-1], shape.times[-1]
-        estimates["drive_frequency_final"] = Estimate(
-            solution.values[last], solution.sigma(last), "rad/s"
-        )
-        estimates["step_time"] = Estimate(solution.values[step], solution.sigma(step), "s")
-    phase = math.remainder(solution.values["drive_phase"], math.tau)
-    estimates["drive_phase"] = Estimate(phase, solution.sigma("drive_phase"), "rad")
-    if shape.ramp:
-        estimates["ramp"] = Estimate(solution.values["ramp"], solution.sigma("ramp"), "s")
-    if shape.crank:
-        estimates["crank_ratio"] = Estimate(
-            solution.values["crank_ratio"], solution.sigma("crank_ratio"), "1"
-        )
+        estimates["drive_frequency_final"] = solution.estimate(shape.frequencies[-1], "rad/s")
+        estimates["step_time"] = solution.estimate(shape.times[-1], "s")
+    phase = solution.estimate("drive_phase", "rad")
+    value = math.remainder(phase.value, math.tau)
+    estimates["drive_phase"] = Estimate(value, phase.sigma, "rad")
+    for name, unit in (("ramp", "s"), ("crank_ratio", "1")):
+        if name in solution.values:
+            estimates[name] = solution.estimate(name, unit)
     return estimates
 
 
@@ -342,8 +335,8 @@ def _drifting(data: Data, shape: Shape, solution: Solution) -> tuple[Shape, Solu
 def _drift(drifting: Solution) -> dict[str, Estimate]:
     """Return how amplitude and frequency drift over the record."""
     return {
-        name: Estimate(drifting.values[name], drifting.sigma(name), unit)
-        for name, unit in (("amplitude_drift", "m/s"), ("frequency_drift", "rad/s^2"))
+        "amplitude_drift": drifting.estimate("amplitude_drift", "m/s"),
+        "frequency_drift": drifting.estimate("frequency_drift", "rad/s^2"),
     }
 
 
@@ -424,8 +417,7 @@ def _main_words(estimates: Mapping[str, Estimate], solution: Solution, shape: Sh
     words = f"The pivot moves with A0 = {estimates['drive_amplitude'].scaled(1e3, 'mm')} at "
     words += f"{estimates['drive_frequency']} ({estimates['drive_frequency'].scaled(turns, 'Hz')})"
     for name, before in zip(shape.frequencies[1:], shape.times, strict=True):
-        rate = Estimate(solution.values[name], solution.sigma(name), "rad/s")
-        instant = Estimate(solution.values[before], solution.sigma(before), "s")
+        rate, instant = solution.estimate(name, "rad/s"), solution.estimate(before, "s")
         words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
     if shape.ramp:
         words += f", each reached within {estimates['ramp']}"

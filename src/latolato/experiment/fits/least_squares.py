@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, import_extra
+from latolato.experiment.fits.result import Estimate
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
@@ -57,6 +58,12 @@ class Data:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def __getitem__(self, chosen: Any) -> Data:
+        """Return some of the samples."""
+        return Data(
+            self.times[chosen], self.values[chosen], self.sigmas[chosen], self.series[chosen]
+        )
 
 
 @dataclass(frozen=True)
@@ -119,6 +126,21 @@ class Solution:
         if name not in self.names:
             return 0.0
         return math.sqrt(self.covariance[self.names.index(name), self.names.index(name)])
+
+    def estimate(self, name: str, unit: str) -> Estimate:
+        """Return a parameter with its deviation and its interval, profiled where asked for."""
+        interval = self.intervals.get(name, (math.nan, math.nan))
+        return Estimate(self.values[name], self.sigma(name), unit, *interval)
+
+    @property
+    def quality(self) -> dict[str, Any]:
+        """How good it is, by its residuals: attributes of a fit."""
+        return {
+            "scatter": self.scatter,
+            "autocorrelation": self.correlation,
+            "effective_samples": self.effective_samples,
+            "outliers": int((~self.kept).sum()),
+        }
 
     @property
     def bayes(self) -> float:

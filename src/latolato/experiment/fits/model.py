@@ -151,9 +151,7 @@ def fit_model(
     }
     about = {
         "start": first, "end": last, "samples": len(data), "pivot": moving.words,
-        "scatter": solution.scatter, "chi_square": solution.chi_square,
-        "autocorrelation": solution.correlation, "effective_samples": solution.effective_samples,
-        "outliers": int((~solution.kept).sum()), "windows": len(model.windows),
+        **solution.quality, "chi_square": solution.chi_square, "windows": len(model.windows),
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
         "source": table.attrs.get("source"),
     }  # fmt: skip

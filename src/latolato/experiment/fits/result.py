@@ -210,19 +210,13 @@ def make_fit(
     variables: dict[str, Any] = {}
     for name, estimate in estimates.items():
         quantity = quantity_of(name)
-        shared = {"units": estimate.unit, "symbol": quantity.symbol}
-        variables[name] = ((), estimate.value, {**shared, "long_name": quantity.long_name})
+        shared = {**quantity.attributes, "units": estimate.unit}
+        variables[name] = ((), estimate.value, shared)
         for part, words in _PARTS.items():
             meaning = {**shared, "long_name": f"{words} {quantity.long_name}"}
             variables[f"{name}_{part}"] = ((), getattr(estimate, part), meaning)
     for name, (dimension, values) in curves.items():
-        quantity = QUANTITIES[name]
-        about = {
-            "units": quantity.unit,
-            "long_name": quantity.long_name,
-            "symbol": quantity.symbol,
-        }
-        variables[name] = (dimension, values, about)
+        variables[name] = (dimension, values, QUANTITIES[name].attributes)
     kept = {key: value for key, value in attributes.items() if value is not None}
     kept = {key: int(v) if isinstance(v, bool) else v for key, v in kept.items()}
     if drive is not None:

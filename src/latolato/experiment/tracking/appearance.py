@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.tracking import fitting
-from latolato.experiment.tracking import inner_loops as kernels
+from latolato.experiment.tracking.kernels import fitting
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.video import Video
 
 # Angles tried around the circle per radius of the ball.
@@ -163,7 +163,7 @@ class Appearance:
 
 
 @dataclass(frozen=True)
-class Fit:
+class BallFit:
     """Balls fitted to one frame.
 
     Attributes
@@ -193,7 +193,7 @@ def fit_balls(
     prior: float = 0.0,
     rounds: int = 6,
     tolerant: int = 1,
-) -> Fit:
+) -> BallFit:
     """Move balls from where they are expected until they explain a frame (Gauss-Newton).
 
     Parameters
@@ -231,7 +231,7 @@ def fit_balls(
     )  # fmt: skip
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
-    return Fit(
+    return BallFit(
         shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost / (shape[0] * shape[1])
     )
 
@@ -293,11 +293,3 @@ def gains_at(
         look.scale, out,
     )  # fmt: skip
     return out
-
-
-def median_background(
-    medians: tuple[np.ndarray, ...], colours: Colours, low: np.ndarray, high: np.ndarray
-) -> np.ndarray:
-    """Return the linear colours of the median frame between two corners."""
-    shape = (int(high[1] - low[1]), int(high[0] - low[0]))
-    return colours.window(medians, (int(low[0]), int(low[1])), shape)

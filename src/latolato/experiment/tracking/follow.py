@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from latolato.experiment.tracking.appearance import (
-    Fit,
     arc,
     best_angles,
     fit_balls,
     gains_at,
     samples_for,
 )
-from latolato.experiment.tracking.learn import Scene
+from latolato.experiment.tracking.learn import ImageModel
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.predict import Prediction, Predictor
+from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
@@ -44,74 +44,29 @@ _FLOOR = 0.03
 _OFF_CIRCLE = 0.4
 
 
-@dataclass
-class Followed:
-    """Raw positions in the image.
-
-    Attributes
-    ----------
-    times : numpy.ndarray, shape (frame,)
-        Time stamps [s].
-    pivots : numpy.ndarray, shape (frame, 2)
-        Pivot (column, row) [pixels].
-    centres : numpy.ndarray, shape (frame, ball, 2)
-        Centres of the balls [pixels]; NaN where lost.
-    angles : numpy.ndarray, shape (frame, ball)
-        Unwrapped angles from straight down in the image [rad].
-    sigmas : numpy.ndarray, shape (frame, ball)
-        Standard deviations of the angles [rad].
-    spreads : numpy.ndarray, shape (frame, ball)
-        Standard deviations of the distances from the pivot [pixels].
-    flags : numpy.ndarray of str, shape (frame, ball)
-        ok, collision, occluded, predicted or lost.
-    """
-
-    times: np.ndarray
-    pivots: np.ndarray
-    centres: np.ndarray
-    angles: np.ndarray
-    sigmas: np.ndarray
-    spreads: np.ndarray
-    flags: np.ndarray
-
-
 def follow(
     video: Video,
-    scene: Scene,
-    interval: float,
-    count: int,
+    sample: Sample,
+    scene: ImageModel,
     stiffness: float,
     progress: Callable[[float], None] | None = None,
-) -> Followed:
+) -> Positions:
     """Return where pivot and balls are in every frame.
 
     Parameters
     ----------
-    video, scene : Video, Scene
-        The clip and what was learned of it.
-    interval : float
-        Typical time between frames [s].
-    count : int
-        Number of frames.
+    video, sample, scene : Video, Sample, ImageModel
+        The clip, its first reading and what was learned of it.
     stiffness : float
         Gravity over length [1/s^2], 0 if unknown.
     """
-    balls = scene.balls
-    out = Followed(
-        np.empty(count),
-        np.empty((count, 2)),
-        np.full((count, balls, 2), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), np.nan),
-        np.full((count, balls), "lost", "U9"),
-    )
-    follower = _Follower(scene, interval, stiffness)
+    count = len(sample.times)
+    out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
+    follower = _Follower(scene, sample.interval, stiffness)
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
             break
-        out.times[n] = frame.time
         out.pivots[n] = follower.pivot_in(frame)
         out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = follower.balls_in(frame)
         out.spreads[n] = follower.spreads
@@ -123,7 +78,7 @@ def follow(
 class _Follower:
     """State carried from frame to frame."""
 
-    def __init__(self, scene: Scene, interval: float, stiffness: float) -> None:
+    def __init__(self, scene: ImageModel, interval: float, stiffness: float) -> None:
         self.scene, self.interval = scene, interval
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
         self.predictor = Predictor(stiffness, gap)
@@ -236,7 +191,7 @@ class _Follower:
         angles, sigmas = np.empty(balls), np.empty(balls)
         fits: list[tuple[np.ndarray, float]] = [(np.zeros(2), 0.0)] * balls
         for group in groups:
-            fit: Fit = fit_balls(
+            fit = fit_balls(
                 scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
             )
             for k, b in enumerate(group):

@@ -15,7 +15,6 @@ from latolato.experiment.tracking.appearance import (
     arc,
     best_angles,
     fit_balls,
-    median_background,
 )
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
@@ -43,7 +42,7 @@ _LIKELY = 0.2
 
 
 @dataclass
-class Scene:
+class ImageModel:
     """What was learned of a clip.
 
     Attributes
@@ -72,14 +71,14 @@ class Scene:
     explained: float = 1.0
 
 
-def learn_scene(
+def learn_image_model(
     video: Video,
     sample: Sample,
     pivot: np.ndarray,
     balls: list[np.ndarray],
     radius: float | None,
     progress: Callable[[float], None] | None = None,
-) -> Scene:
+) -> ImageModel:
     """Return what a clip looks like.
 
     Parameters
@@ -114,7 +113,8 @@ def learn_scene(
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
     low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
-    behind = median_background(medians, colours, low, high)
+    width, height = high - low
+    behind = colours.window(medians, (int(low[0]), int(low[1])), (int(height), int(width)))
     for centre in centres:
         uncover(behind, low, frames[0], colours, centre, size)
     behind = filled(behind)
@@ -122,7 +122,7 @@ def learn_scene(
     weight = np.eye(3) / _first_noise(paint, behind, np.array(centres) - low, size) ** 2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
-    scene = Scene(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
+    scene = ImageModel(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
     sightings: list[Sighting] = []
     for round_ in range(_ROUNDS):
         if round_ == 0:
@@ -175,7 +175,7 @@ def _first_noise(
 
 
 def find_balls(
-    scene: Scene, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
+    scene: ImageModel, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
 ) -> list[Sighting]:
     """Find the balls in the sample with colours that stay or that turn: as explains more."""
     look, paint = scene.look, scene.look.paint
@@ -198,7 +198,7 @@ def find_balls(
     return _find(scene, frames, pivots)
 
 
-def _find(scene: Scene, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
+def _find(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
     """Find the balls in every frame of the sample, on the whole circle."""
     look, sightings = scene.look, []
     for k, frame in enumerate(frames):
@@ -240,7 +240,11 @@ def _set_speeds(sightings: list[Sighting], frames: list[Frame], balls: int) -> N
 
 
 def fit_sample(
-    scene: Scene, frames: list[Frame], sightings: list[Sighting], pivots: np.ndarray, tolerant: int
+    scene: ImageModel,
+    frames: list[Frame],
+    sightings: list[Sighting],
+    pivots: np.ndarray,
+    tolerant: int,
 ) -> list[Sighting]:
     """Fit the balls found in each frame together; keep those on the circle, with their speeds."""
     look, kept = scene.look, []

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from latolato.experiment.tracking import inner_loops as kernels
 from latolato.experiment.tracking.appearance import Appearance, Colours
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.video import Frame
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from latolato.core.errors import InputError
-from latolato.experiment.tracking import shifts as kernels
+from latolato.experiment.tracking.kernels import shifts as kernels
 from latolato.experiment.video import Frame
 
 # Residuals beyond this many standard deviations count little.

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.experiment.tracking import inner_loops as kernels
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.edge import Shot, measured_edge
+from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.paint import painted
 from latolato.experiment.video import Frame
 

@@ -16,10 +16,11 @@ from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
-from latolato.experiment.picture import Studio, View, moments_needed
-from latolato.experiment.render import Floats
-from latolato.experiment.scene import Camera, Scene
-from latolato.experiment.track_table import about, track_table
+from latolato.experiment.synthetic.picture import Studio, View, moments_needed
+from latolato.experiment.synthetic.render import Floats
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.track_table import track_table
+from latolato.experiment.video import digest_of
 from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
@@ -138,7 +139,7 @@ def synthesise_video(
             rotation=camera.rotation,
         )
     table = take.truth()
-    table.attrs.update(source=path.name, source_sha256=_digest(path), seed=seed)
+    table.attrs.update(source=path.name, source_sha256=digest_of(path), seed=seed)
     if truth is not None:
         from latolato.experiment.track_table import write_table
 
@@ -450,7 +451,6 @@ def _true_table(take: Take) -> xr.Dataset:
         table[name] = ("frame", values, meaning)
     meaning = {"units": "1", "long_name": "whether balls touch during the exposure", "symbol": ""}
     table["is_contact"] = ("frame", touches, meaning)
-    assert table["time"].attrs == about("time")
     return table
 
 
@@ -464,11 +464,3 @@ def _touches(motion: Motion, moments: Floats) -> Any:
     apart = right - left
     near = np.minimum(apart - motion.separation, 2.0 * math.pi - motion.separation - apart)
     return (last > first) | (near.min(axis=0) < _TOUCHING)
-
-
-def _digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    import hashlib
-
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

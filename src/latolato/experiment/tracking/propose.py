@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.blobs import Backdrop, Disc
-from latolato.experiment.calibrate import Optics, undistorted
-from latolato.experiment.orbit import Orbit, better, circle, driven_circle
+from latolato.experiment.calibration.lens import Optics, distorted, undistorted
+from latolato.experiment.sidecar import Place, Setup
 from latolato.experiment.tracking.appearance import Colours
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
@@ -40,40 +40,14 @@ _ASIDE = 0.15
 _PART = 0.88
 # Frames in which discs are measured again by their edge.
 _EDGES = 9
-Place = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Proposal:
-    """Where pivot and balls are in the first frame.
-
-    Attributes
-    ----------
-    pivot : tuple of float or None
-        Column and row [pixels]; None if it is not in the picture.
-    balls : tuple of tuple of float
-        Centres, the right-hand one first [pixels].
-    radius : float
-        Radius of a ball [pixels].
-    residual : float
-        Median distance of the balls from their circle [pixels].
-    arc : float
-        Range of directions seen from the pivot [rad].
-    """
-
-    pivot: Place | None
-    balls: tuple[Place, ...]
-    radius: float
-    residual: float = math.nan
-    arc: float = math.nan
-
-
-def proposal_text(pivot: Sequence[float] | None, balls: Sequence[Sequence[float]]) -> str:
+def proposal_text(setup: Setup) -> str:
     """Return a proposal in words, with the options that say the same."""
-    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in balls)
-    if pivot is None:
+    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in setup.balls)
+    if setup.pivot is None:
         return f"found in the video: {clicks}; no pivot was found in the picture"
-    u, v = pivot
+    u, v = setup.pivot
     return f"found in the video: --pivot {u:g},{v:g} {clicks}"
 
 
@@ -85,8 +59,10 @@ def propose(
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
     optics: Optics | None = None,
-) -> Proposal:
-    """Return where pivot and balls are in the first frame.
+) -> tuple[Setup, float]:
+    """Return where pivot and balls are in the first frame, and a ball's radius [pixels].
+
+    The right-hand ball comes first; no pivot is in the picture if none is found.
 
     Parameters
     ----------
@@ -141,25 +117,12 @@ def propose(
             distorted(ball, size, lens) for ball in _starts(video, places, orbit, count, radius)
         ]
     starts.sort(key=lambda ball: -float(ball[0]))
-    return Proposal(
-        None if hinge is None else _rounded(hinge),
-        tuple(_rounded(ball) for ball in starts),
-        radius,
-        orbit.residual if orbit else math.nan,
-        orbit.arc if orbit else math.nan,
+    setup = Setup(
+        pivot=None if hinge is None else _rounded(hinge),
+        balls=tuple(_rounded(ball) for ball in starts),
+        is_proposed=True,
     )
-
-
-def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
-    """Return where a lens shows undistorted places [pixels]."""
-    middle = (np.array(size) - 1.0) / 2.0
-    unit = 0.5 * math.hypot(*size)
-    away = (places - middle) / unit
-    squares = np.sum(away**2, axis=-1, keepdims=True)
-    moved: np.ndarray = middle + away * unit * (
-        1.0 + optics.lens_k1 * squares + optics.lens_k2 * squares**2
-    )
-    return moved
+    return setup, radius
 
 
 def _rounded(place: np.ndarray) -> Place:

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from latolato.experiment.tracking.jit import jit
+from latolato.experiment.tracking.kernels.jit import jit
 
 # Steps of the table that turns a coded value between 0 and 255 into linear light.
 _FINENESS = 4

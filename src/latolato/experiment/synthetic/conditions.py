@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from latolato.core.registry import Registry
-from latolato.experiment.scene import Camera, Scene
+from latolato.experiment.synthetic.scene import Camera, Scene
 
 
 @dataclass(frozen=True, kw_only=True)

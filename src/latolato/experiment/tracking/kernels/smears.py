@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from latolato.experiment.tracking.jit import jit
+from latolato.experiment.tracking.kernels.jit import jit
 
 # Paths of fewer samples are drawn one by one.
 FEWEST = 4

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.blobs import Backdrop, Disc
+from latolato.experiment.tracking.blobs import Backdrop, Disc
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video
 
@@ -19,35 +19,13 @@ _NEAR, _SIZE = 2.5, 1.8
 _FEWEST = 4
 
 
-@dataclass(frozen=True)
-class Path:
-    """Where balls are in the picture.
-
-    Attributes
-    ----------
-    times : numpy.ndarray, shape (frame,)
-        Time stamps [s].
-    centres : numpy.ndarray, shape (frame, ball, 2)
-        Column and row [pixels]; NaN where a ball was not found.
-    flags : numpy.ndarray of str, shape (frame, ball)
-        ok or lost.
-    radius : float
-        Median radius [pixels].
-    """
-
-    times: np.ndarray
-    centres: np.ndarray
-    flags: np.ndarray
-    radius: float
-
-
 def follow_path(
     video: Video,
     sample: Sample,
     starts: list[np.ndarray],
     progress: Callable[[float], None] | None = None,
-) -> Path:
-    """Return where balls are in every frame, from their places in the first.
+) -> Positions:
+    """Return where balls are in every frame, from their places in the first, without angles.
 
     Parameters
     ----------
@@ -67,7 +45,7 @@ def follow_path(
     """
     backdrop = Backdrop(sample.frames)
     count, balls = len(sample.times), len(starts)
-    centres = np.full((count, balls, 2), np.nan)
+    out = Positions.unknown(sample.times, balls)
     radii: list[float] = []
     tracks = [_Track(start) for start in starts]
     for frame in video.frames():
@@ -77,18 +55,20 @@ def follow_path(
         for b, track in enumerate(tracks):
             disc = track.next(discs)
             if disc is not None:
-                centres[frame.number, b] = disc.centre
+                out.centres[frame.number, b] = disc.centre
+                out.flags[frame.number, b] = "ok"
                 radii.append(disc.radius)
                 discs = [one for one in discs if one is not disc]
         if progress and frame.number % 16 == 0:
             progress(frame.number / count)
-    seen = np.isfinite(centres[..., 0])
-    if np.any(seen.mean(axis=0) < 0.1):
+    share = float(out.is_measured.mean(axis=0).min())
+    if share < 0.1:
         raise InputError(
-            f"{video.path}: the ball was found in {100 * float(seen.mean(axis=0).min()):.0f} % of "
-            "the frames; point at its centre in the first frame"
+            f"{video.path}: the ball was found in {100 * share:.0f} % of the frames; point at its "
+            "centre in the first frame"
         )
-    return Path(sample.times, centres, np.where(seen, "ok", "lost"), float(np.median(radii)))
+    out.radius = float(np.median(radii))
+    return out
 
 
 class _Track:

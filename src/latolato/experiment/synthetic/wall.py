@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from latolato.experiment.render import Floats, Image
-from latolato.experiment.scene import Scene, linear_colour
+from latolato.experiment.synthetic.render import Floats, Image
+from latolato.experiment.synthetic.scene import Scene, linear_colour
 
 
 def make_wall(scene: Scene, shape: tuple[int, int], random: np.random.Generator) -> Image:

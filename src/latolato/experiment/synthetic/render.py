@@ -109,6 +109,59 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
         highlight = look.gloss * power * power
         return (1.0 - look.metal) * matt + look.metal * mirror, highlight
 
+    @compile_part
+    def see(
+        states: Floats, moment: int, line: int, balls: int, ends: Floats
+    ) -> tuple[float, float]:
+        """Write where the balls are in a line, shape (ball, 2); return where the pivot is."""
+        for ball in range(balls):
+            ends[ball, 0] = states[moment, line, 2 + 2 * ball]
+            ends[ball, 1] = states[moment, line, 3 + 2 * ball]
+        return states[moment, line, 0], states[moment, line, 1]
+
+    @compile_part
+    def cross(
+        v: float,
+        pu: float,
+        pv: float,
+        ends: Floats,
+        balls: int,
+        radii: tuple[float, float],
+        block_u: float,
+        block_v: float,
+        look: Any,
+        spans: Floats,
+    ) -> int:
+        """Write first and last u of what may change in a row, from left to right; return how many.
+
+        Block, rods with their balls, and their shadows.
+        """
+        soft = 0.5 * look.softness + 1.0
+        count = 0
+        if abs(v - pv) <= block_v:
+            spans[0, 0], spans[0, 1] = pu - block_u, pu + block_u
+            count = 1
+        for ball in range(balls):
+            bu, bv = ends[ball, 0], ends[ball, 1]
+            low, high = reach(v, pu, pv, bu, bv, look.rod + 1.0, radii[ball] + 1.0)
+            spans[count, 0], spans[count, 1] = low, high
+            count += 1
+            if look.shadow > 0.0:
+                low, high = reach(
+                    v - look.shadow_v, pu, pv, bu, bv, look.rod + soft, radii[ball] + soft
+                )
+                spans[count, 0] = low + look.shadow_u
+                spans[count, 1] = high + look.shadow_u
+                count += 1
+        for i in range(1, count):
+            for j in range(i, 0, -1):
+                if spans[j, 0] < spans[j - 1, 0]:
+                    for k in range(2):
+                        one = spans[j, k]
+                        spans[j, k] = spans[j - 1, k]
+                        spans[j - 1, k] = one
+        return count
+
     def paint(
         total: Image,
         corner_u: int,
@@ -146,38 +199,12 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
                 if lines > 1 and axis == 0:
                     line = corner_v + row
                     line = lines - 1 - line if flip else line
-                pu, pv = states[moment, line, 0], states[moment, line, 1]
-                for ball in range(balls):
-                    ends[ball, 0] = states[moment, line, 2 + 2 * ball]
-                    ends[ball, 1] = states[moment, line, 3 + 2 * ball]
+                pu, pv = see(states, moment, line, balls, ends)
                 spans[0, 0], spans[0, 1] = 0.0, columns - 1.0
                 count = 1
                 if not whole:
                     v = float(corner_v + row)
-                    count = 0
-                    if abs(v - pv) <= block_v:
-                        spans[0, 0], spans[0, 1] = pu - block_u, pu + block_u
-                        count = 1
-                    for ball in range(balls):
-                        bu, bv = ends[ball, 0], ends[ball, 1]
-                        low, high = reach(v, pu, pv, bu, bv, look.rod + 1.0, radii[ball] + 1.0)
-                        spans[count, 0], spans[count, 1] = low, high
-                        count += 1
-                        if look.shadow > 0.0:
-                            low, high = reach(
-                                v - look.shadow_v, pu, pv, bu, bv,
-                                look.rod + soft, radii[ball] + soft,
-                            )  # fmt: skip
-                            spans[count, 0] = low + look.shadow_u
-                            spans[count, 1] = high + look.shadow_u
-                            count += 1
-                    for i in range(1, count):  # in order from left to right
-                        for j in range(i, 0, -1):
-                            if spans[j, 0] < spans[j - 1, 0]:
-                                for k in range(2):
-                                    one = spans[j, k]
-                                    spans[j, k] = spans[j - 1, k]
-                                    spans[j - 1, k] = one
+                    count = cross(v, pu, pv, ends, balls, radii, block_u, block_v, look, spans)
                     for i in range(count):
                         spans[i, 0] -= corner_u
                         spans[i, 1] -= corner_u
@@ -198,10 +225,7 @@ def _make_paint(compile_part: Callable[..., Any]) -> Callable[..., None]:
                     if lines > 1 and axis == 1:
                         line = corner_u + column
                         line = lines - 1 - line if flip else line
-                        pu, pv = states[moment, line, 0], states[moment, line, 1]
-                        for ball in range(balls):
-                            ends[ball, 0] = states[moment, line, 2 + 2 * ball]
-                            ends[ball, 1] = states[moment, line, 3 + 2 * ball]
+                        pu, pv = see(states, moment, line, balls, ends)
                     x, y = float(corner_u + column), float(corner_v + row)
                     if not is_plain:
                         i, j = corner_v + row, corner_u + column

@@ -6,9 +6,15 @@ import math
 
 import numpy as np
 
-from latolato.experiment.tracking.inner_loops import cover, normal_equations
-from latolato.experiment.tracking.jit import jit
-from latolato.experiment.tracking.smears import FEWEST, pieces_of, running_sum, step_of, sweep
+from latolato.experiment.tracking.kernels.jit import jit
+from latolato.experiment.tracking.kernels.layers import cover, normal_equations
+from latolato.experiment.tracking.kernels.smears import (
+    FEWEST,
+    pieces_of,
+    running_sum,
+    step_of,
+    sweep,
+)
 
 # Steps below this are the last [pixels]; longer ones than this share of the radius are cut.
 _CONVERGED, _LONGEST = 0.05, 0.3

@@ -1,4 +1,4 @@
-"""What an undeclared lens does to the circle on which a ball is seen."""
+"""The lens: places with and without its distortion, and what an undeclared one does to angles."""
 
 from __future__ import annotations
 
@@ -20,32 +20,35 @@ _UNEVEN = 0.01
 _ROBUST = 0.3
 
 
-@dataclass(frozen=True)
-class Bend:
-    """The radial distortion with which places lie on a circle best.
+@dataclass(frozen=True, kw_only=True)
+class Optics:
+    """What is declared of the camera.
 
-    Attributes
+    Parameters
     ----------
-    k1, sigma : float
-        Distortion in units of half the picture's diagonal, and its standard deviation.
-    centre : numpy.ndarray, shape (2,)
-        Of the circle from the pivot as clicked, once the places are undistorted [pixels].
+    row_time : float
+        Time between the exposures of two rows of a rolling shutter [s]; a frame's time stamp is
+        that of its first row.
+    lens_k1, lens_k2 : float
+        Radial distortion: an undistorted distance ``s`` from the middle of the picture, in units of
+        half its diagonal, is seen at ``s (1 + k1 s^2 + k2 s^4)``.
     """
 
-    k1: float
-    sigma: float
-    centre: np.ndarray
+    row_time: float = 0.0
+    lens_k1: float = 0.0
+    lens_k2: float = 0.0
 
 
-def find_bend(
+def _lens_of(
     balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int], noise: float
-) -> Bend | None:
-    """Return the distortion of places (column, row) about a pivot, None for too few places.
+) -> tuple[Optics, np.ndarray] | None:
+    """Return the lens with which places lie on a circle best, and the circle's centre.
 
-    A lens stretches the circle more where it is far from the middle of the picture. A narrow arc,
-    or one all at the same distance from the middle, tells little: `sigma` is large. What the lens
-    leaves of the distances beyond their `noise` [pixels] may change slowly along the path, as
-    errors of a fast pivot do, and does not average out.
+    None for too few places and for a distortion that is not sure. The centre is that of the
+    undistorted places from the pivot as clicked [pixels]. A lens stretches the circle more where it
+    is far from the middle of the picture. A narrow arc, or one all at the same distance from the
+    middle, tells little. What the lens leaves of the distances beyond their `noise` [pixels] may
+    change slowly along the path, as errors of a fast pivot do, and does not average out.
     """
     from scipy.optimize import least_squares
 
@@ -56,7 +59,7 @@ def find_bend(
     balls, pivots = balls[thin], pivots[thin]
 
     def rest(p: np.ndarray) -> np.ndarray:
-        away = straightened(balls, size, p[3]) - straightened(pivots, size, p[3]) - p[:2]
+        away = _from_centre(balls, pivots, size, Optics(lens_k1=p[3]), p[:2])
         return np.asarray(np.hypot(away[:, 0], away[:, 1]) - p[2])
 
     arm = float(np.median(np.hypot(*(balls - pivots).T)))
@@ -73,7 +76,19 @@ def find_bend(
     left = max(scatter**2 - noise**2, _UNEVEN**2)
     spread = len(balls) * float(np.linalg.pinv(fit.jac.T @ fit.jac)[3, 3])
     sigma = math.sqrt(spread * (left + noise**2 / count))
-    return Bend(float(fit.x[3]), sigma, fit.x[:2])
+    return (Optics(lens_k1=float(fit.x[3])), fit.x[:2]) if abs(fit.x[3]) >= _SURE * sigma else None
+
+
+def _from_centre(
+    balls: np.ndarray,
+    pivots: np.ndarray,
+    size: tuple[int, int],
+    optics: Optics,
+    centre: np.ndarray,
+) -> np.ndarray:
+    """Return where balls are from the centre of their circle, undistorted [pixels]."""
+    away = undistorted(balls, size, optics) - undistorted(pivots, size, optics)
+    return np.asarray(away - centre)
 
 
 def lens_errors(
@@ -99,18 +114,17 @@ def lens_errors(
     noise : float
         Scatter of the distances from the pivot [pixels].
     """
-    bend = find_bend(balls[use], pivots[use], size, noise)
-    if bend is None or abs(bend.k1) < _SURE * bend.sigma:
+    lens = _lens_of(balls[use], pivots[use], size, noise)
+    if lens is None:
         return None
-    away = straightened(balls, size, bend.k1) - straightened(pivots, size, bend.k1) - bend.centre
+    away = _from_centre(balls, pivots, size, *lens)
     turned = np.arctan2(away[..., 0], away[..., 1]) - angles
     return np.asarray(np.remainder(turned + math.pi, 2.0 * math.pi) - math.pi)
 
 
-def straightened(
-    places: np.ndarray, size: tuple[int, int], k1: float, k2: float = 0.0
-) -> np.ndarray:
+def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
     """Return positions as a lens without distortion would show them [pixels]."""
+    k1, k2 = optics.lens_k1, optics.lens_k2
     if not (k1 or k2):
         return places
     middle = (np.array(size) - 1.0) / 2.0
@@ -122,3 +136,15 @@ def straightened(
         true = distance / (1.0 + k1 * true**2 + k2 * true**4)
     straight: np.ndarray = middle + seen * (true / np.maximum(distance, 1e-12)) * unit
     return straight
+
+
+def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
+    """Return where a lens shows undistorted places [pixels]."""
+    middle = (np.array(size) - 1.0) / 2.0
+    unit = 0.5 * math.hypot(*size)
+    away = (places - middle) / unit
+    squares = np.sum(away**2, axis=-1, keepdims=True)
+    moved: np.ndarray = middle + away * unit * (
+        1.0 + optics.lens_k1 * squares + optics.lens_k2 * squares**2
+    )
+    return moved

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 # Error of positions that no scatter shows [pixels].
-_SYSTEMATIC = 0.05
+SYSTEMATIC = 0.05
 # Samples from which on distances from the circle tell of errors, and the distance from which it is
 # no chance [standard deviations].
 _FEW, _FAR_OFF = 20, 4.0
@@ -33,8 +33,8 @@ def honest_deviations(
     believed up to twice the other: fast swings between contacts are none. A ball that is far off
     the circle is no better known along it.
     """
-    raised: np.ndarray = np.hypot(sigmas, _SYSTEMATIC / arm)
-    stated = np.hypot(spreads, _SYSTEMATIC)
+    raised: np.ndarray = np.hypot(sigmas, SYSTEMATIC / arm)
+    stated = np.hypot(spreads, SYSTEMATIC)
     for b in range(angles.shape[1]):
         clean = is_clean[:, b] & np.isfinite(off[:, b] / stated[:, b])
         if not clean.any():

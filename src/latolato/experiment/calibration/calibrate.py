@@ -12,38 +12,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.deviations import honest_deviations, scatter_of
-from latolato.experiment.gravity import Gravity, angle_offset_sigma, find_gravity
-from latolato.experiment.hinge import Hinge, find_hinge
-from latolato.experiment.lens import lens_errors, straightened
-from latolato.experiment.tracking.follow import Followed
+from latolato.experiment.calibration.deviations import SYSTEMATIC, honest_deviations, scatter_of
+from latolato.experiment.calibration.gravity import (
+    STROKE,
+    Gravity,
+    angle_offset_sigma,
+    find_gravity,
+)
+from latolato.experiment.calibration.hinge import Hinge, find_hinge
+from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
+from latolato.experiment.tracking.positions import Positions
 
-# Stroke of the pivot from which its axis is taken as vertical [pixels].
-_STROKE = 6.0
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
 # may scatter about an axis as a share of its stroke.
 _JUMP, _ASIDE = 4.0, 0.02
-# Error of positions that no scatter shows [pixels].
-_SYSTEMATIC = 0.05
-
-
-@dataclass(frozen=True, kw_only=True)
-class Optics:
-    """What is declared of the camera.
-
-    Parameters
-    ----------
-    row_time : float
-        Time between the exposures of two rows of a rolling shutter [s]; a frame's time stamp is
-        that of its first row.
-    lens_k1, lens_k2 : float
-        Radial distortion: an undistorted distance ``s`` from the middle of the picture, in units of
-        half its diagonal, is seen at ``s (1 + k1 s^2 + k2 s^4)``.
-    """
-
-    row_time: float = 0.0
-    lens_k1: float = 0.0
-    lens_k2: float = 0.0
 
 
 @dataclass
@@ -56,18 +38,10 @@ class Calibration:
         Angles from gravity's direction [rad].
     pivots, centres : numpy.ndarray, shape (frame, [ball,] 2)
         Undistorted positions (column, row) [pixels], the pivot at its hinge.
-    arm : float
-        Distance from hinge to ball [pixels].
-    offset, offset_sigma : numpy.ndarray, shape (2,)
-        From the clicked pivot to the hinge and its standard deviations [pixels].
-    tilt : float
-        Direction of gravity from straight down in the image, positive to the right [rad].
-    tilt_source : str
-        ``"drive axis"``, ``"rest position"``, ``"fitted swing"`` or ``"image"``.
-    arc : float
-        Range of angles seen [rad].
-    circle_residual : float
-        Root mean square distance from the circle [pixels].
+    hinge : Hinge
+        The centre of the circle.
+    gravity : Gravity
+        The direction of gravity.
     angle_offset_sigma : float
         Standard deviation of what all angles have in common: gravity's direction and the hinge's
         place [rad].
@@ -79,25 +53,20 @@ class Calibration:
     sigmas: np.ndarray
     pivots: np.ndarray
     centres: np.ndarray
-    arm: float
-    offset: np.ndarray
-    offset_sigma: np.ndarray
-    tilt: float
-    tilt_source: str
-    arc: float
-    circle_residual: float
+    hinge: Hinge
+    gravity: Gravity
     angle_offset_sigma: float
     warnings: list[str] = field(default_factory=list)
 
 
 def calibrate(
-    seen: Followed, size: tuple[int, int], rotation: int, optics: Optics | None = None
+    seen: Positions, size: tuple[int, int], rotation: int, optics: Optics | None = None
 ) -> Calibration:
     """Return angles about the hinge from positions in the image.
 
     Parameters
     ----------
-    seen : Followed
+    seen : Positions
         Raw positions.
     size : tuple of int
         Width and height of the picture as displayed [pixels].
@@ -123,7 +92,7 @@ def calibrate(
         pivots = _moved(seen.times + delay_pivot, pivots, seen.times)
     else:
         about = np.repeat(pivots[:, None], balls, axis=1)
-    is_measured = np.isin(seen.flags, ("ok", "collision", "occluded")) & np.isfinite(seen.angles)
+    is_measured = seen.is_measured & np.isfinite(seen.angles)
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
@@ -154,7 +123,7 @@ def calibrate(
                 "declare the lens (--lens-k1) or the shutter (--row-time)"
             )
     down = find_gravity(seen.times, pivots, angles, is_clean)
-    shared = angle_offset_sigma(down, hinge.arc, hinge.residual, hinge.arm)
+    shared = angle_offset_sigma(down, hinge)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
         warnings.append(
@@ -167,13 +136,8 @@ def calibrate(
         sigmas,
         pivots + offset,
         centres,
-        hinge.arm,
-        offset,
-        hinge.sigma,
-        down.direction,
-        down.source,
-        hinge.arc,
-        hinge.residual,
+        hinge,
+        down,
         shared,
         warnings,
     )
@@ -201,15 +165,10 @@ def _shared_error(angles: np.ndarray, down: Gravity, shared: float, hinge: Hinge
     """
     if down.source == "image":
         level = Gravity(down.direction, down.source, 0.0)
-        shared = angle_offset_sigma(level, hinge.arc, hinge.residual, hinge.arm)
+        shared = angle_offset_sigma(level, hinge)
     turn = down.direction
     along = math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
     return np.hypot(shared, np.sin(angles - turn) * along / hinge.arm)
-
-
-def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
-    """Return positions as a lens without distortion would show them [pixels]."""
-    return straightened(places, size, optics.lens_k1, optics.lens_k2)
 
 
 def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:
@@ -251,9 +210,9 @@ def _on_rail(pivots: np.ndarray) -> np.ndarray:
         _, sizes, axes = np.linalg.svd(pivots[keep] - middle, full_matrices=False)
         aside = (pivots - middle) @ axes[1]
         scatter = 1.4826 * float(np.median(np.abs(aside[ok])))
-        keep = ok & (np.abs(aside) <= _JUMP * max(scatter, _SYSTEMATIC))
+        keep = ok & (np.abs(aside) <= _JUMP * max(scatter, SYSTEMATIC))
     stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(int(keep.sum()), 1))
-    if stroke < _STROKE or scatter > _ASIDE * stroke or keep.sum() < 0.7 * ok.sum():
+    if stroke < STROKE or scatter > _ASIDE * stroke or keep.sum() < 0.7 * ok.sum():
         return pivots
     out = pivots.copy()
     jumps = ok & ~keep

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from latolato.experiment.blobs import import_cv2
+from latolato.experiment.tracking.blobs import import_cv2
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame
 
@@ -56,34 +57,6 @@ _FEWEST = 4
 
 
 @dataclass(frozen=True)
-class Track:
-    """What was followed, in pixels of the picture.
-
-    Attributes
-    ----------
-    centres : numpy.ndarray, shape (frame, ball, 2)
-        Column and row of the balls; NaN where unknown.
-    pivots : numpy.ndarray, shape (frame, 2), or None
-        Column and row of the pivot; None if it is out of the picture.
-    is_measured : numpy.ndarray of bool, shape (frame, ball)
-        Whether the picture shows the ball there, as far as the tracker knows.
-    radius : float
-        Measured radius of a ball.
-    clicks : sequence of numpy.ndarray, shape (2,)
-        Where the balls are in the first frame according to the user.
-    declared_radius : float or None
-        Radius according to the user, by the length's scale.
-    """
-
-    centres: np.ndarray
-    pivots: np.ndarray | None
-    is_measured: np.ndarray
-    radius: float
-    clicks: Sequence[np.ndarray]
-    declared_radius: float | None = None
-
-
-@dataclass(frozen=True)
 class Finding:
     """What a check has against a track.
 
@@ -103,7 +76,12 @@ class Finding:
     doubtful: np.ndarray | None = None
 
 
-def examine(sample: Sample, track: Track) -> list[Finding]:
+def examine(
+    sample: Sample,
+    track: Positions,
+    clicks: Sequence[np.ndarray],
+    expected_radius: float | None = None,
+) -> list[Finding]:
     """Return what the checks have against a track; an empty list for a good one.
 
     The first refusal ends the examination.
@@ -112,12 +90,16 @@ def examine(sample: Sample, track: Track) -> list[Finding]:
     ----------
     sample : Sample
         Frames spread over the clip.
-    track : Track
+    track : Positions
         What was followed in all frames.
+    clicks : sequence of numpy.ndarray, shape (2,)
+        Where the balls are in the first frame according to the user [pixels].
+    expected_radius : float, optional
+        Radius of a ball according to the user, by the length's scale [pixels].
     """
     checks: tuple[Callable[[], Finding | None], ...] = (
-        lambda: clicked_ball(track),
-        lambda: declared_radius(track),
+        lambda: clicked_ball(track, clicks),
+        lambda: declared_radius(track, expected_radius),
         lambda: moving_ball(track),
         lambda: resting_camera(sample, track),
         lambda: changing_pixels(sample, track),
@@ -132,7 +114,7 @@ def examine(sample: Sample, track: Track) -> list[Finding]:
     return findings
 
 
-def clicked_ball(track: Track) -> Finding | None:
+def clicked_ball(track: Positions, clicks: Sequence[np.ndarray]) -> Finding | None:
     """Check that the balls of the first frame are where they were clicked.
 
     It can miss a ball that was not measured in the first frame.
@@ -140,7 +122,7 @@ def clicked_ball(track: Track) -> Finding | None:
     for ball, place in enumerate(track.centres[0]):
         if not track.is_measured[0, ball]:
             continue
-        away = min(float(np.hypot(*(place - click))) for click in track.clicks)
+        away = min(float(np.hypot(*(place - click))) for click in clicks)
         if away > track.radius + _BESIDE:
             return Finding(
                 f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) in the first "
@@ -151,25 +133,25 @@ def clicked_ball(track: Track) -> Finding | None:
     return None
 
 
-def declared_radius(track: Track) -> Finding | None:
+def declared_radius(track: Positions, expected: float | None) -> Finding | None:
     """Check that the measured radius is the declared one within a factor of 1.5.
 
     It can miss whatever has the size of the ball, and everything if no radius is declared.
     """
-    if track.declared_radius is None:
+    if expected is None:
         return None
-    ratio = track.radius / track.declared_radius
+    ratio = track.radius / expected
     if 1.0 / _RADIUS_RATIO <= ratio <= _RADIUS_RATIO:
         return None
     return Finding(
         f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
-        f"{track.declared_radius:.1f} pixels by the length's scale",
+        f"{expected:.1f} pixels by the length's scale",
         "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
         "without a radius it is measured",
     )
 
 
-def moving_ball(track: Track) -> Finding | None:
+def moving_ball(track: Positions) -> Finding | None:
     """Check that each ball moves by more than two pixels.
 
     It can miss a thing at rest whose place is measured badly; `changing_pixels` sees that.
@@ -188,7 +170,7 @@ def moving_ball(track: Track) -> Finding | None:
     return None
 
 
-def resting_camera(sample: Sample, track: Track) -> Finding | None:
+def resting_camera(sample: Sample, track: Positions) -> Finding | None:
     """Check that the camera moves by no more than 2 % of the diagonal, and balls do not with it.
 
     It can miss a camera that moves in front of a wall without any features, that turns by a little
@@ -220,7 +202,7 @@ def _extent(places: np.ndarray) -> float:
     return float(np.hypot(*(high - low)))
 
 
-def camera_motion(sample: Sample, track: Track) -> tuple[float, np.ndarray, np.ndarray]:
+def camera_motion(sample: Sample, track: Positions) -> tuple[float, np.ndarray, np.ndarray]:
     """Return how far the background moves away from its place in the first frame [pixels].
 
     NaN if too few features show it. Also return the numbers of the frames that show it, and
@@ -307,7 +289,7 @@ def _motion(
     return float(np.median(np.hypot(*(after - before)[agrees].T))), motion
 
 
-def changing_pixels(sample: Sample, track: Track) -> Finding | None:
+def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     """Check that the pixels under the ball change when it comes, and that those beside it do not.
 
     Those beside it may change too if nearly all under it do and the rest of the picture rests: the
@@ -361,7 +343,7 @@ def _percent(shares: np.ndarray, typical: Callable[[np.ndarray], Any] = np.media
     return f"{100.0 * float(typical(shares)):.0f} %"
 
 
-def change_shares(sample: Sample, track: Track) -> tuple[np.ndarray, np.ndarray]:
+def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndarray]:
     """Return numbers of the sample's frames, and shares of pixels that changed.
 
     A frame is compared with others in which the ball is elsewhere, the nearest in time: the wall
@@ -482,7 +464,7 @@ class _Window:
 
 
 def _regions(
-    window: _Window, track: Track, numbers: np.ndarray, k: int, j: int, ball: int
+    window: _Window, track: Positions, numbers: np.ndarray, k: int, j: int, ball: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which pixels are under a ball of frame `k`, and which beside it.
 
@@ -500,12 +482,12 @@ def _regions(
                 continue
             if (q, other) != (k, ball):
                 is_free &= np.hypot(u - place[0], v - place[1]) > 1.15 * radius + 1.0
-            if track.pivots is not None:
-                rod = track.pivots[numbers[q]] - place
-                x, y = rod / max(float(np.hypot(*rod)), 1e-9)
-                along = (u - place[0]) * x + (v - place[1]) * y
-                across = np.abs((u - place[0]) * y - (v - place[1]) * x)
-                is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
+            # Without a pivot in the picture no rod is left out.
+            rod = track.pivots[numbers[q]] - place
+            x, y = rod / max(float(np.hypot(*rod)), 1e-9)
+            along = (u - place[0]) * x + (v - place[1]) * y
+            across = np.abs((u - place[0]) * y - (v - place[1]) * x)
+            is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
     under = is_free & (distance < max(0.85 * radius, 1.5))
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside

@@ -28,8 +28,6 @@ class Orbit:
         Radius of the circle [pixels].
     residual : float
         Median distance of the places from it [pixels].
-    arc : float
-        Range of directions seen from the pivot [rad].
     vague : float
         Standard deviation of the centre, as a share of the arm.
     shifts : numpy.ndarray, shape (time, 2)
@@ -39,7 +37,6 @@ class Orbit:
     centre: np.ndarray
     arm: float
     residual: float
-    arc: float
     vague: float
     shifts: np.ndarray
 
@@ -68,7 +65,7 @@ def circle(places: list[np.ndarray], shifts: np.ndarray) -> Orbit | None:
         return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
 
     p, residual, vague = _polished(rest, start)
-    return Orbit(p[:2] + middle, abs(p[2]), residual, _arc(away - p[:2]), vague, shifts)
+    return Orbit(p[:2] + middle, abs(p[2]), residual, vague, shifts)
 
 
 def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
@@ -117,12 +114,10 @@ def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
         p, residual, vague = _polished(rest, start)
         if best is None or residual < best.residual:
             way = pivot(p, times - times[0])
-            arc = _arc(np.column_stack([u, v]) - pivot(p, t))
             best = Orbit(
                 way[0] * scale + middle,
                 abs(p[2]) * scale,
                 residual,
-                arc,
                 vague,
                 (way - way[0]) * scale,
             )
@@ -147,9 +142,3 @@ def _polished(rest: object, start: np.ndarray) -> tuple[np.ndarray, float, float
     spread = np.linalg.pinv(normal / np.outer(sizes, sizes), rcond=1e-14) / np.outer(sizes, sizes)
     error = math.sqrt(float(spread[0, 0] + spread[1, 1])) * max(residual, 0.3)
     return fit.x, residual, error / abs(float(fit.x[2]))
-
-
-def _arc(away: np.ndarray) -> float:
-    """Return the range of directions [rad]."""
-    turns = np.arctan2(away[:, 0], away[:, 1])
-    return float(np.ptp(np.quantile(turns, [0.02, 0.98])))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from latolato.experiment.tracking.jit import jit
+from latolato.experiment.tracking.kernels.jit import jit
 
 # Steps below this are the last [pixels], and the most of them.
 _CONVERGED, _ROUNDS = 2e-3, 6

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.experiment.render import BOLT, Floats, Image, Look, kernel
-from latolato.experiment.scene import Camera, Scene, linear_colour
-from latolato.experiment.wall import make_wall
+from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, kernel
+from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
+from latolato.experiment.synthetic.wall import make_wall
 
 # Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
 _SMOOTH = 0.45
@@ -400,7 +400,7 @@ def _look(scene: Scene, view: View, radii: tuple[float, ...]) -> Look:
 
 
 def _colours(scene: Scene) -> Floats:
-    """Return the linear colours in the order of `latolato.experiment.render`."""
+    """Return the linear colours in the order of `latolato.experiment.synthetic.render`."""
     names = ("ball_colour", "left_ball_colour", "pattern_colour", "rod_colour", "block_colour",
              "bolt_colour")  # fmt: skip
     texts = [getattr(scene, name) or scene.ball_colour for name in names]

@@ -8,13 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-# Arc above which the circle tells its centre [rad], and offset that a click may have [pixels, arm].
-_WIDE_ARC = math.radians(60.0)
-# Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
-# on the whole [pixels].
-_NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
+from latolato.experiment.calibration.hinge import CLICK, NARROW_ARC, UNROUND, WIDE_ARC, Hinge
+
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
-_STROKE = 6.0
+STROKE = 6.0
 # Lean from which a motion of the pivot is no drive [rad].
 _LEAN = math.radians(40.0)
 # Parts of the pivot's axis that are compared.
@@ -67,31 +64,31 @@ def find_gravity(
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
     stroke = 2.0 * math.sqrt(2.0) * sizes[0] / math.sqrt(max(len(centred), 1))
     is_upright = abs(float(axes[0][1])) > math.cos(_LEAN)
-    if stroke > _STROKE and sizes[1] < 0.2 * sizes[0] and is_upright:
+    if stroke > STROKE and sizes[1] < 0.2 * sizes[0] and is_upright:
         axis = axes[0] * np.sign(axes[0][1])
         direction = float(math.atan2(axis[0], axis[1]))
         return Gravity(direction, "drive axis", _axis_sigma(centred @ axes.T))
-    if stroke < 0.25 * _STROKE or not is_upright:
+    if stroke < 0.25 * STROKE or not is_upright:
         rest = _rest_position(times, np.where(is_clean, angles, np.nan))
         if rest is not None:
             return rest
     return Gravity(0.0, "image", LEVELLED)
 
 
-def angle_offset_sigma(down: Gravity, arc: float, residual: float, arm: float) -> float:
+def angle_offset_sigma(down: Gravity, hinge: Hinge) -> float:
     """Return the standard deviation of what all angles have in common [rad].
 
     About the rest position the hinge's place cancels.
     """
     if down.source == "rest position":
-        return math.hypot(down.sigma, 0.5 * _UNROUND / arm)
-    if arc >= _WIDE_ARC:
-        hinge = 0.5 * residual
-    elif arc >= _NARROW_ARC:
-        hinge = 1.0 / math.hypot(1.0 / _CLICK, arc / (2.0 * math.sqrt(2.0) * _UNROUND))
+        return math.hypot(down.sigma, 0.5 * UNROUND / hinge.arm)
+    if hinge.arc >= WIDE_ARC:
+        beside = 0.5 * hinge.residual
+    elif hinge.arc >= NARROW_ARC:
+        beside = 1.0 / math.hypot(1.0 / CLICK, hinge.arc / (2.0 * math.sqrt(2.0) * UNROUND))
     else:
-        hinge = _CLICK
-    return math.hypot(down.sigma, hinge / arm)
+        beside = CLICK
+    return math.hypot(down.sigma, beside / hinge.arm)
 
 
 def _axis_sigma(path: np.ndarray) -> float:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 # Arc above which the circle tells its centre [rad].
-_WIDE_ARC = math.radians(60.0)
+WIDE_ARC = math.radians(60.0)
 # Arc from which the hinge's place across it is looked for [rad]; errors of a click and of distances
 # on the whole [pixels].
-_NARROW_ARC, _CLICK, _UNROUND = math.radians(12.0), 1.0, 0.15
+NARROW_ARC, CLICK, UNROUND = math.radians(12.0), 1.0, 0.15
 # Error of the pivot against the ball that all frames share, from shading and edges, and the least
 # one of the distances that changes along the arc [pixels].
 _SHARED, _UNEVEN = 0.15, 0.01
@@ -26,7 +26,21 @@ _NEAR, _NEAR_SHARE = 5.0, 0.01
 
 @dataclass
 class Hinge:
-    """The circle's centre from the click, as `Calibration` tells it."""
+    """The centre of the circle on which a ball is seen.
+
+    Attributes
+    ----------
+    offset, sigma : numpy.ndarray, shape (2,)
+        From the clicked pivot to the hinge and its standard deviations [pixels].
+    arm : float
+        Distance from hinge to ball [pixels].
+    arc : float
+        Range of angles seen [rad].
+    residual : float
+        Root mean square distance from the circle [pixels].
+    warnings : list of str
+        What the user should know.
+    """
 
     offset: np.ndarray
     sigma: np.ndarray
@@ -47,7 +61,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     arm = float(np.median(distance)) if len(distance) else math.nan
     turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
     arc = float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
-    none, clicked = np.zeros(2), np.full(2, math.hypot(_CLICK, _SHARED))
+    none, clicked = np.zeros(2), np.full(2, math.hypot(CLICK, _SHARED))
     if len(away) < 20:
         return Hinge(none, clicked, arm, arc, math.nan)
 
@@ -58,7 +72,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     offset, fitted_arm = fit.x[:2], float(fit.x[2])
     residual = float(1.4826 * np.median(np.abs(rest(fit.x))))
     as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
-    if arc < _WIDE_ARC:
+    if arc < WIDE_ARC:
         return Hinge(*_across(away, angles, arc, arm), arm, arc, as_clicked)
     # Lenses and perspective make an oval: its second harmonic beside the circle.
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
@@ -91,11 +105,11 @@ def _across(
 
     Along the middle such an arc tells nothing.
 
-    Distances grow along the arc when the hinge lies aside; the click is believed to `_CLICK`, the
-    distances on the whole to `_UNROUND`.
+    Distances grow along the arc when the hinge lies aside; the click is believed to `CLICK`, the
+    distances on the whole to `UNROUND`.
     """
-    clicked = math.hypot(_CLICK, _SHARED)
-    if arc < _NARROW_ARC:
+    clicked = math.hypot(CLICK, _SHARED)
+    if arc < NARROW_ARC:
         return np.zeros(2), np.full(2, clicked)
     middle = 0.5 * float(np.sum(np.quantile(angles, [0.005, 0.995])))
     lean = np.sin(np.mod(angles - middle + math.pi, 2.0 * math.pi) - math.pi)
@@ -103,11 +117,11 @@ def _across(
     # distance = arm + offset * lean, with the offset drawn to zero.
     centred = lean - lean.mean()
     fitted = float(np.sum(centred * distance) / np.sum(centred**2))
-    error = _UNROUND / float(np.std(lean))
-    offset = fitted / (1.0 + (error / _CLICK) ** 2)
+    error = UNROUND / float(np.std(lean))
+    offset = fitted / (1.0 + (error / CLICK) ** 2)
     across = np.array([math.cos(middle), -math.sin(middle)])
     along = np.array([math.sin(middle), math.cos(middle)])
     if abs(offset) > max(_NEAR, _NEAR_SHARE * arm):
         return np.zeros(2), np.maximum(clicked, np.abs(fitted * across))
-    left = math.hypot(error / math.hypot(1.0, error / _CLICK), _SHARED)
+    left = math.hypot(error / math.hypot(1.0, error / CLICK), _SHARED)
     return offset * across, np.hypot(left * across, clicked * along)

@@ -1,0 +1,1 @@
+"""From pixels to angles: lens, hinge, gravity's direction, honest deviations."""

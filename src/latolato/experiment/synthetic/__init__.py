@@ -1,0 +1,1 @@
+"""Synthetic videos: a scene, a camera, and a run filmed by it with the true table."""

@@ -1,0 +1,71 @@
+"""Where pivot and balls are in every frame of a clip: what the tracker's steps hand on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.experiment.track_table import MEASURED
+
+
+@dataclass
+class Positions:
+    """Raw positions in the image; NaN is unknown.
+
+    Attributes
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    pivots : numpy.ndarray, shape (frame, 2)
+        Pivot (column, row) [pixels]; unknown if it is out of the picture.
+    centres : numpy.ndarray, shape (frame, ball, 2)
+        Centres of the balls [pixels].
+    angles : numpy.ndarray, shape (frame, ball)
+        Unwrapped angles from straight down in the image [rad].
+    sigmas : numpy.ndarray, shape (frame, ball)
+        Standard deviations of the angles [rad].
+    spreads : numpy.ndarray, shape (frame, ball)
+        Standard deviations of the distances from the pivot [pixels].
+    flags : numpy.ndarray of str, shape (frame, ball)
+        ok, collision, occluded, predicted or lost.
+    radius : float
+        Radius of a ball [pixels].
+    """
+
+    times: np.ndarray
+    pivots: np.ndarray
+    centres: np.ndarray
+    angles: np.ndarray
+    sigmas: np.ndarray
+    spreads: np.ndarray
+    flags: np.ndarray
+    radius: float
+
+    @classmethod
+    def unknown(cls, times: np.ndarray, balls: int, radius: float = math.nan) -> Positions:
+        """Return the positions in frames before anything is followed: all are lost."""
+        count = len(times)
+        angles, sigmas, spreads = np.full((3, count, balls), np.nan)
+        return cls(
+            times.copy(),
+            np.full((count, 2), np.nan),
+            np.full((count, balls, 2), np.nan),
+            angles,
+            sigmas,
+            spreads,
+            np.full((count, balls), "lost", "U9"),
+            radius,
+        )
+
+    @property
+    def is_measured(self) -> np.ndarray:
+        """Whether the picture shows a ball, as far as the tracker knows, shape (frame, ball)."""
+        return np.isin(self.flags, MEASURED)
+
+    def give_up(self, doubtful: np.ndarray) -> None:
+        """Mark samples, shape (frame, ball), as lost."""
+        self.flags[doubtful] = "lost"
+        for numbers in (self.centres, self.angles, self.sigmas, self.spreads):
+            numbers[doubtful] = np.nan

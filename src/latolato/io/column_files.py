@@ -1,0 +1,162 @@
+"""Columns with units in CSV and Parquet files, below the attributes of what they belong to."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from latolato.core.errors import InputError, import_extra
+
+# Values and attributes of variables along one dimension.
+Columns = dict[str, tuple[Any, dict[str, Any]]]
+# One column of a text file as its header describes it.
+_COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
+
+
+def write_columns(columns: Columns, attributes: Mapping[str, Any], path: Path, suffix: str) -> None:
+    """Write columns of equal length and attributes as the suffix says, ``.csv`` or ``.parquet``.
+
+    A CSV begins with ``# key: value`` lines of the attributes and one ``# column name [unit]``
+    line for each column.
+    """
+    if suffix == ".csv":
+        _write_csv(columns, attributes, path)
+    else:
+        _write_parquet(columns, attributes, path)
+
+
+def read_columns(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes in a file that `write_columns` wrote.
+
+    The values of a CSV are texts.
+
+    Raises
+    ------
+    InputError
+        For files of another kind, and for rows of unequal length.
+        For Parquet without the extra `parquet`.
+    """
+    if suffix == ".parquet":
+        return _read_parquet(path)
+    try:
+        return parse_columns(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError:
+        raise InputError(f"'{path}' is no text file", way_out="save it as UTF-8 text") from None
+    except InputError as error:
+        raise InputError(f"'{path}': {error}") from None
+
+
+def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns, whose values are texts, and the attributes that a CSV holds.
+
+    Lines that begin with ``#`` may stand anywhere, empty lines too.
+    """
+    attributes: dict[str, Any] = {}
+    about: dict[str, dict[str, Any]] = {}
+    body = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            body.append(line)
+            continue
+        column = _COLUMN.fullmatch(line[1:].strip())
+        if column:
+            about[column["name"]] = {"units": column["units"], "long_name": column["long_name"]}
+        else:
+            key, _, value = line[1:].partition(":")
+            attributes[key.strip()] = _value(value.strip())
+    rows = [row for row in csv.reader(body) if row]
+    if not rows:
+        raise InputError("it holds no columns")
+    names = [name.strip() for name in rows[0]]
+    for number, row in enumerate(rows[1:], start=1):
+        if len(row) != len(names):
+            raise InputError(f"row {number} has {len(row)} cells below {len(names)} column names")
+    cells = zip(*rows[1:], strict=True) if rows[1:] else [()] * len(names)
+    columns = {
+        name: (list(values), about.get(name, {})) for name, values in zip(names, cells, strict=True)
+    }
+    return columns, attributes
+
+
+def import_pyarrow() -> Any:
+    """Return pyarrow with its Parquet."""
+    options = {"purpose": "a Parquet file", "way_out": "use .nc or .csv"}
+    import_extra("pyarrow.parquet", "parquet", **options)
+    return import_extra("pyarrow", "parquet", **options)
+
+
+def _write_csv(columns: Columns, attributes: Mapping[str, Any], path: Path) -> None:
+    """Write the columns below a header of ``# key: value`` lines."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for key, value in attributes.items():
+            file.write(f"# {key}: {_text(value)}\n")
+        for name, (_, about) in columns.items():
+            unit, meaning = about.get("units", "1"), about.get("long_name", name)
+            file.write(f"# column {name} [{unit}]: {meaning}\n")
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(zip(*(_plain(values) for values, _ in columns.values()), strict=True))
+
+
+def _write_parquet(columns: Columns, attributes: Mapping[str, Any], path: Path) -> None:
+    """Write the columns, their units with each field."""
+    pyarrow = import_pyarrow()
+    arrays = [pyarrow.array(values) for values, _ in columns.values()]
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(
+                name,
+                array.type,
+                metadata={k: v for k, v in about.items() if isinstance(v, str)},
+            )
+            for (name, (_, about)), array in zip(columns.items(), arrays, strict=True)
+        ],
+        metadata={key: json.dumps(_plain(value)) for key, value in attributes.items()},
+    )
+    pyarrow.parquet.write_table(pyarrow.table(arrays, schema=schema), path)
+
+
+def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the columns and the attributes of a Parquet file."""
+    pyarrow = import_pyarrow()
+    try:
+        table = pyarrow.parquet.read_table(path)
+    except pyarrow.ArrowInvalid as error:
+        raise InputError(f"'{path}' is no Parquet file: {error}") from None
+    attributes = {
+        key.decode(): _value(value.decode())
+        for key, value in (table.schema.metadata or {}).items()
+        if not key.startswith((b"ARROW:", b"pandas"))
+    }
+    columns: Columns = {}
+    for name in table.column_names:
+        metadata = table.schema.field(name).metadata or {}
+        about = {key.decode(): value.decode() for key, value in metadata.items()}
+        columns[name] = (table[name].to_numpy(), about)
+    return columns, attributes
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON knows it."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _text(value: Any) -> str:
+    """Return an attribute as a header line holds it; texts that look like others are quoted."""
+    if not isinstance(value, str):
+        return json.dumps(_plain(value))
+    is_plain = value == value.strip() and value.isprintable() and _value(value) is value
+    return value if is_plain else json.dumps(value)
+
+
+def _value(text: str) -> Any:
+    """Return an attribute from what `_text` wrote; a description in JSON stays the text it is."""
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+    return text if isinstance(value, dict) else value
