@@ -30,6 +30,11 @@ class Quantity:
         unit = "" if self.unit == "1" else f" [{self.unit}]"
         return f"{self.long_name} ${self.symbol}${unit}"
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What a variable of a dataset carries."""
+        return {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
+
 
 @dataclass(frozen=True)
 class Range:

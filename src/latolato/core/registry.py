@@ -239,6 +239,23 @@ def describe(law: Any) -> dict[str, Any]:
     return result
 
 
+def flattened(described: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what `describe` returned as attributes, nested laws with their name in front.
+
+    Examples
+    --------
+    >>> flattened({"kind": "ballpair", "right": {"mass": 0.1}, "gravity": 9.8, "noise": None})
+    {'right_mass': 0.1, 'gravity': 9.8}
+    """
+    result: dict[str, Any] = {}
+    for name, value in described.items():
+        if isinstance(value, Mapping):
+            result |= {f"{name}_{inner}": number for inner, number in value.items()}
+        elif name != "kind" and value is not None:
+            result[name] = int(value) if isinstance(value, bool) else value
+    return result
+
+
 def named(law: Law) -> Law:
     """Make a dataclass refuse unknown and missing parameters by name; return it."""
     kind: Any = law

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import describe
+from latolato.core.registry import describe, flattened
 from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
@@ -84,8 +84,7 @@ class Record:
         if two:
             coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
-            about = BALL if name == "ball" else QUANTITIES[name]
-            attrs = {"units": about.unit, "long_name": about.long_name, "symbol": about.symbol}
+            attrs = (BALL if name == "ball" else QUANTITIES[name]).attributes
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
                 attrs["long_name"] += ", both balls" if of_both else ", per ball"
@@ -178,11 +177,7 @@ def attributes_of(
         "drive": drives.name_of(drive),
     }
     for part in ("system", "drive", "run"):
-        for name, value in scenario[part].items():
-            if isinstance(value, dict):
-                attributes.update({f"{name}_{inner}": v for inner, v in value.items()})
-            elif name != "kind" and value is not None:
-                attributes[name] = int(value) if isinstance(value, bool) else value
+        attributes |= flattened(scenario[part])
     for name in ("natural_frequency", "contact_angle_low", "contact_angle_high"):
         if hasattr(system, name):
             attributes[name] = getattr(system, name)
