@@ -176,17 +176,16 @@ def basins(
     """
     law = checked_periodic(system, drive, "basins")
     transient_periods = checked_transient(transient_periods)
-    match = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
-    box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
-    shift = checked_number("asymmetry", asymmetry, Range(), "rad")
-    entropy_size = checked_count("entropy_box", entropy_box)
-    shape = (
-        checked_count("angle_points", angle_points),
-        checked_count("velocity_points", velocity_points),
-    )
-    if entropy_size > min(shape):
+    match_tolerance = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
+    chaos_box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
+    asymmetry = checked_number("asymmetry", asymmetry, Range(), "rad")
+    entropy_box = checked_count("entropy_box", entropy_box)
+    angle_points = checked_count("angle_points", angle_points)
+    velocity_points = checked_count("velocity_points", velocity_points)
+    shape = (angle_points, velocity_points)
+    if entropy_box > min(shape):
         raise InputError(
-            f"must be at most the points of either axis, {min(shape)}, got {entropy_size}",
+            f"must be at most the points of either axis, {min(shape)}, got {entropy_box}",
             parameter="entropy_box",
             way_out="take a smaller box or more points",
         )
@@ -196,7 +195,7 @@ def basins(
             "velocity_points"
         )
     tolerance = checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad")
-    finer = _checked_finer(check_tolerance, tolerance)
+    check_tolerance = _checked_finer(check_tolerance, tolerance)
     if known is not None:
         _check_known(known, system)
     angles, velocities = _starts(
@@ -207,7 +206,7 @@ def basins(
         return settled_motion(
             system,
             law,
-            _axes(system, angles, velocities, shift),
+            _axes(system, angles, velocities, asymmetry),
             law.drive_frequency,
             longest=longest,
             angle_tolerance=angle_tolerance,
@@ -217,15 +216,15 @@ def basins(
         )
 
     grid, motion = look(tolerance)
-    again, checked = look(finer)
+    again, checked = look(check_tolerance)
     frequency = law.drive_frequency
     samples = _samples(grid, system.angles, frequency)
     both, examples = find_attractors(
         np.concatenate([samples, _samples(again, system.angles, frequency)]),
         np.concatenate([motion["response_period"], checked["response_period"]]),
         np.concatenate([motion["status"], checked["status"]]),
-        match_tolerance=match,
-        chaos_box=box,
+        match_tolerance=match_tolerance,
+        chaos_box=chaos_box,
     )
     count = len(samples)
     # Attractors that only the second run finds make its starts differ, and are not told.
@@ -263,7 +262,7 @@ def basins(
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
     share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
-    entropy = basin_entropy(table, entropy_size)
+    entropy = basin_entropy(table, entropy_box)
     ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
@@ -285,34 +284,22 @@ def basins(
         values = values.reshape(labels.size, *values.shape[2:])[examples]
         values = wrapped(values) if name == "section_angle" else values
         variables[name] = (("attractor", *ball, "sample"), values)
-    coordinates: dict[str, Any] = {
-        "initial_angle": (("initial_angle",), angles),
-        "initial_angular_velocity": (("initial_angular_velocity",), velocities),
-        "attractor": (("attractor",), numbers),
-    }
-    if ball:
-        coordinates["ball"] = (("ball",), ["right", "left"])
     return labelled(
         "basins",
         variables,
-        coordinates=coordinates,
+        coordinates={
+            "initial_angle": angles,
+            "initial_angular_velocity": velocities,
+            "attractor": numbers,
+        },
         quantities=QUANTITIES_HERE | _QUANTITIES,
         system=system,
         drive=law,
+        arguments=locals(),
         settings={
-            "asymmetry": shift if ball else None,
-            "transient_periods": transient_periods,
-            "longest": longest,
-            "angle_tolerance": angle_tolerance,
-            "match_tolerance": match,
-            "chaos_box": box,
-            "entropy_box": entropy_size,
-            "tolerance": tolerance,
-            "check_tolerance": finer,
-            "rest_speed": rest_speed,
             "numbers_used": used,
             "message": f"{100.0 * doubtful:.3g} % of the starts lead elsewhere at a tolerance of "
-            f"{finer:.1g} rad: their basin is uncertain"
+            f"{check_tolerance:.1g} rad: their basin is uncertain"
             if doubtful
             else None,
         },

@@ -175,16 +175,10 @@ def bifurcation_diagram(
         variables[name] = ((*dims, *ball, "sample"), samples)
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
-    coordinates: dict[str, Any] = {
-        "direction": (("direction",), ways),
-        parameter: ((parameter,), values),
-    }
-    if ball:
-        coordinates["ball"] = (("ball",), ["right", "left"])
     return labelled(
         "bifurcation_diagram",
         variables,
-        coordinates=coordinates,
+        coordinates={"direction": ways, parameter: values},
         quantities=QUANTITIES_HERE
         | {
             parameter: about.quantity,
@@ -193,15 +187,7 @@ def bifurcation_diagram(
         },
         system=system,
         drive=law,
-        settings={
-            **start,
-            "parameter": parameter,
-            "transient_periods": transient_periods,
-            "longest": longest,
-            "angle_tolerance": angle_tolerance,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.flow import Floats, Flow, parameter_of, periodic_drive, value_of
-from latolato.analysis.multipliers import smallest_period, told_of_period
+from latolato.analysis.multipliers import shorter_period, smallest_period
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
@@ -149,7 +149,7 @@ def continue_orbit(
     specials: list[tuple[str, Place]] = []
     status, message = "not found", None
     if first.defect <= CLOSED:
-        message = told_of_period(smallest_period(first), count)
+        message = shorter_period(smallest_period(first), count)
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
@@ -267,7 +267,6 @@ def _dataset(
     return labelled(
         "continue_orbit",
         variables,
-        coordinates={"ball": ("ball", ["right", "left"])} if two else None,
         quantities=quantities,
         system=flow.system,
         drive=flow.drive,

@@ -151,20 +151,20 @@ def hysteresis(
             way_out="sort them",
         )
     amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
-    held = checked_number("duration", duration, POSITIVE, "s")
-    jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
-    least = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
-    begin = 0.5 * held if transient is None else transient
+    duration = checked_number("duration", duration, POSITIVE, "s")
+    least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
+    least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
+    transient = 0.5 * duration if transient is None else transient
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     options: dict[str, Any] = {
-        "duration": held,
-        "transient": begin,
+        "duration": duration,
+        "transient": transient,
         "tolerance": tolerance,
         "contact": contact,
         "rest_speed": rest_speed,
     }
     if isinstance(system, Pendulum) and not system.has_contacts:
-        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least, options)
+        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least_motion, options)
     else:
         grid = sweep(
             system,
@@ -180,10 +180,10 @@ def hysteresis(
         grid = grid if "ball" in grid.dims else grid.expand_dims("ball")
         angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
         angles = angles.max(axis=-1)
-    differ = np.abs(angles[:, 1] - angles[:, 0]) >= jump
-    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, jump, options)
+    differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
+    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, least_jump, options)
     rows = [
-        _loop(np.array(ratios), up, down, jump, each)
+        _loop(np.array(ratios), up, down, least_jump, each)
         for (up, down), each in zip(angles, lasting, strict=True)
     ]
     variables: dict[str, Any] = {
@@ -197,22 +197,15 @@ def hysteresis(
         "hysteresis",
         variables,
         coordinates={
-            "drive_amplitude": ("drive_amplitude", np.array(amplitudes)),
-            "direction": ("direction", np.array(["up", "down"])),
-            "frequency_ratio": ("frequency_ratio", np.array(ratios)),
+            "drive_amplitude": amplitudes,
+            "direction": ["up", "down"],
+            "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "duration": held,
-            "transient": begin,
-            "least_jump": jump,
-            "least_motion": least,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings=start,
     )
 
 

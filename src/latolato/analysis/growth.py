@@ -98,5 +98,5 @@ def growth_rate(
         },
         system=system,
         drive=FixedPivot() if is_static else template,
-        settings={"position": position, "method": method},
+        arguments=locals(),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -93,22 +93,19 @@ def impact_map(
             "BallPair, or poincare_section"
         )
     transient_periods = checked_transient(transient_periods)
-    count = checked_count("periods", periods)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
+    periods = checked_count("periods", periods)
     period = math.tau / law.drive_frequency
-    begin, end = transient_periods * period, (transient_periods + count) * period
+    begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(
         system,
         law,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
         times=[end],
         tolerance=tolerance,
         rest_speed=rest_speed,
         contact_limit=contact_limit,
-        **start,
     )
     kind = run["contact_kind"].values.astype(str)
     late = run["contact_time"].values >= begin
@@ -128,11 +125,11 @@ def impact_map(
             "angular_velocity_after": (("impact",), after[keep]),
             "impact_side": (("impact",), kind[keep]),
             "impact_time": (("impact",), time),
-            "impacts_per_period": time.size / count,
+            "impacts_per_period": time.size / periods,
             "rests": int((late & (kind == "rest")).sum()),
             "status": status,
         },
-        coordinates={"impact": (("impact",), np.arange(time.size))},
+        coordinates={"impact": np.arange(time.size)},
         quantities={
             "impact": Quantity("1", "j", "number of the impact"),
             "impact_phase": Quantity("rad", r"\varphi_j", "drive phase at impact"),
@@ -140,16 +137,8 @@ def impact_map(
             "impact_side": Quantity("1", "", "side of impact"),
             "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
             "rests": Quantity("1", "", "times that contact became lasting"),
-            "status": Quantity("1", "", "status"),
         },
         system=system,
         drive=law,
-        settings={
-            **start,
-            "periods": count,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            "contact_limit": contact_limit,
-        },
+        arguments=locals(),
     )

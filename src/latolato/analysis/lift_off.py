@@ -14,7 +14,7 @@ from latolato.analysis.linear import (
     acceleration_at,
     checked_ratio,
     checked_template,
-    told_waveform,
+    waveform_of,
 )
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
@@ -102,9 +102,9 @@ def self_start(
     0.127322
     """
     angles = _resting_angles(system)
-    ratio = checked_ratio(frequency_ratio)
+    frequency_ratio = checked_ratio(frequency_ratio)
     template = checked_template(drive)
-    w = ratio * system.natural_frequency
+    w = frequency_ratio * system.natural_frequency
     needed = (system.gravity + _friction(system, angles)) / w**2
     amplitude = _amplitude(template, needed)
     status = "found"
@@ -112,7 +112,8 @@ def self_start(
         status = "out of reach"
         warnings.warn(
             f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
-            f"frequency_ratio {ratio:g}; raise it or lengthen a crank's connecting_rod_length",
+            f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
+            "connecting_rod_length",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -131,7 +132,8 @@ def self_start(
             "status": Quantity("1", "", "what was found"),
         },
         system=system,
-        settings={"frequency_ratio": ratio, **told_waveform(template)},
+        arguments=locals(),
+        settings=waveform_of(template),
     )
 
 

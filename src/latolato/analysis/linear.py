@@ -166,8 +166,8 @@ def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[floa
     return lambda phase: formula(phase, stretch)
 
 
-def told_waveform(template: PeriodicDrive) -> dict[str, Any]:
-    """Return what attributes tell of a drive whose amplitude and frequency are not its own."""
+def waveform_of(template: PeriodicDrive) -> dict[str, Any]:
+    """Return the attributes of a drive without its amplitude and frequency."""
     about = {k: v for k, v in describe(template).items() if k not in _SOUGHT}
     return {"drive": drives.name_of(template), **about}
 

@@ -147,14 +147,9 @@ def lyapunov_spectrum(
             "sum_rule_residual": residual,
             "status": status,
         },
-        coordinates={"exponent": ("exponent", np.arange(1, len(exponents) + 1))},
+        coordinates={"exponent": np.arange(1, len(exponents) + 1)},
         quantities=QUANTITIES,
         system=system,
         drive=driven,
-        settings={
-            "duration": duration,
-            "transient": transient,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )

@@ -158,20 +158,19 @@ def floquet(
     return labelled(
         "floquet",
         dimensioned(result, system),
-        coordinates={"ball": ("ball", ["right", "left"])} if system.angles == 2 else None,
         quantities=QUANTITIES,
         system=system,
         drive=driven,
+        arguments=locals(),
         settings={
-            "period": count, "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
-            "message": told_of_period(result["response_period"], count),
+            "message": shorter_period(result["response_period"], count),
         },
-    )  # fmt: skip
+    )
 
 
-def told_of_period(smallest: Any, period: int) -> str | None:
-    """Return what is to be said of a motion that has a shorter period than was asked for."""
+def shorter_period(smallest: Any, period: int) -> str | None:
+    """Return a message about a motion that has a shorter period than was wanted."""
     if smallest not in range(1, period):
         return None
     return (

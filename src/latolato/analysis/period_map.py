@@ -100,12 +100,6 @@ angle_tolerance, tolerance, rest_speed
     ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
     shape = (len(amplitudes), len(ratios))
     w0 = system.natural_frequency
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    limits = {"longest": longest, "angle_tolerance": angle_tolerance}
     result: dict[str, NDArray[Any]] = {}
     for part in octaves(ratios):
         _, motion = settled_motion(
@@ -117,9 +111,11 @@ angle_tolerance, tolerance, rest_speed
             angle_tolerance=angle_tolerance,
             transient_periods=transient_periods,
             slowest_frequency=float(ratios[part].min() * w0),
+            initial_angle=initial_angle,
+            initial_angular_velocity=initial_angular_velocity,
+            initial_offset=initial_offset,
             tolerance=tolerance,
             rest_speed=rest_speed,
-            **start,
         )
         for name in (*_MAPPED, "status"):
             values = motion[name].reshape(shape[0], len(part))
@@ -130,21 +126,11 @@ angle_tolerance, tolerance, rest_speed
         "response_period_map",
         {name: (dims, values) for name, values in result.items()}
         | {name: (("motion",), values) for name, values in shares.items()},
-        coordinates={
-            "drive_amplitude": (("drive_amplitude",), amplitudes),
-            "frequency_ratio": (("frequency_ratio",), ratios),
-            "motion": (("motion",), names),
-        },
+        coordinates={"drive_amplitude": amplitudes, "frequency_ratio": ratios, "motion": names},
         quantities=QUANTITIES_HERE | _SHARES,
         system=system,
         drive=law,
-        settings={
-            **start,
-            **limits,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )
 
 

@@ -144,15 +144,6 @@ def response_period(
         **start,
     )
     variables: dict[str, Any] = {name: values[0] for name, values in result.items()}
-    settings = {
-        **start,
-        "transient_periods": transient_periods,
-        "longest": longest,
-        "angle_tolerance": angle_tolerance,
-        "tolerance": tolerance,
-        "rest_speed": rest_speed,
-        "message": _message(variables, longest, transient_periods),
-    }
     ball = ("ball",) if system.angles == 2 else ()
     for name in ("section_angle", "section_angular_velocity"):
         samples = grid[name].values[0]
@@ -161,11 +152,11 @@ def response_period(
     return labelled(
         "response_period",
         variables,
-        coordinates={"ball": (("ball",), ["right", "left"])} if ball else None,
         quantities=QUANTITIES_HERE,
         system=system,
         drive=law,
-        settings=settings,
+        arguments=locals(),
+        settings={"message": _message(variables, longest, transient_periods)},
     )
 
 

@@ -204,7 +204,7 @@ def shortest_protocol(
         start_options(system, initial_angle, initial_angular_velocity, initial_offset),
         {"tolerance": tolerance, "contact": contact, "rest_speed": rest_speed},
     )
-    required = checked_number(
+    required_share = checked_number(
         "required_share", required_share, Range(0.0, UNIT_INTERVAL.high, open_low=True), "1"
     )
     pushed = _pushed(search, [0.0, *shoves])
@@ -221,22 +221,24 @@ def shortest_protocol(
     result: dict[str, Any] = dict.fromkeys(
         ("best_first_ratio", "best_dwell_time", "lead_time", "checked_share"), math.nan
     )
-    if shares[0] >= required:
+    if shares[0] >= required_share:
         result |= {"status": BY_ITSELF, "lead_time": 0.0, "checked_share": float(shares[0])}
     elif not math.isfinite(threshold):
         result["status"] = NO_BRANCH
     else:
         success = np.array([_stepped(search, ratio, dwells, threshold) for ratio in first])
-        result |= _shortest(search, first, dwells, success, threshold, required)
+        result |= _shortest(search, first, dwells, success, threshold, required_share)
     if result["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
             NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a larger motion than rest",
-            NOT_REACHED: f"no protocol succeeds for {required:.0%} of the drive phases",
+            NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
         }
         warnings.warn(
             f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
         )
-    enough = [shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required]
+    enough = [
+        shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required_share
+    ]
     smallest = enough[0] if enough else math.nan
     inertia = sum(ball.mass * ball.length**2 for ball in system.balls)
     if system.angles == 1 and system.has_contacts:
@@ -255,23 +257,15 @@ def shortest_protocol(
             "threshold_angle": threshold,
         },
         coordinates={
-            "first_frequency_ratio": ("first_frequency_ratio", np.array(first)),
-            "dwell_time": ("dwell_time", np.array(dwells)),
-            "push": ("push", np.array([0.0, *shoves])),
+            "first_frequency_ratio": first,
+            "dwell_time": dwells,
+            "push": [0.0, *shoves],
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "frequency_ratio": target / _rate(system),
-            "ramp": search.ramp,
-            "phases": len(search.phases),
-            "required_share": required,
-            "settling": search.settling,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in search.start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**search.start, "frequency_ratio": target / _rate(system)},
     )
 
 

@@ -133,9 +133,9 @@ def first_push(
         raise InputError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
     unit = QUANTITIES[push].unit
     largest = checked_number("largest_push", _default(system, push, largest_push), POSITIVE, unit)
-    count = checked_count("scan_points", scan_points)
-    rounds = int(checked_number("refinements", refinements, Range(0.0, 12.0), "1"))
-    threshold = checked_number(
+    scan_points = checked_count("scan_points", scan_points)
+    refinements = int(checked_number("refinements", refinements, Range(0.0, 12.0), "1"))
+    sustained_angle = checked_number(
         "sustained_angle", sustained_angle, Range(0.0, math.pi, open_low=True), "rad"
     )
     rest = rest_angles(system)
@@ -163,14 +163,14 @@ def first_push(
             result[part] = np.where(failed, math.nan, beyond)
         return result
 
-    pushes = np.linspace(0.0, largest, count + 1)
+    pushes = np.linspace(0.0, largest, scan_points + 1)
     scan = reach(np.array([(*cell, p) for cell in cells for p in pushes]))
-    scan = scan.reshape(len(cells), count + 1)
-    lasts = scan > threshold
+    scan = scan.reshape(len(cells), scan_points + 1)
+    lasts = scan > sustained_angle
     first, some = np.argmax(lasts, axis=1), lasts.any(axis=1)
     high = np.where(some, pushes[first], math.nan)
     low = np.where(some, pushes[np.maximum(first - 1, 0)], math.nan)
-    for _ in range(rounds):
+    for _ in range(refinements):
         open_cells = np.flatnonzero(some & (first > 0))
         if not open_cells.size:
             break
@@ -178,7 +178,7 @@ def first_push(
         cases = np.array(
             [(*cells[c], p) for c, row in zip(open_cells, inner, strict=True) for p in row]
         )
-        result = reach(cases).reshape(inner.shape) > threshold
+        result = reach(cases).reshape(inner.shape) > sustained_angle
         for c, row, seen in zip(open_cells, inner, result, strict=True):
             ends = np.concatenate([[low[c]], row, [high[c]]])
             place = int(np.argmax(np.append(seen, True))) + 1
@@ -186,7 +186,7 @@ def first_push(
     status = np.array(["push"] * len(cells), dtype="<U10")
     status[~some] = "none"
     status[some & (first == 0)] = "self-start"
-    anything = some & (first > 0) & (low == 0.0) & (rounds > 0)
+    anything = some & (first > 0) & (low == 0.0) & (refinements > 0)
     status[anything] = "any push"
     status[np.isnan(scan).any(axis=1)] = "failed"
     bad = status == "failed"
@@ -205,29 +205,17 @@ def first_push(
             "status": (dims, status.reshape(shape)),
             "drive_acceleration_ratio": (("frequency_ratio",), lift),
         },
-        coordinates={
-            "frequency_ratio": (("frequency_ratio",), ratios),
-            "drive_phase": (("drive_phase",), phases),
-        },
+        coordinates={"frequency_ratio": ratios, "drive_phase": phases},
         quantities={
             "first_push": Quantity(unit, QUANTITIES[push].symbol, f"first push ({_WORDS[push]})"),
             "push_error": Quantity(unit, "", "width of the bracket of the first push"),
             "sustained_share": Quantity("1", "", "share of pushes after which motion lasts"),
             "angle_without_push": Quantity("rad", "", "angle beyond rest without a push"),
-            "status": Quantity("1", "", "status"),
         },
         system=system,
         drive=law,
-        settings={
-            "push": push,
-            "largest_push": largest,
-            "scan_points": count,
-            "scan_resolution": largest / count,
-            "refinements": rounds,
-            "sustained_angle": threshold,
-            "transient_periods": transient_periods,
-            **options,
-        },
+        arguments=locals(),
+        settings={"largest_push": largest, "scan_resolution": largest / scan_points},
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -91,52 +91,41 @@ def poincare_section(
     """
     law = checked_periodic(system, drive, "a stroboscopic section")
     transient_periods = checked_transient(transient_periods)
-    phase = checked_number("section_phase", section_phase, ANY, "rad")
-    count = checked_count("periods", periods)
-    if count > _MOST_PERIODS:
+    section_phase = checked_number("section_phase", section_phase, ANY, "rad")
+    periods = checked_count("periods", periods)
+    if periods > _MOST_PERIODS:
         raise InputError(
-            f"must be at most {_MOST_PERIODS}, got {count}",
+            f"must be at most {_MOST_PERIODS}, got {periods}",
             parameter="periods",
             way_out="take fewer",
         )
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    lead = ((phase - law.drive_phase) / math.tau) % 1.0
+    lead = ((section_phase - law.drive_phase) / math.tau) % 1.0
     first = math.ceil(transient_periods - lead)
-    numbers = np.arange(first, first + count, dtype=np.float64)
+    numbers = np.arange(first, first + periods, dtype=np.float64)
     times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
-    if count == 1 and times[0] == 0.0:
+    if periods == 1 and times[0] == 0.0:
         raise InputError("the only point would be the start: take more periods or a transient")
-    run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)
-    status = str(run.attrs["status"])
-    two = system.angles == 2
-    dims = ("ball", "time") if two else ("time",)
-    coordinates: dict[str, Any] = {"time": (("time",), times)}
-    if two:
-        coordinates["ball"] = (("ball",), ["right", "left"])
+    run = simulate(
+        system,
+        law,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        times=times,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+    )
+    dims = ("ball", "time") if system.angles == 2 else ("time",)
     return labelled(
         "poincare_section",
         {
             "angle": (dims, wrapped(run["angle"].values)),
             "angular_velocity": (dims, run["angular_velocity"].values),
-            "status": status,
+            "status": str(run.attrs["status"]),
         },
-        coordinates=coordinates,
-        quantities={
-            "status": Quantity("1", "", "status of the run"),
-            "ball": Quantity("1", "", "ball"),
-        },
+        coordinates={"time": times},
+        quantities={"status": Quantity("1", "", "status of the run")},
         system=system,
         drive=law,
-        settings={
-            **start,
-            "section_phase": phase,
-            "periods": count,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )

@@ -278,23 +278,26 @@ def time_crystal(
             way_out="leave it out",
         )
     amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
-    strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
-    count = checked_count("trajectories", trajectories)
-    if count > 1 and strength == 0.0:
+    noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
+    trajectories = checked_count("trajectories", trajectories)
+    if trajectories > 1 and noise_strength == 0.0:
         raise InputError(
-            f"{count} trajectories without noise are all the same: give noise_strength or one"
+            f"{trajectories} trajectories without noise are all the same: give noise_strength or "
+            "one"
         )
-    seen = checked_count("periods", periods)
-    if seen < 16:
-        raise InputError(f"must be at least 16 to tell a line, got {seen}", parameter="periods")
+    periods = checked_count("periods", periods)
+    if periods < 16:
+        raise InputError(f"must be at least 16 to tell a line, got {periods}", parameter="periods")
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     noise = (
-        VelocityKicks(noise_strength=strength, noise_seed=noise_seed) if strength > 0.0 else None
+        VelocityKicks(noise_strength=noise_strength, noise_seed=noise_seed)
+        if noise_strength > 0.0
+        else None
     )
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     if noise is not None:
-        axes["noise_stream"] = range(count)
+        axes["noise_stream"] = range(trajectories)
     result: list[list[dict[str, Any]]] = []
     for ratio in ratios:
         frequency = ratio * system.natural_frequency
@@ -302,8 +305,8 @@ def time_crystal(
             system,
             _at(drive, frequency),
             axes=axes,
-            duration=(before + seen) * math.tau / frequency,
-            observables=[PoincareSection(periods=seen)],
+            duration=(before + periods) * math.tau / frequency,
+            observables=[PoincareSection(periods=periods)],
             noise=noise,
             tolerance=tolerance,
             contact=contact,
@@ -312,7 +315,7 @@ def time_crystal(
         )
         if "ball" in grid.dims:
             grid = grid.isel(ball=0)
-        shape = (len(amplitudes), count, seen)
+        shape = (len(amplitudes), trajectories, periods)
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
@@ -339,26 +342,16 @@ def time_crystal(
         "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
         coordinates={
-            "drive_amplitude": ("drive_amplitude", np.array(amplitudes)),
-            "frequency_ratio": ("frequency_ratio", np.array(ratios)),
-            "lag": ("lag", np.arange(_lags(seen))),
-            "period": ("period", np.arange(before + 1, before + seen + 1)),
+            "drive_amplitude": amplitudes,
+            "frequency_ratio": ratios,
+            "lag": np.arange(_lags(periods)),
+            "period": np.arange(before + 1, before + periods + 1),
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "caution": CAUTION,
-            "resolution": _HANN_WIDTH / seen,
-            "noise_strength": strength,
-            "noise_seed": noise_seed if noise else None,
-            "trajectories": count,
-            "periods": seen,
-            "transient_periods": before,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**start, "caution": CAUTION, "resolution": _HANN_WIDTH / periods},
     )
 
 

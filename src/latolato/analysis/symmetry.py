@@ -158,15 +158,10 @@ def pair_symmetry(
             ),
             "status": (dims, status),
         },
-        coordinates={name: (name, grid[name].values) for name in varied},
+        coordinates={name: grid[name].values for name in varied},
         quantities=QUANTITIES,
         system=system,
         drive=driven if drive is not None else None,
-        settings={
-            "duration": duration,
-            "transient": transient,
-            "tolerance": tolerance,
-            "initial_angle": angle,
-            "initial_angular_velocity": velocity,
-        },
+        arguments=locals(),
+        settings={"initial_angle": angle, "initial_angular_velocity": velocity},
     )

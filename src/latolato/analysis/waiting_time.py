@@ -184,16 +184,16 @@ def first_passage_time(
         noise_seed=noise_seed,
         noise_interval=noise_interval,
     )
-    threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
-    end = checked_number("duration", duration, POSITIVE, "s")
-    count = checked_count("trajectories", trajectories)
+    threshold_angle = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
+    duration = checked_number("duration", duration, POSITIVE, "s")
+    trajectories = checked_count("trajectories", trajectories)
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     grid = sweep(
         system,
         drive,
-        axes={"noise_stream": range(count)},
-        duration=end,
-        observables=[FirstPassage(threshold_angle=threshold)],
+        axes={"noise_stream": range(trajectories)},
+        duration=duration,
+        observables=[FirstPassage(threshold_angle=threshold_angle)],
         noise=kicks,
         tolerance=tolerance,
         contact=contact,
@@ -205,35 +205,26 @@ def first_passage_time(
         times = np.fmin(times[:, 0], times[:, 1])
     if np.any(times == 0.0):
         raise InputError(
-            f"the start must lie below threshold_angle {threshold:g} rad; give a larger threshold"
+            f"the start must lie below threshold_angle {threshold_angle:g} rad; give a larger one"
         )
     known = grid.status.values < EVENT_LIMIT
-    result = _statistics(times[known], end)
+    result = _statistics(times[known], duration)
     if result["status"] == NONE:
         warnings.warn(
-            f"no trajectory of {count} reached {threshold:g} rad within {end:g} s: the mean is "
-            "unknown; wait longer or raise noise_strength",
+            f"no trajectory of {trajectories} reached {threshold_angle:g} rad within {duration:g} "
+            "s: the mean is unknown; wait longer or raise noise_strength",
             RuntimeWarning,
             stacklevel=2,
         )
     return labelled(
         "first_passage_time",
         {"first_passage": ("trajectory", times)} | result,
-        coordinates={"trajectory": ("trajectory", np.arange(count))},
+        coordinates={"trajectory": np.arange(trajectories)},
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "noise_strength": kicks.noise_strength,
-            "noise_seed": kicks.noise_seed,
-            "noise_interval": kicks.spacing(system),
-            "threshold_angle": threshold,
-            "duration": end,
-            "trajectories": count,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**start, "noise_interval": kicks.spacing(system)},
     )
 
 

@@ -43,7 +43,7 @@ def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -
     return labelled(
         "swing_time",
         {"swing_time": ("largest_angle", times)},
-        coordinates={"largest_angle": ("largest_angle", angles)},
+        coordinates={"largest_angle": angles},
         quantities={"swing_time": Quantity("s", "T", "time of a swing")},
         system=system,
     )
