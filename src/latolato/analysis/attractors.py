@@ -9,15 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_span,
-    checked_transient,
-    settled_motion,
-    wilson_interval,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
 from latolato.core.registry import checked_count, checked_number
@@ -174,7 +168,7 @@ def basins(
     >>> found.status.values, found.basin_fraction.values, found.basin_entropy.item()
     (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
     """
-    law = checked_periodic(system, drive, "basins")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     match_tolerance = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
     chaos_box = checked_number("chaos_box", chaos_box, _SIZES, "rad")

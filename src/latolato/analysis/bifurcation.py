@@ -10,17 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_span,
-    checked_transient,
-    settled_motion,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.core.registry import checked_choice, checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
@@ -128,7 +123,7 @@ def bifurcation_diagram(
     >>> found.status.sel(frequency_ratio=2.4, method="nearest").values
     array(['rest', 'periodic'], dtype='<U12')
     """
-    law = checked_periodic(system, drive, "a bifurcation diagram")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     known = {n: p for n, p in parameters_of(system, law).items() if p.owner != "run"}
     known.pop("drive_phase", None)
@@ -141,8 +136,7 @@ def bifurcation_diagram(
     count = checked_count("points", points)
     if not 2 <= count <= _MOST_POINTS:
         raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")
-    if direction not in DIRECTIONS:
-        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
+    checked_choice("direction", direction, DIRECTIONS)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)
     start: dict[str, Any] = {

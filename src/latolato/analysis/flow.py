@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE
@@ -21,7 +20,13 @@ from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_periodic_drive,
+    checked_system,
+    walls_of,
+)
 from latolato.sweeps.axes import DERIVED, parameters_of
 
 Floats = NDArray[np.float64]
@@ -172,15 +177,13 @@ def drive_period(drive: Drive) -> float:
     InputError
         For a drive that does not repeat itself, which one of frequency zero does not.
     """
-    if isinstance(drive, PeriodicDrive):
-        frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
-        return math.tau / frequency
-    raise InputError(f"the drive must repeat itself, got {drive!r}: use one such as Harmonic")
+    frequency = checked_periodic_drive(drive).drive_frequency
+    return math.tau / checked_number("drive_frequency", frequency, POSITIVE, "rad/s")
 
 
-def periodic_drive(system: System, drive: Any) -> Drive:
+def periodic_drive(system: System, drive: Drive | None) -> PeriodicDrive:
     """Return a checked drive that has a period, and one that can be followed in a short time."""
-    result = checked_drive(drive)
+    result = checked_periodic_drive(drive)
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(

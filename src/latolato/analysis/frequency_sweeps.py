@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.analysis.stroboscopic import octaves, settled_motion
-from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import Pendulum, System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -131,26 +131,15 @@ def hysteresis(
     >>> found.status.values.tolist(), found.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
-    system = checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
-            "Pendulum"
-        )
-    checked_drive(drive)
-    if not isinstance(drive, PeriodicDrive):
-        name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(
-            f"{name} drive has no frequency to sweep: give one with a period, such as Harmonic"
-        )
-    ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
-    if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise InputError(
-            "must be two or more values that increase",
-            parameter="frequency_ratio",
-            way_out="sort them",
-        )
-    amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
+    checked_nonlinear(system)
+    drive = checked_periodic_drive(drive)
+    swept = np.linspace(*_DEFAULT_RATIOS)
+    ratios = checked_increasing(
+        "frequency_ratio", frequency_ratio, "1", NON_NEGATIVE, default=swept, least=2
+    )
+    amplitudes = checked_values(
+        "drive_amplitude", drive_amplitude, "m", default=drive.drive_amplitude
+    )
     duration = checked_number("duration", duration, POSITIVE, "s")
     least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
     least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
@@ -183,7 +172,7 @@ def hysteresis(
     differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
     lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, least_jump, options)
     rows = [
-        _loop(np.array(ratios), up, down, least_jump, each)
+        _loop(ratios, up, down, least_jump, each)
         for (up, down), each in zip(angles, lasting, strict=True)
     ]
     variables: dict[str, Any] = {
@@ -212,8 +201,8 @@ def hysteresis(
 def _stirred(
     system: System,
     drive: PeriodicDrive,
-    amplitudes: list[float],
-    ratios: list[float],
+    amplitudes: Floats,
+    ratios: Floats,
     start: dict[str, Any],
     least: float,
     options: dict[str, Any],
@@ -251,20 +240,11 @@ def _stirred(
     return result
 
 
-def _listed(name: str, values: Any, default: Any) -> list[float]:
-    """Return the checked values of a parameter."""
-    given = np.atleast_1d(default if values is None else values).tolist()
-    if not given:
-        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
-    unit = QUANTITIES[name].unit
-    return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
-
-
 def _lasts(
     system: System,
     drive: PeriodicDrive,
-    amplitudes: list[float],
-    ratios: list[float],
+    amplitudes: Floats,
+    ratios: Floats,
     differ: NDArray[np.bool_],
     ends: Sequence[Floats],
     least: float,
@@ -280,14 +260,14 @@ def _lasts(
         return differ
     row, column = np.tile(places, (2, 1)).T
     way = np.repeat([0, 1], len(places))
-    frequencies = np.array(ratios) * system.natural_frequency
+    frequencies = ratios * system.natural_frequency
     turned = frequencies * options["duration"]
     phases = np.array([np.cumsum(turned), np.cumsum(turned[::-1])[::-1]])
     angle, velocity = (each[row, way, column].reshape(len(row), -1) for each in ends)
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     case = {
-        "drive_amplitude": np.array(amplitudes)[row],
-        "frequency_ratio": np.array(ratios)[column],
+        "drive_amplitude": amplitudes[row],
+        "frequency_ratio": ratios[column],
         "drive_phase": np.remainder(drive.drive_phase + phases[way, column], math.tau),
     }
     for i, side in enumerate(sides):

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import checked_periodic, checked_transient
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_count
@@ -86,7 +86,7 @@ def impact_map(
     >>> found.impacts_per_period.item(), found.impact_phase.values.round(2)
     (1.0, array([5.91, 5.91, 5.91]))
     """
-    law = checked_periodic(system, drive, "an impact map")
+    law = checked_periodic(system, drive)
     if not system.has_contacts:
         raise InputError(
             f"an impact map needs walls, and {type(system).__name__} has none; use LatoLato or "

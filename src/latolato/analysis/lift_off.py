@@ -17,12 +17,13 @@ from latolato.analysis.linear import (
     waveform_of,
 )
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, PeriodicDrive
-from latolato.physics.pair import joint_coupling
-from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.run import simulate
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,17 +140,9 @@ def self_start(
 
 def _resting_angles(system: System) -> tuple[float, ...]:
     """Return the angles of the balls at rest against each other [rad]."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
-    if isinstance(system, LatoLato):
-        angles: tuple[float, ...] = (system.contact_angle_low,)
-    elif isinstance(system, BallPair):
-        (m1, l1), (m2, l2) = ((ball.mass, ball.length) for ball in system.balls)
-        inertia = m1 * l1**2 + m2 * l2**2
-        separation = system.contact_separation
-        _, offset = joint_coupling(m1 * l1, m2 * l2, inertia, separation)
-        angles = (separation - offset, -offset)
-    else:
+    checked_system(system)
+    angles = hanging_angles(system)
+    if not system.has_contacts:
         raise InputError(
             f"a {systems.name_of(system)} has no wall to start from; use a LatoLato or BallPair, "
             "or threshold_amplitude for growth from hanging"

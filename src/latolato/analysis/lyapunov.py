@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_number
 from latolato.numerics.records import STATUS_NAMES
@@ -21,6 +20,7 @@ from latolato.simulation.start import (
     checked_contact,
     checked_drive,
     checked_start,
+    checked_system,
     walls_of,
 )
 

@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_transient,
-    octaves,
-    positive_values,
-    settled_motion,
-    wilson_interval,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, octaves, settled_motion, wilson_interval
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
 from latolato.physics.pendulum import System
@@ -94,10 +87,10 @@ angle_tolerance, tolerance, rest_speed
     array([[1., 2.]])
     """
     given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
-    law = checked_periodic(system, given, "a response period")
+    law = checked_periodic(system, given)
     transient_periods = checked_transient(transient_periods)
-    amplitudes = positive_values("drive_amplitude", drive_amplitude, "m")
-    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
+    amplitudes = checked_values("drive_amplitude", drive_amplitude, "m")
+    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
     shape = (len(amplitudes), len(ratios))
     w0 = system.natural_frequency
     result: dict[str, NDArray[Any]] = {}

@@ -6,14 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_transient,
-    settled_motion,
-    start_axis,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, start_axis
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -123,7 +118,7 @@ def response_period(
     >>> found.response_period.item(), found.status.item(), found.mirror_residual.item() < 1e-4
     (2.0, 'periodic', True)
     """
-    law = checked_periodic(system, drive, "a response period")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     start: dict[str, Any] = {
         "initial_angle": initial_angle,

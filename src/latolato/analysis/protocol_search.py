@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_increasing, checked_nonlinear
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import (
     NON_NEGATIVE,
     POSITIVE,
-    QUANTITIES,
     UNIT_INTERVAL,
     Quantity,
     Range,
@@ -178,22 +177,19 @@ def shortest_protocol(
     >>> found.status.item(), f"{np.rad2deg(found.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
     """
-    system = checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
-        )
+    checked_nonlinear(system)
+    w0 = system.natural_frequency
     amplitude, target = _drive_of(system, drive, frequency_ratio)
-    first = _listed(
-        "frequency_ratio",
-        first_frequency_ratio,
-        _spread(target / _rate(system)),
-        "first_frequency_ratio",
+    low, high, count = _DEFAULT_FIRST
+    usual = np.linspace(low * target / w0, high * target / w0, count)
+    first = checked_increasing(
+        "first_frequency_ratio", first_frequency_ratio, "1", POSITIVE, default=usual
     )
-    dwells = _listed("dwell_time", dwell_time, np.linspace(*_DEFAULT_DWELLS))
+    usual = np.linspace(*_DEFAULT_DWELLS)
+    dwells = checked_increasing("dwell_time", dwell_time, "s", POSITIVE, default=usual)
     largest, count = _DEFAULT_PUSHES
-    given = np.linspace(0.0, largest * _rate(system), count)[1:] if push is None else push
-    shoves = _listed("initial_angular_velocity", given, given, "push")
+    usual = np.linspace(0.0, largest * w0, count)[1:]
+    pushes = checked_increasing("push", push, "rad/s", POSITIVE, default=usual)
     search = _Search(
         system,
         amplitude,
@@ -207,7 +203,7 @@ def shortest_protocol(
     required_share = checked_number(
         "required_share", required_share, Range(0.0, UNIT_INTERVAL.high, open_low=True), "1"
     )
-    pushed = _pushed(search, [0.0, *shoves])
+    pushed = _pushed(search, [0.0, *pushes])
     rest = float(np.median(pushed[0]))
     above = pushed[pushed > rest + _LEAST_GAP]
     upper = float(np.median(above)) if above.size else math.nan
@@ -230,14 +226,14 @@ def shortest_protocol(
         result |= _shortest(search, first, dwells, success, threshold, required_share)
     if result["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
-            NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a larger motion than rest",
+            NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
             NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
         }
         warnings.warn(
             f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
         )
     enough = [
-        shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required_share
+        speed for speed, share in zip(pushes, shares[1:], strict=True) if share >= required_share
     ]
     smallest = enough[0] if enough else math.nan
     inertia = sum(ball.mass * ball.length**2 for ball in system.balls)
@@ -259,25 +255,14 @@ def shortest_protocol(
         coordinates={
             "first_frequency_ratio": first,
             "dwell_time": dwells,
-            "push": [0.0, *shoves],
+            "push": [0.0, *pushes],
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
         arguments=locals(),
-        settings={**search.start, "frequency_ratio": target / _rate(system)},
+        settings={**search.start, "frequency_ratio": target / system.natural_frequency},
     )
-
-
-def _rate(system: System) -> float:
-    """Return the natural frequency [rad/s], of the right ball."""
-    return float(system.natural_frequency)
-
-
-def _spread(ratio: float) -> Floats:
-    """Return the first stages that are tried for a target."""
-    low, high, count = _DEFAULT_FIRST
-    return np.linspace(low * ratio, high * ratio, count)
 
 
 def last_cosine(drive: Drive) -> Stretch | None:
@@ -296,20 +281,9 @@ def _drive_of(
         raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
     amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
-        target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
+        ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
+        target = ratio * system.natural_frequency
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
-
-
-def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]:
-    """Return the checked values of a parameter, which must increase."""
-    given = np.atleast_1d(default if values is None else values).tolist()
-    unit = QUANTITIES[name].unit
-    result = [checked_number(said or name, value, POSITIVE, unit) for value in given]
-    if not result or any(b <= a for a, b in pairwise(result)):
-        raise InputError(
-            f"the values of {said or name} must be one or more and increase; sort them"
-        )
-    return result
 
 
 def _velocity(search: _Search, push: float) -> dict[str, float]:
@@ -346,7 +320,7 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
     return np.asarray(angles.values[back.ravel()], dtype=np.float64)
 
 
-def _pushed(search: _Search, pushes: list[float]) -> Floats:
+def _pushed(search: _Search, pushes: Sequence[float]) -> Floats:
     """Return settled angles at the target frequency after pushes, of shape (push, phase)."""
     cases = [
         {**_velocity(search, push), "drive_phase": phase}
@@ -359,9 +333,9 @@ def _pushed(search: _Search, pushes: list[float]) -> Floats:
     return _settle(search, drive, columns, **start).reshape(len(pushes), len(search.phases))
 
 
-def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: float) -> Floats:
+def _stepped(search: _Search, ratio: float, dwells: Floats, threshold: float) -> Floats:
     """Return the share of phases at which a first stage succeeds, for each dwell."""
-    frequency = ratio * _rate(search.system)
+    frequency = ratio * search.system.natural_frequency
     angles, velocities = [], []
     for phase in search.phases:
         drive = Harmonic(
@@ -375,7 +349,7 @@ def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: floa
     for i, side in enumerate(sides):
         columns[f"initial_angle{side}"] = np.concatenate([a[i] for a in angles])
         columns[f"initial_angular_velocity{side}"] = np.concatenate([v[i] for v in velocities])
-    turned = search.phases[:, None] + frequency * np.array(dwells)
+    turned = search.phases[:, None] + frequency * dwells
     columns["drive_phase"] = turned.ravel()
     second: Drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
     if search.ramp > 0.0:
@@ -391,8 +365,8 @@ def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: floa
 
 def _shortest(
     search: _Search,
-    first: list[float],
-    dwells: list[float],
+    first: Floats,
+    dwells: Floats,
     success: Floats,
     threshold: float,
     required: float,
@@ -404,7 +378,7 @@ def _shortest(
     ]
     for dwell, _, ratio in sorted(candidates)[:_MOST_CHECKS]:
         steps = Protocol(
-            drive_frequencies=[ratio * _rate(search.system), search.target],
+            drive_frequencies=[ratio * search.system.natural_frequency, search.target],
             dwells=[dwell],
             ramp=search.ramp,
         )

@@ -9,20 +9,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    checked_periodic,
-    checked_transient,
-    octaves,
-    positive_values,
-    run_samples,
-)
-from latolato.core.errors import InputError
+from latolato.analysis.starts import hanging_angles
+from latolato.analysis.stroboscopic import octaves, run_samples
 from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
-from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.drives import Drive
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -125,12 +120,11 @@ def first_push(
     >>> found.status.values.ravel(), found.first_push.values.ravel().round(1)
     (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
-    law = checked_periodic(system, drive, "a first push")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
-    phases = positive_values("drive_phase", drive_phase, "rad", ANY)
-    if push not in PUSHES:
-        raise InputError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
+    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
+    phases = checked_values("drive_phase", drive_phase, "rad", ANY)
+    checked_choice("push", push, PUSHES)
     unit = QUANTITIES[push].unit
     largest = checked_number("largest_push", _default(system, push, largest_push), POSITIVE, unit)
     scan_points = checked_count("scan_points", scan_points)
@@ -138,7 +132,7 @@ def first_push(
     sustained_angle = checked_number(
         "sustained_angle", sustained_angle, Range(0.0, math.pi, open_low=True), "rad"
     )
-    rest = rest_angles(system)
+    rest = np.array(hanging_angles(system))
     cells = [(float(r), float(p)) for r in ratios for p in phases]
     options = {"tolerance": tolerance, "rest_speed": rest_speed}
 
@@ -220,19 +214,6 @@ def first_push(
 
 
 _WORDS = {"initial_angular_velocity": "angular velocity", "initial_offset": "angle"}
-
-
-def rest_angles(system: System) -> Floats:
-    """Return the angles at which balls hang at rest, in contact if there are two [rad]."""
-    if isinstance(system, LatoLato):
-        return np.array([system.contact_angle_low])
-    if not isinstance(system, BallPair):
-        return np.zeros(1)
-    right, left = system.balls
-    apart = system.contact_separation
-    a, b = right.mass * right.length, left.mass * left.length
-    angle = math.atan2(b * math.sin(apart), a + b * math.cos(apart))
-    return np.array([angle, angle - apart])
 
 
 def _default(system: System, push: str, largest: float | None) -> float:

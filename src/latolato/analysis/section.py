@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import checked_periodic, checked_transient
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, Quantity
 from latolato.core.registry import checked_count, checked_number
@@ -89,7 +89,7 @@ def poincare_section(
     >>> abs(section.angle.values).round(3)
     array([0.091, 0.091, 0.091, 0.091])
     """
-    law = checked_periodic(system, drive, "a stroboscopic section")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     section_phase = checked_number("section_phase", section_phase, ANY, "rad")
     periods = checked_count("periods", periods)

@@ -6,15 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from latolato.core.errors import InputError
-from latolato.physics.pendulum import BallPair, LatoLato, System, systems
-
-
-def checked_system(system: Any) -> System:
-    """Return a system, or raise with what is known."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
-    return system
+from latolato.physics.pendulum import BallPair, LatoLato, System
 
 
 def hanging_angles(system: System) -> tuple[float, ...]:

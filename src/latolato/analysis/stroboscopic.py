@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
-from latolato.core.registry import checked_number
+from latolato.core.quantities import Quantity
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -21,9 +19,8 @@ from latolato.observables.period import (
     find_mirror,
     find_period,
 )
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive
 from latolato.physics.pendulum import LatoLato, System
-from latolato.simulation.start import checked_drive
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -37,12 +34,9 @@ QUANTITIES_HERE: dict[str, Quantity] = {
     "rotation_number": Quantity(
         "1", r"\rho", "turns (signed), swings, or with walls impacts per drive period"
     ),
-    "status": Quantity("1", "", "status"),
-    "ball": Quantity("1", "", "ball"),
 }
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
-_TRANSIENTS = Range(0.0, 1e7)
 # What becomes smaller while a motion settles; by which factor: twice, or once. Set by trial on a
 # few slow decays and toys that are chaotic in bursts.
 _DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
@@ -51,52 +45,6 @@ _SLOWED, _FALLEN = 0.8, 0.5
 _NEARLY = 0.05
 # The longest period at the last look, which sets for how long that is.
 _LONGEST = 64
-
-
-def checked_periodic(system: System, drive: Drive | None, what: str) -> PeriodicDrive:
-    """Return a drive with a period, or say why `what` cannot be found.
-
-    Raises
-    ------
-    InputError
-        For a drive without a period, and for the linearised pendulum.
-    """
-    checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            "needs motion that settles, but the linearised Mathieu only grows or decays",
-            parameter=what,
-            way_out="use Pendulum, or mathieu_growth_rate",
-        )
-    checked_drive(drive)
-    if drive is None:
-        raise InputError(
-            "needs a drive with a period, got None", parameter=what, way_out="give Harmonic"
-        )
-    if not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"needs a drive with a single period, such as harmonic, got {drives.name_of(drive)}",
-            parameter=what,
-        )
-    checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
-    return drive
-
-
-def checked_transient(transient_periods: Any) -> float:
-    """Return a transient in drive periods."""
-    return checked_number("transient_periods", transient_periods, _TRANSIENTS, "drive periods")
-
-
-def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, float]:
-    """Return two limits of which the second is larger."""
-    first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
-    if not first < last:
-        raise InputError(
-            f"must go from low to high, got {first:g} to {last:g}",
-            parameter=name,
-            way_out="swap them",
-        )
-    return first, last
 
 
 def run_samples(
@@ -357,11 +305,3 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
             parts.append([])
         parts[-1].append(int(place))
     return [np.array(sorted(part)) for part in parts]
-
-
-def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
-    """Return numbers along an axis, each of them checked; one number is an axis of one."""
-    if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
-    several = values if np.ndim(values) else [values]
-    return np.array([checked_number(name, value, allowed, unit) for value in several])

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -261,23 +263,13 @@ def time_crystal(
     >>> found.status.item(), f"{found.peak_frequency.item():.3f}"
     ('locked', '0.500')
     """
-    system = checked_system(system)
-    checked_drive(drive)
-    if not isinstance(drive, PeriodicDrive):
-        name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(
-            f"{name} drive has no single period to count in: give one that has, such as Harmonic"
-        )
-    ratios = _listed("frequency_ratio", frequency_ratio)
-    if ratios is None:
-        ratios = [drive.drive_frequency / system.natural_frequency]
-    if min(ratios) <= 0.0:
-        raise InputError(
-            f"must be positive, got {min(ratios):g}",
-            parameter="frequency_ratio",
-            way_out="leave it out",
-        )
-    amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
+    checked_system(system)
+    drive = checked_periodic_drive(drive)
+    own = drive.drive_frequency / system.natural_frequency
+    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE, default=own)
+    amplitudes = checked_values(
+        "drive_amplitude", drive_amplitude, "m", default=drive.drive_amplitude
+    )
     noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
     trajectories = checked_count("trajectories", trajectories)
     if trajectories > 1 and noise_strength == 0.0:
@@ -303,7 +295,7 @@ def time_crystal(
         frequency = ratio * system.natural_frequency
         grid = sweep(
             system,
-            _at(drive, frequency),
+            replace(drive, drive_frequency=frequency),
             axes=axes,
             duration=(before + periods) * math.tau / frequency,
             observables=[PoincareSection(periods=periods)],
@@ -337,7 +329,7 @@ def time_crystal(
         )
         for name in result[0][0]
     }
-    rates = np.array(ratios) * system.natural_frequency
+    rates = ratios * system.natural_frequency
     return labelled(
         "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
@@ -355,17 +347,6 @@ def time_crystal(
     )
 
 
-def _listed(name: str, values: Any) -> list[float] | None:
-    """Return the numbers of a list of parameters, checked."""
-    if values is None:
-        return None
-    unit = QUANTITIES[name].unit
-    given = np.atleast_1d(values).tolist()
-    if not given:
-        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
-    return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
-
-
 def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, Any]:
     """Return the start, by default a tenth of a radian beside where the system hangs."""
     if angle is not None or offset is not None:
@@ -376,13 +357,6 @@ def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, 
     if isinstance(hanging, tuple):
         return start_options(system, (hanging[0] + 0.1, hanging[1] - 0.1), velocity, None)
     return start_options(system, 0.1, velocity, None)
-
-
-def _at(drive: PeriodicDrive, frequency: float) -> Drive:
-    """Return the drive at another frequency."""
-    from dataclasses import replace
-
-    return replace(drive, drive_frequency=frequency)
 
 
 def _lags(periods: int) -> int:

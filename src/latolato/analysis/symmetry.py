@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import positive_values
 from latolato.core.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
@@ -123,9 +123,9 @@ def pair_symmetry(
     angle, velocity = start.angles[0], start.velocities[0]
     axes: dict[str, Any] = {}
     if drive_amplitude is not None:
-        axes["drive_amplitude"] = positive_values("drive_amplitude", drive_amplitude, "m")
+        axes["drive_amplitude"] = checked_values("drive_amplitude", drive_amplitude, "m")
     if frequency_ratio is not None:
-        axes["frequency_ratio"] = positive_values("frequency_ratio", frequency_ratio, "1")
+        axes["frequency_ratio"] = checked_values("frequency_ratio", frequency_ratio, "1")
     varied = list(axes)
     grid = sweep(
         as_pair(system),

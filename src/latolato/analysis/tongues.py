@@ -6,12 +6,12 @@ import math
 import warnings
 from typing import TYPE_CHECKING, Literal
 
-from latolato.analysis.linear import METHODS, checked_choice, linearised, tongue, waveform_of
+from latolato.analysis.linear import METHODS, linearised, tongue, waveform_of
 from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 

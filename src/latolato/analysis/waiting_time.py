@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
@@ -19,7 +19,7 @@ from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ scenario files, forms and tables are generated from the registries.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
@@ -204,6 +204,19 @@ def checked_count(name: str, value: Any) -> int:
     if not 1 <= count < 2**63:
         raise InputError("must be a positive integer below 2^63", parameter=name, value=value)
     return count
+
+
+def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
+    """Return one of the words that a parameter may be.
+
+    Raises
+    ------
+    InputError
+        For any other.
+    """
+    if value not in choices:
+        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)
+    return str(value)
 
 
 def number_fields(law: Any) -> list[Field[Any]]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.numerics import records
 from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
@@ -29,13 +29,14 @@ from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import System
 from latolato.simulation.record import Record, attributes_of, record_of
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
     checked_drive,
     checked_start,
+    checked_system,
     kicks_of,
     walls_of,
 )
@@ -187,16 +188,14 @@ def _recorded(
 ) -> Record:
     """Return the record of a run; arguments as of `simulate`."""
     drive = checked_drive(drive)
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     law = checked_contact(contact, system)
     tolerance = checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad")
     rest_speed = checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s")
     contact_limit = checked_count("contact_limit", contact_limit)
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
-    if frame not in ("pivot", "both"):
-        raise InputError("must be 'pivot' or 'both'", parameter="frame", value=frame)
+    checked_choice("frame", frame, ("pivot", "both"))
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)

@@ -1,4 +1,4 @@
-"""How a run begins: drive, contact law, walls, start and kicks, checked with the way out."""
+"""How a run begins: system, drive, contact law, walls, start and kicks, checked."""
 
 from __future__ import annotations
 
@@ -13,13 +13,20 @@ from latolato.core.registry import checked_number
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
 from latolato.physics.contacts import ContactLaw, PassThrough, contact_laws
-from latolato.physics.drives import Drive, FixedPivot, drives
+from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 DEFAULT_REST_SPEED = 1e-7  # rad/s
 # More velocity kicks than this would fill the memory.
 MOST_KICKS = 20_000_000
+
+
+def checked_system(system: Any) -> System:
+    """Return a system, or raise with what is known."""
+    if not isinstance(system, System):
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    return system
 
 
 def checked_drive(drive: Drive | None) -> Drive:
@@ -29,6 +36,19 @@ def checked_drive(drive: Drive | None) -> Drive:
     if not isinstance(drive, Drive):
         raise InputError(
             f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
+        )
+    return drive
+
+
+def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
+    """Return a drive that repeats itself."""
+    checked_drive(drive)
+    if not isinstance(drive, PeriodicDrive):
+        name = "none" if drive is None else drives.name_of(drive)
+        raise InputError(
+            f"must repeat itself with a single period, got {name}",
+            parameter="drive",
+            way_out="give one such as Harmonic",
         )
     return drive
 

@@ -16,6 +16,7 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import (
+    checked_choice,
     checked_count,
     checked_number,
     describe,
@@ -29,7 +30,12 @@ from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.noise import KEY, LARGEST_STREAM, VelocityKicks
 from latolato.physics.pendulum import System, systems
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_system,
+)
 from latolato.sweeps.axes import Axis, checked_axes, parameters_of
 
 DIRECTIONS = ("up", "down", "both")
@@ -244,8 +250,7 @@ def make_plan(
     chunk_size: int | None = None,
 ) -> Plan:
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
     varied_names = _names_in(axes)
@@ -294,8 +299,7 @@ def make_plan(
             f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
             "deviations have no meaning there"
         )
-    if direction not in DIRECTIONS:
-        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
+    checked_choice("direction", direction, DIRECTIONS)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
