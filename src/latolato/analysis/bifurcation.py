@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
+from latolato.analysis.flow import varied
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_choice, checked_count, checked_number, suggest
 from latolato.observables.period import PERIODICITY, wrapped
-from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, between_walls, checked_contact, walls_of
 from latolato.sweeps.axes import parameters_of
 from latolato.sweeps.plan import DIRECTIONS
 
@@ -139,11 +140,7 @@ def bifurcation_diagram(
     checked_choice("direction", direction, DIRECTIONS)
     values = np.linspace(first, last, count)
     frequency = _frequencies(system, law, parameter, values)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
     result = _follow(
         system,
@@ -151,7 +148,7 @@ def bifurcation_diagram(
         parameter,
         values,
         ways,
-        _start(system, start),
+        (np.array(start.angles), np.array(start.velocities)),
         {"longest": longest, "angle_tolerance": angle_tolerance},
         {
             "transient_periods": transient_periods,
@@ -200,13 +197,6 @@ def _frequencies(
     return result
 
 
-def _start(system: System, start: dict[str, Any]) -> tuple[Floats, Floats]:
-    """Return the angles and angular velocities of the start, checked; shape (ball,)."""
-    walls = walls_of(system, checked_contact("exact", system))
-    result = checked_start(system, walls, *start.values())
-    return np.array(result.angles), np.array(result.velocities)
-
-
 def _follow(
     system: System,
     law: Drive,
@@ -230,20 +220,18 @@ def _follow(
         places = [step if way == "up" else count - 1 - step for way in ways]
         cases = []
         for number, (place, state) in enumerate(zip(places, states, strict=True)):
-            moved = _changed(system, parameter, float(values[place]))
-            angles = _inside(moved, state[0])
+            moved, _ = varied(system, law, parameter, float(values[place]))
+            angles = between_walls(state[0], walls_of(moved, checked_contact("exact", moved)))
             states[number] = (angles, state[1])
             cases.append((float(values[place]), *angles, *state[1]))
         distinct = list(dict.fromkeys(cases))  # both ways may meet in one motion
-        sides = ("",) if system.angles == 1 else ("_right", "_left")
-        names = [parameter]
-        names += [f"initial_angle{side}" for side in sides]
-        names += [f"initial_angular_velocity{side}" for side in sides]
+        first, *columns = np.array(distinct).T
+        starts = start_columns(system, columns[: system.angles], columns[system.angles :])
         at = frequency[[places[cases.index(case)] for case in distinct]]
         grid, motion = settled_motion(
             system,
             law,
-            {"case": dict(zip(names, np.array(distinct).T, strict=True))},
+            {"case": {parameter: first, **starts}},
             at,
             slowest_frequency=float(frequency[places].min()),
             **limits,
@@ -265,27 +253,6 @@ def _follow(
                 ]
     result["section_angle"] = wrapped(result["section_angle"])
     return result
-
-
-def _changed(system: System, parameter: str, value: float) -> System:
-    """Return the system at a value of the parameter, itself if that is of the drive."""
-    path = parameters_of(system, FixedPivot())
-    if parameter not in path or path[parameter].owner != "system":
-        return system
-    names = path[parameter].path
-    if len(names) == 1:
-        return replace(system, **{names[0]: value})
-    return replace(system, **{names[0]: replace(getattr(system, names[0]), **{names[1]: value})})
-
-
-def _inside(system: System, angles: Floats) -> Floats:
-    """Return angles moved to the nearest wall where the walls have passed them."""
-    low, high = walls_of(system, checked_contact("exact", system))
-    if system.angles == 1:
-        return np.clip(angles, low, high)
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return np.array([angles[0] + shift, angles[1] - shift])
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import start_options
+from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import octaves, settled_motion
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_number
-from latolato.observables.period import PERIODICITY
+from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import Pendulum, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
@@ -224,18 +224,16 @@ def _stirred(
                 axes={
                     "case": {
                         "drive_amplitude": amplitudes,
-                        "initial_angle": angle,
-                        "initial_angular_velocity": velocity,
                         "drive_phase": phase,
+                        **start_columns(system, [angle], [velocity]),
                     }
                 },
                 observables=_ENDS,
                 **options,
             )
             result[:, :, way, place] = [grid[name].values for name in _ENDS]
-            angle = np.remainder(grid.final_angle.values + math.pi, math.tau) - math.pi
-            velocity = grid.final_angular_velocity.values
-            angle, velocity = np.nan_to_num(angle), np.nan_to_num(velocity)
+            angle = np.nan_to_num(wrapped(grid.final_angle.values))
+            velocity = np.nan_to_num(grid.final_angular_velocity.values)
             phase = np.remainder(phase + frequency * options["duration"], math.tau)
     return result
 
@@ -264,15 +262,12 @@ def _lasts(
     turned = frequencies * options["duration"]
     phases = np.array([np.cumsum(turned), np.cumsum(turned[::-1])[::-1]])
     angle, velocity = (each[row, way, column].reshape(len(row), -1) for each in ends)
-    sides = ("",) if system.angles == 1 else ("_right", "_left")
     case = {
         "drive_amplitude": amplitudes[row],
         "frequency_ratio": ratios[column],
         "drive_phase": np.remainder(drive.drive_phase + phases[way, column], math.tau),
+        **start_columns(system, angle.T, velocity.T),
     }
-    for i, side in enumerate(sides):
-        case[f"initial_angle{side}"] = angle[:, i]
-        case[f"initial_angular_velocity{side}"] = velocity[:, i]
     status = np.empty(len(row), dtype=object)
     largest = np.full(len(row), math.nan)
     known = np.isfinite(angle).all(axis=1) & np.isfinite(velocity).all(axis=1)

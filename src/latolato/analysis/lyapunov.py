@@ -9,20 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import single_start, start_columns
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_number
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.start import (
-    DEFAULT_REST_SPEED,
-    checked_contact,
-    checked_drive,
-    checked_start,
-    checked_system,
-    walls_of,
-)
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -106,26 +100,19 @@ def lyapunov_spectrum(
     checked_system(system)
     if transient is None:
         transient = min(100.0, 0.1 * checked_number("duration", duration, POSITIVE, "s"))
-    law = checked_contact(contact, system)
     driven = checked_drive(drive)
-    start = checked_start(
-        system, walls_of(system, law), initial_angle, initial_angular_velocity, initial_offset
-    )
-    single = system.angles == 1
-    side = "" if single else "_right"
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset, contact)
     grid = sweep(
         system,
         driven,
-        axes={f"initial_angular_velocity{side}": [start.velocities[0]]},
-        initial_angle=start.angles[0] if single else start.angles,
-        initial_angular_velocity=0.0 if single else start.velocities,
+        axes={"case": start_columns(system, start.angles, start.velocities)},
         duration=duration,
         transient=transient,
-        contact=law,
+        contact=contact,
         tolerance=tolerance,
         rest_speed=rest_speed,
         observables=["lyapunov_spectrum", "sum_rule_residual"],
-    ).isel({f"initial_angular_velocity{side}": 0})
+    ).isel(case=0)
     exponents = grid.lyapunov_exponents.values
     residual = float(grid.sum_rule_residual)
     status = STATUS_NAMES[int(grid.status)]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, start_axis
+from latolato.analysis.starts import single_start, start_columns
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -120,23 +121,17 @@ def response_period(
     """
     law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    axes, start = start_axis(system, start)
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     grid, result = settled_motion(
         system,
         law,
-        axes,
+        {"case": start_columns(system, start.angles, start.velocities)},
         law.drive_frequency,
         longest=longest,
         angle_tolerance=angle_tolerance,
         transient_periods=transient_periods,
         tolerance=tolerance,
         rest_speed=rest_speed,
-        **start,
     )
     variables: dict[str, Any] = {name: values[0] for name, values in result.items()}
     ball = ("ball",) if system.angles == 2 else ()

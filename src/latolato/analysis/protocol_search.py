@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from latolato.analysis.checks import checked_increasing, checked_nonlinear
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import start_options
+from latolato.analysis.starts import start_columns, start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import (
     NON_NEGATIVE,
@@ -344,11 +344,9 @@ def _stepped(search: _Search, ratio: float, dwells: Floats, threshold: float) ->
         run = simulate(search.system, drive, times=dwells, **search.options, **search.start)
         angles.append(np.atleast_2d(run.angle.values))
         velocities.append(np.atleast_2d(run.angular_velocity.values))
-    sides = ("",) if search.system.angles == 1 else ("_right", "_left")
-    columns: dict[str, Floats] = {}
-    for i, side in enumerate(sides):
-        columns[f"initial_angle{side}"] = np.concatenate([a[i] for a in angles])
-        columns[f"initial_angular_velocity{side}"] = np.concatenate([v[i] for v in velocities])
+    columns = start_columns(
+        search.system, np.concatenate(angles, axis=1), np.concatenate(velocities, axis=1)
+    )
     turned = search.phases[:, None] + frequency * dwells
     columns["drive_phase"] = turned.ravel()
     second: Drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import hanging_angles
+from latolato.analysis.starts import hanging_angles, start_columns
 from latolato.analysis.stroboscopic import octaves, run_samples
 from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
 from latolato.core.registry import checked_choice, checked_count, checked_number
@@ -236,17 +236,11 @@ def _accelerations(law: Any, frequency: Floats) -> Floats:
 def _case(system: System, cases: Floats, push: str, rest: Floats) -> dict[str, Floats]:
     """Return the parameters of cases (ratio, phase, push) along one axis of a sweep."""
     ratio, phase, size = cases.T
-    result = {"frequency_ratio": ratio, "drive_phase": phase}
-    is_offset = push == "initial_offset"
-    if system.angles == 2:
-        moves = (0.5 * size, -0.5 * size) if is_offset else (size, -size)
-        for side, angle, move in zip(("right", "left"), rest, moves, strict=True):
-            result[f"initial_angle_{side}"] = angle + (move if is_offset else 0.0 * move)
-            if not is_offset:
-                result[f"initial_angular_velocity_{side}"] = move
-        return result
-    angle = rest[0] + size if is_offset else np.full(len(size), rest[0])
-    result["initial_angle"] = angle
-    if not is_offset:
-        result["initial_angular_velocity"] = size
-    return result
+    away = np.array([1.0, -1.0])[: system.angles, None] * size
+    still = np.zeros_like(away)
+    if push == "initial_offset":  # which two balls share
+        starts = rest[:, None] + away / system.angles, still
+    else:
+        starts = rest[:, None] + still, away
+    columns = start_columns(system, *starts)
+    return {"frequency_ratio": ratio, "drive_phase": phase, **columns}

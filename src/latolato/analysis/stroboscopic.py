@@ -282,17 +282,6 @@ def wilson_interval(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     return share, np.minimum(low, share), np.maximum(high, share)
 
 
-def start_axis(system: System, start: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return axes of a single point, and the start without what became its axis."""
-    velocity = start.get("initial_angular_velocity", 0.0)
-    if system.angles == 1:
-        name, first = "initial_angular_velocity", velocity
-    else:
-        name = "initial_angular_velocity_right"
-        first = velocity[0] if isinstance(velocity, Sequence) else velocity
-    return {name: [first]}, dict(start)
-
-
 def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
     """Return the places of frequencies within a factor of two of each other, slowest first.
 

@@ -9,14 +9,14 @@ import numpy as np
 
 from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import single_start
 from latolato.core.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
-from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,13 +113,7 @@ def pair_symmetry(
             "systems have no mirror-symmetric motion"
         )
     driven = checked_drive(drive)
-    start = checked_start(
-        system,
-        walls_of(system, ExactContact()),
-        initial_angle,
-        initial_angular_velocity,
-        initial_offset,
-    )
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]
     axes: dict[str, Any] = {}
     if drive_amplitude is not None:

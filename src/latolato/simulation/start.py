@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -76,6 +77,16 @@ def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
         return system.contact_separation, 2.0 * math.pi - system.contact_separation
     assert isinstance(system, LatoLato)
     return system.contact_angle_low, system.contact_angle_high
+
+
+def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) -> Floats:
+    """Return the angles of one or two balls, moved to the nearest wall if they lie beyond it."""
+    low, high = walls
+    if len(angles) == 1:
+        return np.array([min(max(angles[0], low), high)])
+    gap = angles[0] - angles[1]
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return np.array([angles[0] + shift, angles[1] - shift])
 
 
 def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:

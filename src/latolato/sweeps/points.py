@@ -37,7 +37,7 @@ from latolato.physics.contacts import FINE
 from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.start import checked_start, kicks_of, walls_of
+from latolato.simulation.start import between_walls, checked_start, kicks_of, walls_of
 from latolato.sweeps.axes import DERIVED, parameters_of
 from latolato.sweeps.plan import Plan
 
@@ -388,7 +388,7 @@ def _objects(
     offset = None
     angle: tuple[float, ...] = ()
     if previous is not None:
-        angle = _inside(tuple(float(a[k]) for a in previous.angles), walls)
+        angle = tuple(between_walls([float(a[k]) for a in previous.angles], walls).tolist())
         velocity = tuple(float(v[k]) for v in previous.velocities)
     else:
         velocity = tuple(float(columns[f"initial_angular_velocity{s}"][k]) for s in sides)
@@ -462,13 +462,3 @@ def _check_mirrored(system: System, start: Start) -> None:
             "properties, and the left one the opposite angle and angular velocity",
             parameter="transverse_exponent",
         )
-
-
-def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[float, ...]:
-    """Return angles moved between the walls where parameters of the walls have changed."""
-    low, high = walls
-    if len(angles) == 1:
-        return (min(max(angles[0], low), high),)
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return (angles[0] + shift, angles[1] - shift)
