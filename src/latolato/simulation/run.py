@@ -137,22 +137,7 @@ def simulate(
     >>> [str(kind) for kind in run.contact_kind.values]
     ['bottom', 'bottom']
     """
-    return _recorded(
-        system=system,
-        drive=drive,
-        initial_angle=initial_angle,
-        initial_angular_velocity=initial_angular_velocity,
-        initial_offset=initial_offset,
-        duration=duration,
-        times=times,
-        tolerance=tolerance,
-        contact=contact,
-        rest_speed=rest_speed,
-        frame=frame,
-        noise=noise,
-        contact_limit=contact_limit,
-        progress=progress,
-    ).to_dataset()
+    return _recorded(**locals()).to_dataset()
 
 
 def record(*args: Any, **options: Any) -> Record:
