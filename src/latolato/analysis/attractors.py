@@ -99,15 +99,13 @@ def basins(
         Aperiodic motions that visit a common box of this size [rad] are one, in (0, 1].
     entropy_box : int
         Starts along each side of the boxes of the basin entropy.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
     check_tolerance : float, optional
         Smaller tolerance at which every start is run once more [rad]; by default a tenth.
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
     known : xarray.Dataset, optional
         A former result, for a series of maps: an attractor near one of its attractors gets the
         same number, and so the same colour.
+    tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------

@@ -69,18 +69,14 @@ def bifurcation_diagram(
         Values from low to high, 2 to 100000.
     direction : {"both", "up", "down"}
         Which way the motion is followed.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start at the first value, as in `latolato.simulate` [rad], [rad/s], [rad].
     transient_periods : float
         Drive periods at each value before the motion is watched, at least 0.
     longest : int
         Longest response period that is told, 1 to 64; three times as many samples are kept.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`; the start is that at the first value.
 
     Returns
     -------

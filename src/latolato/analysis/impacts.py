@@ -44,18 +44,14 @@ def impact_map(
     ----------
     system, drive
         The laws; the system must have walls or two balls, the drive one period.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     periods : int
         Drive periods that are watched.
     transient_periods : float
         Drive periods before, at least 0.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
     contact_limit : int
         Contacts after which the run stops, with a status.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------

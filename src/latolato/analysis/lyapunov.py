@@ -52,17 +52,11 @@ def lyapunov_spectrum(
     ----------
     system, drive
         Any system and drive.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as of `latolato.simulate`.
     duration, transient : float
         Time that is followed, and how much of it is left out at the beginning [s]; by default a
         tenth, at most 100 s.
-    contact : str, optional
-        ``exact`` or ``none``.
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    initial_angle, initial_angular_velocity, initial_offset, contact, tolerance, rest_speed
+        As for `latolato.simulate`. Contact must not be clamped.
 
     Returns
     -------

@@ -81,12 +81,8 @@ def floquet(
         Instead of the angle: above the low contact angle of a `LatoLato` [rad].
     period : int
         Drive periods after which the motion repeats itself, 1 to 16.
-    contact : str, optional
-        ``exact`` or ``none``.
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    contact, tolerance, rest_speed
+        As for `latolato.simulate`; contact must not be clamped.
 
     Returns
     -------

@@ -41,8 +41,6 @@ def response_period(
     ----------
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
@@ -50,10 +48,8 @@ def response_period(
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------

@@ -77,10 +77,8 @@ def first_push(
         [rad], in (0, pi].
     transient_periods : float
         Drive periods after which that is asked, at least 0; twelve are watched.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------

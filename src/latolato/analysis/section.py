@@ -48,8 +48,6 @@ def poincare_section(
     ----------
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     section_phase : float
         Phase of the drive at which the motion is looked at [rad]: ``w t + drive_phase`` modulo
         2 pi. At 0 a harmonic pivot is at its top.
@@ -57,10 +55,8 @@ def poincare_section(
         Points of the section, 1 to 1000000.
     transient_periods : float
         Drive periods before the first point, at least 0.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------

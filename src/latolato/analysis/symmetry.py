@@ -61,16 +61,12 @@ def pair_symmetry(
         The one-ball model that is questioned; the motion is that of the two balls behind it.
     drive : Drive, optional
         Any drive.
-    initial_angle, initial_angular_velocity, initial_offset : float
-        The right ball's start, as of `latolato.simulate`; the left one's is its mirror image.
     drive_amplitude, frequency_ratio : sequence of float, optional
         For a validity map: drive amplitudes [m] and frequency ratios [1].
     duration, transient : float
         Time that is followed, and how much of it is left out at the beginning [s].
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`; the start is the right ball's, the left one's is its image.
 
     Returns
     -------
