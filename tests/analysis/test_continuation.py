@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
+from latolato.analysis.closed_forms import fall_time
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
+from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)
@@ -127,7 +128,7 @@ def test_the_branch_of_a_shorter_period_is_named():
         ({"parameter": "frequency_ration"}, "did you mean 'frequency_ratio'"),
         ({"low": 2.1}, "must enclose"),
         ({"low": 3.0, "high": 1.0}, "must enclose"),
-        ({"direction": "left"}, "'up' or 'down'"),
+        ({"direction": "left"}, "direction must be one of up, down"),
         ({"points": 0}, "points"),
         ({"drive": None}, "must repeat itself"),
         ({"drive": ll.Harmonic(drive_amplitude=0.1, drive_frequency=0.0)}, "must lie in"),

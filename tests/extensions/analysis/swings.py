@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.closed_forms import undriven_period
+from latolato.analysis.elliptic import undriven_period
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number
