@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_columns, start_options
-from latolato.analysis.stroboscopic import octaves, settled_motion
+from latolato.analysis.stroboscopic import settled_cases
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY, wrapped
@@ -268,33 +268,23 @@ def _lasts(
         "drive_phase": np.remainder(drive.drive_phase + phases[way, column], math.tau),
         **start_columns(system, angle.T, velocity.T),
     }
-    status = np.empty(len(row), dtype=object)
-    largest = np.full(len(row), math.nan)
-    known = np.isfinite(angle).all(axis=1) & np.isfinite(velocity).all(axis=1)
-    status[~known] = "failed"
-    for part in octaves(case["frequency_ratio"]):
-        some = part[known[part]]
-        if not len(some):
-            continue
-        w = frequencies[column[some]]
-        _, motion = settled_motion(
-            system,
-            drive,
-            {"case": {name: values[some] for name, values in case.items()}},
-            w,
-            transient_periods=_LASTING,
-            longest=4,
-            angle_tolerance=1e-4,
-            slowest_frequency=float(w.min()),
-            **{k: v for k, v in options.items() if k not in ("duration", "transient")},
-        )
-        status[some], largest[some] = motion["status"], motion["largest_angle_watched"]
+    motion = settled_cases(
+        system,
+        drive,
+        case,
+        frequencies[column],
+        transient_periods=_LASTING,
+        longest=4,
+        angle_tolerance=1e-4,
+        **{k: v for k, v in options.items() if k not in ("duration", "transient")},
+    )
+    status, largest = motion["status"], motion["largest_angle_watched"]
     one, two = status.reshape(2, -1)
-    told = np.isin(status, PERIODICITY).reshape(2, -1)
+    known = np.isin(status, PERIODICITY).reshape(2, -1)
     both_chaotic = (one == "aperiodic") & (two == "aperiodic")
     apart = np.abs(np.diff(largest.reshape(2, -1), axis=0)[0]) >= least
     result = np.zeros(differ.shape, dtype=bool)
-    result[tuple(places.T)] = told.all(axis=0) & apart & ~both_chaotic
+    result[tuple(places.T)] = known.all(axis=0) & apart & ~both_chaotic
     return result
 
 

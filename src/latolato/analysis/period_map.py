@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import QUANTITIES_HERE, octaves, settled_motion, wilson_interval
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_cases, wilson_interval
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
 from latolato.physics.pendulum import System
@@ -91,28 +91,22 @@ angle_tolerance, tolerance, rest_speed
     transient_periods = checked_transient(transient_periods)
     amplitudes = checked_values("drive_amplitude", drive_amplitude, "m")
     ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
-    shape = (len(amplitudes), len(ratios))
-    w0 = system.natural_frequency
-    result: dict[str, NDArray[Any]] = {}
-    for part in octaves(ratios):
-        _, motion = settled_motion(
-            system,
-            law,
-            {"drive_amplitude": amplitudes, "frequency_ratio": ratios[part]},
-            np.broadcast_to(ratios[part] * w0, (shape[0], len(part))),
-            longest=longest,
-            angle_tolerance=angle_tolerance,
-            transient_periods=transient_periods,
-            slowest_frequency=float(ratios[part].min() * w0),
-            initial_angle=initial_angle,
-            initial_angular_velocity=initial_angular_velocity,
-            initial_offset=initial_offset,
-            tolerance=tolerance,
-            rest_speed=rest_speed,
-        )
-        for name in (*_MAPPED, "status"):
-            values = motion[name].reshape(shape[0], len(part))
-            result.setdefault(name, np.empty(shape, dtype=values.dtype))[:, part] = values
+    amplitude, ratio = np.broadcast_arrays(amplitudes[:, None], ratios)
+    motion = settled_cases(
+        system,
+        law,
+        {"drive_amplitude": amplitude.ravel(), "frequency_ratio": ratio.ravel()},
+        ratio.ravel() * system.natural_frequency,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        longest=longest,
+        angle_tolerance=angle_tolerance,
+        transient_periods=transient_periods,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+    )
+    result = {name: motion[name].reshape(ratio.shape) for name in (*_MAPPED, "status")}
     names, shares = shares_of(result["response_period"], result["status"], longest)
     dims = ("drive_amplitude", "frequency_ratio")
     return labelled(

@@ -119,6 +119,28 @@ def settled_motion(
     return grid, motion
 
 
+def settled_cases(
+    system: System, drive: Drive, case: Mapping[str, Floats], frequency: Floats, **options: Any
+) -> dict[str, NDArray[Any]]:
+    """Return what `settled_motion` tells of points along one axis, run by octaves of frequency.
+
+    Every point has at least the transient, the faster ones up to twice that.
+    """
+    result: dict[str, NDArray[Any]] = {}
+    for part in octaves(frequency):
+        _, motion = settled_motion(
+            system,
+            drive,
+            {"case": {name: values[part] for name, values in case.items()}},
+            frequency[part],
+            slowest_frequency=float(frequency[part].min()),
+            **options,
+        )
+        for name, values in motion.items():
+            result.setdefault(name, np.empty(len(frequency), values.dtype))[part] = values
+    return result
+
+
 def _seems_to_settle(
     first: Mapping[str, Floats], second: Mapping[str, Floats], third: Mapping[str, Floats]
 ) -> NDArray[np.bool_]:
