@@ -286,18 +286,6 @@ def _drive_of(
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
 
 
-def _velocity(search: _Search, push: float) -> dict[str, float]:
-    """Return the initial velocities that a push outwards gives, by their name along an axis."""
-    velocity: Any = search.start["initial_angular_velocity"]
-    if search.system.angles == 1:
-        return {"initial_angular_velocity": float(velocity) + push}
-    right, left = np.broadcast_to(np.asarray(velocity, dtype=np.float64), 2)
-    return {
-        "initial_angular_velocity_right": float(right) + push,
-        "initial_angular_velocity_left": float(left) - push,
-    }
-
-
 def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: Any) -> Floats:
     """Return the settled angle of each case, NaN where there is no answer."""
     names = list(cases)
@@ -322,15 +310,17 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
 
 def _pushed(search: _Search, pushes: Sequence[float]) -> Floats:
     """Return settled angles at the target frequency after pushes, of shape (push, phase)."""
-    cases = [
-        {**_velocity(search, push), "drive_phase": phase}
-        for push in pushes
-        for phase in search.phases
-    ]
-    start = {k: v for k, v in search.start.items() if k != "initial_angular_velocity"}
-    columns = {name: np.array([case[name] for case in cases]) for name in cases[0]}
+    push, phase = (each.ravel() for each in np.meshgrid(pushes, search.phases, indexing="ij"))
+    start = dict(search.start)
+    velocities = np.broadcast_to(start.pop("initial_angular_velocity"), search.system.angles)
+    sides = ("",) if search.system.angles == 1 else ("_right", "_left")
+    columns = {
+        f"initial_angular_velocity{side}": velocity + way * push
+        for side, velocity, way in zip(sides, velocities, (1.0, -1.0), strict=False)
+    }
     drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
-    return _settle(search, drive, columns, **start).reshape(len(pushes), len(search.phases))
+    settled = _settle(search, drive, {**columns, "drive_phase": phase}, **start)
+    return settled.reshape(len(pushes), len(search.phases))
 
 
 def _stepped(search: _Search, ratio: float, dwells: Floats, threshold: float) -> Floats:
