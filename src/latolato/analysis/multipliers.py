@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.analysis.flow import Floats, Flow, drive_period, periodic_drive
+from latolato.analysis.flow import Floats, checked_flow, drive_period
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
@@ -21,8 +21,7 @@ from latolato.analysis.orbits import (
     multipliers_of,
 )
 from latolato.analysis.registry import analyses, labelled
-from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.core.registry import checked_number
+from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
@@ -124,22 +123,14 @@ def floquet(
     >>> print(f"{found.multipliers.values[0].real:.5f} {found.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    driven = periodic_drive(system, drive)
-    count = checked_period(period)
-    flow = Flow(
-        system,
-        driven,
-        contact=contact,
-        tolerance=checked_number("tolerance", tolerance, Range(1e-14, 1e-2), "rad"),
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
-        speed=2.0 * system.natural_frequency,
-    )
+    period = checked_period(period)
+    flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
-    orbit = find_orbit(flow, guess, count)
+    orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
         warnings.warn(
-            f"no motion of period {count} was found from this start (defect "
+            f"no motion of period {period} was found from this start (defect "
             f"{orbit.defect:.2g}); try a start on the attractor, or another period",
             RuntimeWarning,
             stacklevel=2,
@@ -156,11 +147,11 @@ def floquet(
         dimensioned(result, system),
         quantities=QUANTITIES,
         system=system,
-        drive=driven,
+        drive=flow.drive,
         arguments=locals(),
         settings={
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
-            "message": shorter_period(result["response_period"], count),
+            "message": shorter_period(result["response_period"], period),
         },
     )
 
