@@ -89,8 +89,8 @@ def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) 
     return np.array([angles[0] + shift, angles[1] - shift])
 
 
-def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """Return one or two checked numbers."""
+def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """Return one or two checked numbers of a start."""
     unit = QUANTITIES[name].unit
     if count == 1:
         if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
@@ -107,6 +107,21 @@ def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
     return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
 
 
+def checked_offset(system: System, angle: Any, offset: Any) -> float:
+    """Return an offset that stands instead of an angle [rad]."""
+    if not isinstance(system, LatoLato):
+        raise InputError(
+            "counts from the low contact angle of a LatoLato",
+            parameter="initial_offset",
+            way_out="use initial_angle for other systems",
+        )
+    if angle is not None:
+        raise InputError(
+            "give only one of {parameter} and initial_offset", parameter="initial_angle"
+        )
+    return checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+
+
 def checked_start(
     system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
 ) -> Start:
@@ -117,22 +132,13 @@ def checked_start(
             "is needed [rad] (for a LatoLato initial_offset may stand instead)",
             parameter="initial_angle",
         )
-    if angle is not None and offset is not None:
-        raise InputError(
-            "give only one of {parameter} and initial_offset", parameter="initial_angle"
-        )
     if offset is not None:
-        if not isinstance(system, LatoLato):
-            raise InputError(
-                "counts from the low contact angle of a LatoLato",
-                parameter="initial_offset",
-                way_out="use initial_angle for other systems",
-            )
-        above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+        above = checked_offset(system, angle, offset)
+        assert isinstance(system, LatoLato)
         angle = system.contact_angle_low + above
-    velocities = _numbers("initial_angular_velocity", velocity, system.angles)
+    velocities = checked_numbers("initial_angular_velocity", velocity, system.angles)
     if system.angles == 1:
-        (value,) = _numbers("initial_angle", angle, 1)
+        (value,) = checked_numbers("initial_angle", angle, 1)
         what, gap = "initial_angle", value
     else:
         if np.isscalar(angle):
@@ -141,7 +147,7 @@ def checked_start(
                 parameter="initial_angle",
                 value=angle,
             )
-        right, left = _numbers("initial_angle", angle, 2)
+        right, left = checked_numbers("initial_angle", angle, 2)
         what, gap = "the separation initial_angle[0] - initial_angle[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(

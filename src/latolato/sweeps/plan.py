@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
 from latolato.core.registry import (
     checked_choice,
     checked_count,
@@ -34,6 +33,8 @@ from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
     checked_drive,
+    checked_numbers,
+    checked_offset,
     checked_system,
 )
 from latolato.sweeps.axes import Axis, checked_axes, parameters_of
@@ -309,9 +310,7 @@ def make_plan(
         drive=drive,
         axes=dimensions,
         observables=watched,
-        start=_start(
-            system, known, varied, initial_angle, initial_angular_velocity, initial_offset
-        ),
+        start=_start(system, varied, initial_angle, initial_angular_velocity, initial_offset),
         duration=length,
         transient=transient,
         transient_periods=periods,
@@ -410,7 +409,6 @@ def checked_observable(given: Any) -> Observable:
 
 def _start(
     system: System,
-    known: Mapping[str, Parameter],
     varied: set[str],
     angle: Any,
     velocity: Any,
@@ -419,34 +417,12 @@ def _start(
     """Return the start's parameters that do not vary, by name."""
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     given: dict[str, float] = {}
-    pairs = {"initial_angle": angle, "initial_angular_velocity": velocity}
     if offset is not None:
-        if "initial_offset" not in known:
-            raise InputError(
-                "counts from the low contact angle of a LatoLato",
-                parameter="initial_offset",
-                way_out="use initial_angle for other systems",
-            )
-        if angle is not None:
-            raise InputError(
-                "give only one of {parameter} and initial_offset", parameter="initial_angle"
-            )
-        given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
-    for name, value in pairs.items():
-        if value is None:
-            continue
-        values = (value,)
-        if len(sides) == 2:
-            if np.ndim(value) == 0 and value == 0.0:
-                value = (0.0, 0.0)
-            if np.shape(value) != (2,):
-                raise InputError(
-                    "of a BallPair must be two numbers (right, left)", parameter=name, value=value
-                )
-            values = tuple(value)
-        for side, number in zip(sides, values, strict=True):
-            unit = QUANTITIES[name].unit
-            given[name + side] = checked_number(name + side, number, ANY, unit)
+        given["initial_offset"] = checked_offset(system, angle, offset)
+    for name, value in {"initial_angle": angle, "initial_angular_velocity": velocity}.items():
+        if value is not None:
+            numbers = checked_numbers(name, value, system.angles)
+            given |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
     if "initial_offset" in varied and angle is not None:
         raise InputError(
             "give only one of {parameter} and an axis initial_offset", parameter="initial_angle"
