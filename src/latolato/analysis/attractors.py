@@ -41,7 +41,7 @@ _SPEEDS = 3.0
 _NEAREST = 0.5
 # A wall is approached from inside by this much [rad].
 _INSIDE = 1e-9
-_TOLD = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
+_OF_ATTRACTORS = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
 @analyses.register("basins")
@@ -219,29 +219,15 @@ def basins(
         chaos_box=chaos_box,
     )
     count = len(samples)
-    # Attractors that only the second run finds make its starts differ, and are not told.
-    shares = np.bincount(both[:count][both[:count] >= 0], minlength=len(examples))
-    seen = np.flatnonzero((shares > 0) & (examples < count))
-    order = seen[
-        np.lexsort(
-            [
-                samples[examples[seen], :, 0].mean(axis=1).round(6),
-                motion["rotation_number"][examples[seen]],
-                -shares[seen],
-            ]
-        )
-    ]
-    numbers = np.arange(len(order))
-    used = len(order)
-    if known is not None:
-        numbers, used = _known_numbers(samples[examples[order]], known)
-        order, numbers = order[np.argsort(numbers)], np.sort(numbers)
-    examples = examples[order]
-    place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
-    place[order] = np.arange(len(order))
+    examples, numbers, used, place = _numbered(
+        samples, motion["rotation_number"], both[:count], examples, known
+    )
     labels, others = place[both[:count]], place[both[count:]]
     uncertain = (labels != others).reshape(shape)
-    doubtful = float(uncertain.mean())
+    doubt = (
+        f"{100.0 * uncertain.mean():.3g} % of the starts lead elsewhere at a tolerance of "
+        f"{check_tolerance:.1g} rad: their basin is uncertain"
+    )
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
         warnings.warn(
@@ -254,22 +240,19 @@ def basins(
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
     share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
-    entropy = basin_entropy(table, entropy_box)
     ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
         "basin": (places, table),
         "uncertain": (places, uncertain.astype(np.int8)),
-        **{name: (("attractor",), motion[name][examples]) for name in (*_TOLD, "status")},
-        "basin_fraction": (("attractor",), share),
-        "basin_fraction_low": (("attractor",), low),
-        "basin_fraction_high": (("attractor",), high),
+        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
+        "basin_fraction": ("attractor", share),
+        "basin_fraction_low": ("attractor", low),
+        "basin_fraction_high": ("attractor", high),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
         "not_settled_fraction": unsettled,
-        "uncertain_fraction": doubtful,
-        "basin_entropy": entropy.basin_entropy,
-        "boundary_basin_entropy": entropy.boundary_basin_entropy,
-        "boundary_share": entropy.boundary_share,
+        "uncertain_fraction": float(uncertain.mean()),
+        **basin_entropy(table, entropy_box)._asdict(),
     }
     for name in ("section_angle", "section_angular_velocity"):
         values = np.asarray(grid[name].values)
@@ -290,10 +273,7 @@ def basins(
         arguments=locals(),
         settings={
             "numbers_used": used,
-            "message": f"{100.0 * doubtful:.3g} % of the starts lead elsewhere at a tolerance of "
-            f"{check_tolerance:.1g} rad: their basin is uncertain"
-            if doubtful
-            else None,
+            "message": doubt if uncertain.any() else None,
         },
     )
 
@@ -349,6 +329,27 @@ def _check_known(known: Any, system: System) -> None:
             parameter="known",
             way_out="give a map of the same kind of system",
         )
+
+
+def _numbered(
+    samples: Floats, rotation: Floats, labels: Labels, examples: Labels, known: xr.Dataset | None
+) -> tuple[Labels, Labels, int, Labels]:
+    """Return the attractors in order: an example of each, its number, and how many are used.
+
+    Also the place of each label in that order. Attractors without an example among the samples,
+    which only the second run finds, have none: they make its starts differ.
+    """
+    shares = np.bincount(labels[labels >= 0], minlength=len(examples))
+    own = np.flatnonzero((shares > 0) & (examples < len(samples)))
+    angles = samples[examples[own], :, 0].mean(axis=1).round(6)
+    order = own[np.lexsort([angles, rotation[examples[own]], -shares[own]])]
+    numbers, used = np.arange(len(order)), len(order)
+    if known is not None:
+        numbers, used = _known_numbers(samples[examples[order]], known)
+        order, numbers = order[np.argsort(numbers)], np.sort(numbers)
+    place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
+    place[order] = np.arange(len(order))
+    return examples[order], numbers, used, place
 
 
 def _known_numbers(samples: Floats, known: xr.Dataset) -> tuple[Labels, int]:
