@@ -90,7 +90,7 @@ def basins(
     transient_periods : float
         Drive periods before the motion is looked at, at least 0.
     longest : int
-        Longest response period that is told from chaos, 1 to 64 drive periods.
+        Longest response period that is distinguished from chaos, 1 to 64 drive periods.
     angle_tolerance : float
         Distance below which two samples of one motion agree [rad], in (0, 1].
     match_tolerance : float
@@ -160,10 +160,10 @@ def basins(
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = basins(
+    >>> result = basins(
     ...     system, drive, angle_points=6, velocity_points=6, velocity_low=-3.0, velocity_high=3.0
     ... )
-    >>> found.status.values, found.basin_fraction.values, found.basin_entropy.item()
+    >>> result.status.values, result.basin_fraction.values, result.basin_entropy.item()
     (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
     """
     law = checked_periodic(system, drive)
@@ -297,11 +297,11 @@ _QUANTITIES: dict[str, Quantity] = {
 }
 
 
-def _checked_finer(given: Any, tolerance: float) -> float:
+def _checked_finer(value: Any, tolerance: float) -> float:
     """Return the tolerance of the second run [rad]."""
-    if given is None:
+    if value is None:
         return max(0.1 * tolerance, 1e-15)
-    finer = checked_number("check_tolerance", given, Range(1e-15, 1e-2), "rad")
+    finer = checked_number("check_tolerance", value, Range(1e-15, 1e-2), "rad")
     if not finer < tolerance:
         raise InputError(
             f"must be below the tolerance of {tolerance:g} rad",

@@ -72,7 +72,7 @@ def bifurcation_diagram(
     transient_periods : float
         Drive periods at each value before the motion is watched, at least 0.
     longest : int
-        Longest response period that is told, 1 to 64; three times as many samples are kept.
+        Longest response period that is recognised, 1 to 64; three times as many samples are kept.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
     initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
@@ -113,11 +113,11 @@ def bifurcation_diagram(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = bifurcation_diagram(
+    >>> result = bifurcation_diagram(
     ...     toy, drive, parameter="frequency_ratio", low=2.2, high=3.4, points=13,
     ...     initial_offset=0.0,
     ... )
-    >>> found.status.sel(frequency_ratio=2.4, method="nearest").values
+    >>> result.status.sel(frequency_ratio=2.4, method="nearest").values
     array(['rest', 'periodic'], dtype='<U12')
     """
     law = checked_periodic(system, drive)

@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 LOOP, NO_LOOP, DELAY, UNKNOWN = "hysteresis", "no hysteresis", "not settled", "no answer"
 # Drive periods that a difference between both ways must outlast.
 _LASTING = 300.0
-# What is swept when nothing is said [w/w0].
+# Default range and number of frequencies [w/w0].
 _DEFAULT_RATIOS = (1.6, 3.6, 81)
 
 _ENDS = ("largest_angle_after_transient", "final_angle", "final_angular_velocity")
@@ -127,8 +127,8 @@ def hysteresis(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
-    >>> found = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
-    >>> found.status.values.tolist(), found.jump_ratio.sel(direction="up").values.tolist()
+    >>> result = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
+    >>> result.status.values.tolist(), result.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
     checked_nonlinear(system)

@@ -78,8 +78,8 @@ def impact_map(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = impact_map(toy, drive, initial_offset=0.2, periods=3)
-    >>> found.impacts_per_period.item(), found.impact_phase.values.round(2)
+    >>> result = impact_map(toy, drive, initial_offset=0.2, periods=3)
+    >>> result.impacts_per_period.item(), result.impact_phase.values.round(2)
     (1.0, array([5.91, 5.91, 5.91]))
     """
     law = checked_periodic(system, drive)

@@ -85,8 +85,8 @@ def lyapunov_spectrum(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
     >>> shake = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
-    >>> found = lyapunov_spectrum(toy, shake, initial_angle=0.6, duration=300.0)
-    >>> found.status.item(), abs(found.sum_rule_residual.item()) < 1e-12
+    >>> result = lyapunov_spectrum(toy, shake, initial_angle=0.6, duration=300.0)
+    >>> result.status.item(), abs(result.sum_rule_residual.item()) < 1e-12
     ('chaotic', True)
     """
     from latolato.sweeps import sweep

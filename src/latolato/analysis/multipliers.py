@@ -119,8 +119,8 @@ def floquet(
 
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = floquet(system, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26))
-    >>> print(f"{found.multipliers.values[0].real:.5f} {found.growth_rate.item():.5f}")
+    >>> result = floquet(system, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26))
+    >>> print(f"{result.multipliers.values[0].real:.5f} {result.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
     period = checked_period(period)
@@ -227,14 +227,14 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
     }
 
 
-def dimensioned(found: dict[str, object], system: System) -> dict[str, object]:
+def dimensioned(entries: dict[str, object], system: System) -> dict[str, object]:
     """Return the entries with their dimensions, a single ball's without one."""
     dims: dict[str, tuple[str, ...]] = {
         "multipliers": ("multiplier",),
         "monodromy": ("row", "column"),
     }
     variables: dict[str, object] = {}
-    for name, value in found.items():
+    for name, value in entries.items():
         if name in ("initial_angle", "initial_angular_velocity"):
             values: Floats = np.asarray(value)
             variables[name] = (("ball",), values) if system.angles == 2 else float(values[0])

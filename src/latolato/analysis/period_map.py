@@ -80,14 +80,14 @@ angle_tolerance, tolerance, rest_speed
     --------
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = response_period_map(
+    >>> result = response_period_map(
     ...     system, drive_amplitude=[0.05], frequency_ratio=[1.7, 2.0], initial_angle=0.1
     ... )
-    >>> found.response_period.values
+    >>> result.response_period.values
     array([[1., 2.]])
     """
-    given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
-    law = checked_periodic(system, given)
+    usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    law = checked_periodic(system, usual if drive is None else drive)
     transient_periods = checked_transient(transient_periods)
     amplitudes = checked_values("drive_amplitude", drive_amplitude, "m")
     ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)

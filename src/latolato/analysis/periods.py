@@ -111,8 +111,8 @@ def response_period(
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = response_period(system, drive, initial_angle=0.1)
-    >>> found.response_period.item(), found.status.item(), found.mirror_residual.item() < 1e-4
+    >>> result = response_period(system, drive, initial_angle=0.1)
+    >>> result.response_period.item(), result.status.item(), result.mirror_residual.item() < 1e-4
     (2.0, 'periodic', True)
     """
     law = checked_periodic(system, drive)
@@ -146,9 +146,9 @@ def response_period(
     )
 
 
-def _message(found: dict[str, Any], longest: int, transient_periods: float) -> str | None:
+def _message(values: dict[str, Any], longest: int, transient_periods: float) -> str | None:
     """Return what stands in the way of an answer."""
-    status, left = str(found["status"]), float(found["recurrence_residual"])
+    status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
         return (
             f"no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
@@ -161,6 +161,6 @@ def _message(found: dict[str, Any], longest: int, transient_periods: float) -> s
         )
     if status == "grazing":
         return "an impact is nearly grazing: the period may change with the smallest change"
-    if not math.isfinite(float(found["response_period"])):
+    if not math.isfinite(float(values["response_period"])):
         return f"the run ended with status {status}: there is no answer"
     return None

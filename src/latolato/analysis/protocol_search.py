@@ -43,10 +43,10 @@ _LEAST_GAP = 0.1
 _READ = 0.25
 # More candidates than this are not run in full when chaos makes the search's answers differ.
 _MOST_CHECKS = 10
-# First stages that are tried when nothing is said, over the target's frequency; dwells [s].
+# Default first stages, over the target's frequency, and dwells [s].
 _DEFAULT_FIRST = (1.05, 1.6, 12)
 _DEFAULT_DWELLS = (0.25, 4.0, 16)
-# Largest push that is tried when nothing is said [natural frequencies], and how many.
+# Default largest push [natural frequencies], and how many.
 _DEFAULT_PUSHES = (1.0, 21)
 _LASTING = "largest_angle_after_transient"
 
@@ -171,10 +171,10 @@ def shortest_protocol(
     >>> import latolato as ll, numpy as np
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * toy.natural_frequency)
-    >>> found = shortest_protocol(
+    >>> result = shortest_protocol(
     ...     toy, drive, first_frequency_ratio=[3.6], dwell_time=[1.0, 2.0, 4.0], phases=4
     ... )
-    >>> found.status.item(), f"{np.rad2deg(found.upper_angle.item()):.0f} degrees"
+    >>> result.status.item(), f"{np.rad2deg(result.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
     """
     checked_nonlinear(system)

@@ -77,7 +77,7 @@ def first_push(
         Motion lasts if, after the transient, it still goes this far beyond its angle at rest
         [rad], in (0, pi].
     transient_periods : float
-        Drive periods after which that is asked, at least 0; twelve are watched.
+        Drive periods before that is checked, at least 0; twelve are watched.
     tolerance, rest_speed
         As for `latolato.simulate`.
 
@@ -115,8 +115,8 @@ def first_push(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = first_push(toy, drive, frequency_ratio=[2.4, 3.2], scan_points=40)
-    >>> found.status.values.ravel(), found.first_push.values.ravel().round(1)
+    >>> result = first_push(toy, drive, frequency_ratio=[2.4, 3.2], scan_points=40)
+    >>> result.status.values.ravel(), result.first_push.values.ravel().round(1)
     (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
     law = checked_periodic(system, drive)

@@ -99,7 +99,7 @@ def settled_motion(
     status = motion["status"]
     each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
     left = np.flatnonzero(status == "aperiodic")
-    seen = [{name: motion[name][left] for name in _DECAYING}]
+    looks = [{name: motion[name][left] for name in _DECAYING}]
     waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
     for times, most in ((1.0, longest), (3.0, longest), (7.0, _LONGEST)):
         if not left.size:
@@ -108,14 +108,14 @@ def settled_motion(
         _, now = look(_chosen(axes, left), periods, each[left], most)
         result = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
         keep = np.isin(now["status"], PERIODICITY) & ~result
-        seen.append(now)
-        if len(seen) == 3:
-            keep &= _seems_to_settle(*seen)
-        elif len(seen) == 4:
-            result |= keep & _goes_on_to_settle(seen)
+        looks.append(now)
+        if len(looks) == 3:
+            keep &= _seems_to_settle(*looks)
+        elif len(looks) == 4:
+            result |= keep & _goes_on_to_settle(looks)
         status[left[result]] = "not settled"
         left = left[keep]
-        seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
+        looks = [{name: row[name][keep] for name in _DECAYING} for row in looks]
     return grid, motion
 
 
@@ -152,23 +152,23 @@ def _seems_to_settle(
     return result
 
 
-def _goes_on_to_settle(seen: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
+def _goes_on_to_settle(looks: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
     """Return which motions are less than ever at the last look, or ever nearer to a period."""
     angle, speed, residual = (
         row[-1] < _SLOWED * row[:-1].min(axis=0)
-        for row in (np.array([each[name] for each in seen]) for name in _DECAYING)
+        for row in (np.array([each[name] for each in looks]) for name in _DECAYING)
     )
-    nearly = np.array([each["recurrence_residual"] for each in seen]).max(axis=0) < _NEARLY
+    nearly = np.array([each["recurrence_residual"] for each in looks]).max(axis=0) < _NEARLY
     return np.asarray((angle & speed) | (residual & nearly))
 
 
 def _chosen(axes: Mapping[str, Any], places: NDArray[np.int64]) -> dict[str, Any]:
     """Return one axis with some of the points that axes span, counted in C order."""
     columns = [
-        {name: np.asarray(each) for name, each in given.items()}
-        if isinstance(given, Mapping)
-        else {axis: np.asarray(given)}
-        for axis, given in axes.items()
+        {name: np.asarray(each) for name, each in values.items()}
+        if isinstance(values, Mapping)
+        else {axis: np.asarray(values)}
+        for axis, values in axes.items()
     ]
     indices = np.unravel_index(places, [len(next(iter(c.values()))) for c in columns])
     return {
@@ -289,9 +289,9 @@ def wilson_interval(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     >>> print(f"{share:.3f} in [{low:.3f}, {high:.3f}]")
     0.000 in [0.000, 0.278]
     """
-    for name, given in (("count", count), ("total", total)):
-        if np.asarray(given).dtype.kind not in "iu":
-            raise InputError("must hold whole numbers", parameter=name, value=given)
+    for name, value in (("count", count), ("total", total)):
+        if np.asarray(value).dtype.kind not in "iu":
+            raise InputError("must hold whole numbers", parameter=name, value=value)
     k, n = np.asarray(count, dtype=np.float64), np.asarray(total, dtype=np.float64)
     if not np.all((k >= 0.0) & (k <= n)):
         raise InputError("must lie between 0 and total", parameter="count", value=count)

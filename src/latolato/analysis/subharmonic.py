@@ -43,14 +43,15 @@ WINDOW = (0.25, 0.75)
 # Share of the oscillating power that a sharp peak holds at least.
 SHARP = 0.5
 # and how often the width of a steady tone it has at most.
-BROAD = 2.0
+WIDEST = 2.0
 # Full width at half maximum of the squared spectrum of a steady tone under a Hann window [bins].
 _HANN_WIDTH = 1.44
 _PADDING = 8
 # The main lobe of a Hann window reaches so many bins to each side.
 _LOBE = 2
 
-STATUSES = ("no motion", "no subharmonic", "locked", "drifting", "broad", "no answer")
+NO_MOTION, NO_SUBHARMONIC, NO_ANSWER = "no motion", "no subharmonic", "no answer"
+LOCKED, DRIFTING, BROAD = "locked", "drifting", "broad"
 
 _QUANTITIES = {
     "order_parameter": Quantity(
@@ -259,8 +260,8 @@ def time_crystal(
     >>> import latolato as ll
     >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = time_crystal(pendulum, drive, periods=64, transient_periods=400)
-    >>> found.status.item(), f"{found.peak_frequency.item():.3f}"
+    >>> result = time_crystal(pendulum, drive, periods=64, transient_periods=400)
+    >>> result.status.item(), f"{result.peak_frequency.item():.3f}"
     ('locked', '0.500')
     """
     checked_system(system)
@@ -282,13 +283,10 @@ def time_crystal(
         raise InputError(f"must be at least 16 to tell a line, got {periods}", parameter="periods")
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
-    noise = (
-        VelocityKicks(noise_strength=noise_strength, noise_seed=noise_seed)
-        if noise_strength > 0.0
-        else None
-    )
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
-    if noise is not None:
+    noise = None
+    if noise_strength > 0.0:
+        noise = VelocityKicks(noise_strength=noise_strength, noise_seed=noise_seed)
         axes["noise_stream"] = range(trajectories)
     result: list[list[dict[str, Any]]] = []
     for ratio in ratios:
@@ -336,7 +334,7 @@ def time_crystal(
         coordinates={
             "drive_amplitude": amplitudes,
             "frequency_ratio": ratios,
-            "lag": np.arange(_lags(periods)),
+            "lag": np.arange(periods // 2),
             "period": np.arange(before + 1, before + periods + 1),
         },
         quantities=_QUANTITIES,
@@ -359,25 +357,19 @@ def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, 
     return start_options(system, 0.1, velocity, None)
 
 
-def _lags(periods: int) -> int:
-    """Return how many lags of the autocorrelation are kept: none with few pairs."""
-    return periods // 2
-
-
 def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) -> dict[str, Any]:
-    """Return everything that is told of one point, from arrays of shape (trajectory, period)."""
-    seen = angles.shape[1]
-    signs = np.where((first + np.arange(seen)) % 2 == 0, 1.0, -1.0)
-    nothing = math.nan
+    """Return all variables of one point, from arrays of shape (trajectory, period)."""
+    periods = angles.shape[1]
+    signs = np.where((first + np.arange(periods)) % 2 == 0, 1.0, -1.0)
     result: dict[str, Any] = dict.fromkeys(
         ("order_parameter", "order_parameter_size", "order_parameter_best", "peak_frequency",
          "peak_amplitude", "peak_width", "peak_share", "phase_slips", "lifetime", "lifetime_low",
          "lifetime_high"),
-        nothing,
+        math.nan,
     )  # fmt: skip
-    result["sign_autocorrelation"] = np.full(_lags(seen), nothing)
-    result["order_parameter_decay"] = np.full(seen, nothing)
-    result["status"] = STATUSES[5]
+    result["sign_autocorrelation"] = np.full(periods // 2, math.nan)
+    result["order_parameter_decay"] = np.full(periods, math.nan)
+    result["status"] = NO_ANSWER
     if not len(angles) or not np.all(np.isfinite(angles)):
         return result
     # Motion about the upright position is counted from there: elsewhere the cut would part it.
@@ -390,7 +382,7 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
     motion = np.sqrt(np.mean((velocities / frequency) ** 2 + (angles - angles.mean()) ** 2))
     result["peak_amplitude"] = peak.amplitude
     if peak.amplitude < LEAST_AMPLITUDE:
-        result["status"] = STATUSES[0] if motion < LEAST_AMPLITUDE else STATUSES[1]
+        result["status"] = NO_MOTION if motion < LEAST_AMPLITUDE else NO_SUBHARMONIC
         return result
     result |= {
         "peak_frequency": peak.frequency,
@@ -398,11 +390,11 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
         "peak_share": peak.share,
         **_survival(_demodulated(signs, angles, velocities, frequency), math.tau / frequency),
     }
-    if peak.share < SHARP or peak.width > BROAD * _HANN_WIDTH / seen:
-        result["status"] = STATUSES[4]
+    if peak.share < SHARP or peak.width > WIDEST * _HANN_WIDTH / periods:
+        result["status"] = BROAD
     else:
-        is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / seen
-        result["status"] = STATUSES[2] if is_half else STATUSES[3]
+        is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / periods
+        result["status"] = LOCKED if is_half else DRIFTING
     return result
 
 
@@ -420,9 +412,9 @@ def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
     from latolato.analysis.waiting_time import censored_mean
 
     states = sign_states(demodulated).astype(np.float64)
-    count, seen = states.shape
+    count, periods = states.shape
     slips = int(np.count_nonzero(np.diff(states, axis=1)))
-    life = censored_mean(count * (seen - 1) * period, slips)
+    life = censored_mean(count * (periods - 1) * period, slips)
     return {
         "order_parameter_best": float(abs(demodulated.mean())),
         "order_parameter_decay": (states[:, :1] * demodulated).mean(axis=0),
@@ -431,6 +423,6 @@ def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
         "lifetime_low": life.low,
         "lifetime_high": life.high,
         "sign_autocorrelation": np.array(
-            [np.mean(states[:, : seen - m] * states[:, m:]) for m in range(_lags(seen))]
+            [np.mean(states[:, : periods - m] * states[:, m:]) for m in range(periods // 2)]
         ),
     }

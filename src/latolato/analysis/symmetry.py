@@ -97,8 +97,8 @@ def pair_symmetry(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02)
     >>> shake = ll.Harmonic(drive_amplitude=0.3, drive_frequency=9.0)
-    >>> found = pair_symmetry(toy, shake, initial_offset=0.2, duration=100.0, transient=20.0)
-    >>> found.status.item()
+    >>> result = pair_symmetry(toy, shake, initial_offset=0.2, duration=100.0, transient=20.0)
+    >>> result.status.item()
     'broken'
     """
     from latolato.sweeps import sweep

@@ -65,8 +65,8 @@ def threshold_amplitude(
     --------
     >>> import latolato as ll
     >>> toy = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
-    >>> found = ll.analysis.threshold_amplitude(toy, frequency_ratio=10.09 / toy.natural_frequency)
-    >>> print(f"{1e3 * found.drive_amplitude:.2f} mm")
+    >>> result = ll.analysis.threshold_amplitude(toy, frequency_ratio=10.09 / toy.natural_frequency)
+    >>> print(f"{1e3 * result.drive_amplitude:.2f} mm")
     11.39 mm
     """
     problem = linearised(system, drive)

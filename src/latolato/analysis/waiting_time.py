@@ -79,8 +79,8 @@ def censored_mean(waited: float, events: int) -> Lifetime:
 
     Examples
     --------
-    >>> found = censored_mean(120.0, 4)
-    >>> print(f"{found.mean:.0f} +- {found.error:.0f} s, {found.low:.1f} to {found.high:.0f} s")
+    >>> result = censored_mean(120.0, 4)
+    >>> print(f"{result.mean:.0f} +- {result.error:.0f} s, {result.low:.1f} to {result.high:.0f} s")
     30 +- 15 s, 11.7 to 110 s
     """
     from scipy.stats import chi2
@@ -170,10 +170,10 @@ def first_passage_time(
     --------
     >>> import latolato as ll
     >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = first_passage_time(
+    >>> result = first_passage_time(
     ...     pendulum, noise_strength=0.5, threshold_angle=0.6, duration=60.0, trajectories=50
     ... )
-    >>> found.sizes["trajectory"], bool(found.passage_fraction > 0.5)
+    >>> result.sizes["trajectory"], bool(result.passage_fraction > 0.5)
     (50, True)
     """
     system = checked_system(system)

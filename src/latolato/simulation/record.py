@@ -104,7 +104,7 @@ class Record:
 def record_of(
     system: System,
     trajectory: Trajectory,
-    seen: dict[str, Floats],
+    quantities: dict[str, Floats],
     times: Floats,
     frame: str,
     attrs: dict[str, Any],
@@ -123,13 +123,13 @@ def record_of(
         "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
     }
     for name in PIVOT_ROWS:
-        variables[name] = (("time",), seen[name])
+        variables[name] = (("time",), quantities[name])
     left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
     if system.is_linear:  # the small-angle model has no such quantities
         left_out |= {"tension", "lab_energy", "rod_power"}
     for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
         if name not in left_out:
-            variables[name] = (per_ball, per_angle(seen[name]))
+            variables[name] = (per_ball, per_angle(quantities[name]))
     for name, row in LEDGER.items():
         if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
             variables[name] = (("time",), rows[row])

@@ -149,9 +149,9 @@ def record(*args: Any, **options: Any) -> Record:
     >>> float(record(ll.Pendulum(length=1.0, mass=1), initial_angle=0.1, duration=2.0)["time"][-1])
     2.0
     """
-    given = signature(simulate).bind(*args, **options)
-    given.apply_defaults()
-    return _recorded(**given.arguments)
+    bound = signature(simulate).bind(*args, **options)
+    bound.apply_defaults()
+    return _recorded(**bound.arguments)
 
 
 def _recorded(
@@ -216,7 +216,7 @@ def _recorded(
             law=law,
             progress=progress,
         )
-        seen = _observe(system, drive, trajectory, instants, end, frame == "both")
+        quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
         state = trajectory.state
         residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
         if clamped or residual <= allowed or trajectory.status != "complete":
@@ -260,8 +260,8 @@ def _recorded(
         contacts=len(trajectory.contact_times),
     )
     if not law.stores_energy:
-        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, seen))
-    result = record_of(system, trajectory, seen, instants, frame, attrs)
+        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
+    result = record_of(system, trajectory, quantities, instants, frame, attrs)
     if "tension" in result:
         # What a failed run adds up last is no compression.
         known = math.nan if trajectory.failed else 1.0
@@ -358,11 +358,11 @@ def _observe(
     return result
 
 
-def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
+def _sampled_residual(trajectory: Trajectory, quantities: dict[str, Floats]) -> float:
     """Return the largest error of the closed ledger at the samples [J]."""
     first = trajectory.state.first_energy
     rows = trajectory.samples
-    total = seen["total_energy"].sum(axis=0)
+    total = quantities["total_energy"].sum(axis=0)
     gained = rows[records.S_WORK] + rows[records.S_NOISE]
     gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
     with np.errstate(over="ignore", invalid="ignore"):

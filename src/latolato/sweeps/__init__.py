@@ -185,10 +185,10 @@ def run_plan(
     counts = results.status_counts()
     lost = {name: counts[name] for name in ("event_limit", "failed", "invalid") if name in counts}
     if lost:
-        told = ", ".join(f"{n} {name}" for name, n in lost.items())
+        text = ", ".join(f"{n} {name}" for name, n in lost.items())
         why = dataset.attrs.get("first_invalid", "")
         warnings.warn(
-            f"{sum(lost.values())} of {plan.size} points have no answer: {told}"
+            f"{sum(lost.values())} of {plan.size} points have no answer: {text}"
             + (f" ({why})" if why else ""),
             RuntimeWarning,
             stacklevel=3,

@@ -191,7 +191,7 @@ class Memory:
         coordinates = coordinates_of(self.plan)
         dataset = xr.Dataset(
             {n: (dims_of(self.plan, n), array, about[n]) for n, array in self.arrays.items()},
-            coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
+            coords={n: (*entry, about.get(n, {})) for n, entry in coordinates.items()},
             attrs=attributes_of(self.plan, self.rounding),
         )
         if self._reasons:  # the same whatever the order in which chunks came

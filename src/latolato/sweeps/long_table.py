@@ -100,5 +100,5 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
             raise InputError(f"this table has {len(values)} rows, its sweep {plan.size} points")
         shape = [lengths[dim] for dim in dims]
         variables[name] = (dims, values.reshape(shape).astype(dtype), about[name])
-    coords = {name: (*given, about.get(name, {})) for name, given in coordinates.items()}
+    coords = {name: (*entry, about.get(name, {})) for name, entry in coordinates.items()}
     return xr.Dataset(variables, coords=coords, attrs=dict(attributes))

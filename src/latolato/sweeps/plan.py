@@ -382,27 +382,27 @@ def _drive_for(
     return checked_drive(None)
 
 
-def _listed(given: Any) -> list[Any]:
+def _listed(value: Any) -> list[Any]:
     """Return the observables asked for as a list."""
-    if isinstance(given, (str, Observable)):
-        return [given]
-    if not isinstance(given, Iterable):
-        raise InputError(f"observables must be names or instances, got {given!r}")
-    result = list(given)
+    if isinstance(value, (str, Observable)):
+        return [value]
+    if not isinstance(value, Iterable):
+        raise InputError(f"observables must be names or instances, got {value!r}")
+    result = list(value)
     if not result:
         raise InputError(f"observables must name at least one of {', '.join(observables)}")
     return result
 
 
-def checked_observable(given: Any) -> Observable:
+def checked_observable(value: Any) -> Observable:
     """Return an observable from its name, that of one of its variables, or itself."""
-    if isinstance(given, Observable):
-        return given
-    if not isinstance(given, str):
-        raise InputError(f"an observable must be a name or an instance, got {given!r}")
+    if isinstance(value, Observable):
+        return value
+    if not isinstance(value, str):
+        raise InputError(f"an observable must be a name or an instance, got {value!r}")
     kinds: Mapping[str, Any] = observables
-    owners = [kind for kind in kinds.values() if given in kind.variables]
-    kind = owners[0] if owners and given not in kinds else kinds[given]
+    owners = [kind for kind in kinds.values() if value in kind.variables]
+    kind = owners[0] if owners and value not in kinds else kinds[value]
     result: Observable = kind()
     return result
 
@@ -416,26 +416,26 @@ def _start(
 ) -> tuple[tuple[str, float], ...]:
     """Return the start's parameters that do not vary, by name."""
     sides = ("",) if system.angles == 1 else ("_right", "_left")
-    given: dict[str, float] = {}
+    fixed: dict[str, float] = {}
     if offset is not None:
-        given["initial_offset"] = checked_offset(system, angle, offset)
+        fixed["initial_offset"] = checked_offset(system, angle, offset)
     for name, value in {"initial_angle": angle, "initial_angular_velocity": velocity}.items():
         if value is not None:
             numbers = checked_numbers(name, value, system.angles)
-            given |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
+            fixed |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
     if "initial_offset" in varied and angle is not None:
         raise InputError(
             "give only one of {parameter} and an axis initial_offset", parameter="initial_angle"
         )
     if varied & {"initial_angle", "initial_offset"}:
-        given = {k: v for k, v in given.items() if k not in ("initial_angle", "initial_offset")}
-    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
-    if missing and "initial_offset" not in {*given, *varied}:
+        fixed = {k: v for k, v in fixed.items() if k not in ("initial_angle", "initial_offset")}
+    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*fixed, *varied}]
+    if missing and "initial_offset" not in {*fixed, *varied}:
         raise InputError(
             f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
             "may stand instead)"
         )
-    return tuple(sorted((k, v) for k, v in given.items() if k not in varied))
+    return tuple(sorted((k, v) for k, v in fixed.items() if k not in varied))
 
 
 def _check_continuation(

@@ -312,8 +312,8 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
             last = np.floor(plan.duration / period * (1.0 + LAST_PERIOD))
             numbers = last[:, None] - np.arange(marks - 1, -1, -1)
             instants = np.minimum(numbers * period[:, None], plan.duration)
-        seen = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
-        stops[:, 1:-1] = np.where(seen, instants, np.nan)
+        inside = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
+        stops[:, 1:-1] = np.where(inside, instants, np.nan)
     return stops, transient < plan.duration
 
 
@@ -397,8 +397,8 @@ def _objects(
         else:
             angle = tuple(float(columns[f"initial_angle{s}"][k]) for s in sides)
     one = system.angles == 1
-    given: Any = None if offset is not None else (angle[0] if one else angle)
-    start = checked_start(system, walls, given, velocity[0] if one else velocity, offset)
+    values: Any = None if offset is not None else (angle[0] if one else angle)
+    start = checked_start(system, walls, values, velocity[0] if one else velocity, offset)
     transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
     if not transient < plan.duration:
         raise InputError(
