@@ -32,7 +32,7 @@ class Quantity:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a variable of a dataset carries."""
+        """What a dataset's variable says about itself: ``units``, ``long_name``, ``symbol``."""
         return {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
 
 
