@@ -268,38 +268,13 @@ def make_plan(
             f"must be shorter than the duration {length:g} s, got {transient:g}",
             parameter="transient",
         )
-    watched = tuple(checked_observable(o) for o in _listed(observables))
-    for observable in watched:
-        observable.check_memory()
-    names = [name for o in watched for name in o.variables]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two observables both give '{name}': drop one")
-        if name in {axis.name for axis in dimensions}:
-            raise InputError(f"axis name '{name}' is that of an observable: choose another")
-    if any(o.marks for o in watched) and not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
-        )
-    counts = sorted({o.marks for o in watched} - {0})
-    if len(counts) > 1:  # marks are numbered for all observables together
-        raise InputError(
-            f"observables that look once per drive period must mark equally many periods, got "
-            f"{' and '.join(map(str, counts))}: set their periods alike"
-        )
     law = checked_contact(contact, system)
-    for observable in watched:
-        if observable.angles not in (0, system.angles):
-            raise InputError(
-                f"{next(iter(observable.variables))} belongs to systems of {observable.angles} "
-                f"angles, got a system of {system.angles}"
-            )
-    blind = [name for o in watched if o.tangent is not None for name in o.variables]
-    if blind and law.fixed_step is not None:
-        raise InputError(
-            f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
-            "deviations have no meaning there"
-        )
+    watched = tuple(checked_observable(o) for o in _listed(observables))
+    _check_observables(watched, system, drive, law)
+    names = {axis.name for axis in dimensions}
+    for name in (name for o in watched for name in o.variables):
+        if name in names:
+            raise InputError(f"axis name '{name}' is that of an observable: choose another")
     checked_choice("direction", direction, DIRECTIONS)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
@@ -328,14 +303,16 @@ def make_plan(
             f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
             "lie in [0, 2^53): begin with a smaller one"
         )
-    if chunk_size is None:
-        # Small enough for several workers and for progress, large enough to fill SIMD lanes.
-        size = min(max(plan.size // 4, 256), 4096)
-        if noise is not None:
-            kicks = max(1.0, length / noise.spacing(system) * system.angles)
-            size = int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
-        plan = replace(plan, chunk_size=size)
-    return plan
+    return plan if chunk_size is not None else replace(plan, chunk_size=_usual_chunk_size(plan))
+
+
+def _usual_chunk_size(plan: Plan) -> int:
+    """Return how many points fill SIMD lanes, but leave work for several threads and progress."""
+    size = min(max(plan.size // 4, 256), 4096)
+    if plan.noise is None:
+        return size
+    kicks = max(1.0, plan.duration / plan.noise.spacing(plan.system) * plan.system.angles)
+    return int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
 
 
 def _names_in(axes: Any) -> set[str]:
@@ -405,6 +382,39 @@ def checked_observable(value: Any) -> Observable:
     kind = owners[0] if owners and value not in kinds else kinds[value]
     result: Observable = kind()
     return result
+
+
+def _check_observables(
+    watched: Sequence[Observable], system: System, drive: Drive, law: ContactLaw
+) -> None:
+    """Raise InputError unless observables go together, and with the laws of a run."""
+    names = [name for o in watched for name in o.variables]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two observables both give '{name}': drop one")
+    counts = sorted({o.marks for o in watched} - {0})
+    if counts and not isinstance(drive, PeriodicDrive):
+        raise InputError(
+            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
+        )
+    if len(counts) > 1:  # marks are numbered for all observables together
+        raise InputError(
+            f"observables that look once per drive period must mark equally many periods, got "
+            f"{' and '.join(map(str, counts))}: set their periods alike"
+        )
+    for observable in watched:
+        observable.check_memory()
+        name = next(iter(observable.variables))
+        if observable.angles not in (0, system.angles):
+            raise InputError(
+                f"{name} belongs to systems of {observable.angles} angles, got a system of "
+                f"{system.angles}"
+            )
+        if observable.tangent is not None and law.fixed_step is not None:
+            raise InputError(
+                f"{name} needs exact contact: a clamped motion depends on its step, so small "
+                "deviations have no meaning there"
+            )
 
 
 def _start(
