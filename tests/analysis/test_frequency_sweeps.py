@@ -85,10 +85,10 @@ def test_a_point_without_an_answer_leaves_the_loop_unknown():
     "system, drive, changed, message",
     [
         (TOY, None, {}, "single period, got none"),
-        (TOY, DRIVE, {"frequency_ratio": [2.0, 1.0]}, "must be 2 or more values"),
+        (TOY, DRIVE, {"frequency_ratio": [2.0, 1.0]}, "frequency_ratio must increase strictly"),
         (TOY, DRIVE, {"duration": 0.0}, r"duration must lie in \(0, inf\)"),
         (TOY, DRIVE, {"least_jump": 0.0}, r"least_jump must lie in \(0, inf\)"),
-        (TOY, DRIVE, {"drive_amplitude": []}, "must be a sequence of numbers in m"),
+        (TOY, DRIVE, {"drive_amplitude": []}, "drive_amplitude must hold at least 1 values"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "must have motion that settles"),
     ],
 )

@@ -112,7 +112,7 @@ def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
     "system, drive, changed, message",
     [
         (TOY, None, {}, "no drive has no stages"),
-        (TOY, DRIVE, {"dwell_time": [2.0, 1.0]}, "dwell_time must be 1 or more values"),
+        (TOY, DRIVE, {"dwell_time": [2.0, 1.0]}, "dwell_time must increase strictly"),
         (TOY, DRIVE, {"push": [0.0]}, "push must lie in"),
         (TOY, DRIVE, {"required_share": 1.5}, r"required_share must lie in \(0, 1\]"),
         (TOY, DRIVE, {"phases": 0}, "phases must be a positive integer"),

@@ -159,7 +159,7 @@ class TestPairs:
         (DRIVE, {"periods": 8}, "periods must be at least 16"),
         (DRIVE, {"trajectories": 5}, "5 trajectories without noise are all the same"),
         (DRIVE, {"frequency_ratio": [0.0]}, "frequency_ratio must lie in"),
-        (DRIVE, {"frequency_ratio": []}, "must be a sequence of numbers in 1"),
+        (DRIVE, {"frequency_ratio": []}, "frequency_ratio must hold at least 1 values"),
         (DRIVE, {"noise_strength": -1.0}, "noise_strength must lie in"),
     ],
 )  # fmt: skip

@@ -11,6 +11,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
 from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.drives.base import check_increasing, checked_array
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_periodic_drive, checked_system
 
@@ -57,23 +58,24 @@ def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, floa
 
 
 def checked_values(
-    name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE, *, default: Any = None
+    name: str,
+    values: Any,
+    allowed: Range = NON_NEGATIVE,
+    *,
+    default: Any = None,
+    quantity: str = "",
+    least: int = 1,
 ) -> Floats:
     """Return numbers along an axis, each of them checked; one number is an axis of one."""
     values = default if values is None else values
-    if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
     several = values if np.ndim(values) else [values]
-    return np.array([checked_number(name, value, allowed, unit) for value in several])
+    return np.array(checked_array(name, several, allowed, least, quantity=quantity))
 
 
 def checked_increasing(
-    name: str, values: Any, unit: str, allowed: Range, *, default: Any, least: int = 1
+    name: str, values: Any, allowed: Range, *, default: Any, quantity: str = "", least: int = 1
 ) -> Floats:
-    """Return so many numbers or more along an axis, each larger than the one before."""
-    result = checked_values(name, values, unit, allowed, default=default)
-    if len(result) < least or np.any(np.diff(result) <= 0.0):
-        raise InputError(
-            f"must be {least} or more values that increase", parameter=name, way_out="sort them"
-        )
+    """Return numbers as `checked_values` does, each larger than the one before."""
+    result = checked_values(name, values, allowed, default=default, quantity=quantity, least=least)
+    check_increasing(name, tuple(result))
     return result

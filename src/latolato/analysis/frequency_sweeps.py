@@ -135,11 +135,9 @@ def hysteresis(
     drive = checked_periodic_drive(drive)
     swept = np.linspace(*_DEFAULT_RATIOS)
     ratios = checked_increasing(
-        "frequency_ratio", frequency_ratio, "1", NON_NEGATIVE, default=swept, least=2
+        "frequency_ratio", frequency_ratio, NON_NEGATIVE, default=swept, least=2
     )
-    amplitudes = checked_values(
-        "drive_amplitude", drive_amplitude, "m", default=drive.drive_amplitude
-    )
+    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
     duration = checked_number("duration", duration, POSITIVE, "s")
     least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
     least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")

@@ -89,8 +89,8 @@ angle_tolerance, tolerance, rest_speed
     usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     law = checked_periodic(system, usual if drive is None else drive)
     transient_periods = checked_transient(transient_periods)
-    amplitudes = checked_values("drive_amplitude", drive_amplitude, "m")
-    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
+    amplitudes = checked_values("drive_amplitude", drive_amplitude)
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
     amplitude, ratio = np.broadcast_arrays(amplitudes[:, None], ratios)
     motion = settled_cases(
         system,

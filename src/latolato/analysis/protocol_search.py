@@ -183,13 +183,19 @@ def shortest_protocol(
     low, high, count = _DEFAULT_FIRST
     usual = np.linspace(low * target / w0, high * target / w0, count)
     first = checked_increasing(
-        "first_frequency_ratio", first_frequency_ratio, "1", POSITIVE, default=usual
+        "first_frequency_ratio",
+        first_frequency_ratio,
+        POSITIVE,
+        default=usual,
+        quantity="frequency_ratio",
     )
     usual = np.linspace(*_DEFAULT_DWELLS)
-    dwells = checked_increasing("dwell_time", dwell_time, "s", POSITIVE, default=usual)
+    dwells = checked_increasing("dwell_time", dwell_time, POSITIVE, default=usual)
     largest, count = _DEFAULT_PUSHES
     usual = np.linspace(0.0, largest * w0, count)[1:]
-    pushes = checked_increasing("push", push, "rad/s", POSITIVE, default=usual)
+    pushes = checked_increasing(
+        "push", push, POSITIVE, default=usual, quantity="initial_angular_velocity"
+    )
     search = _Search(
         system,
         amplitude,

@@ -121,8 +121,8 @@ def first_push(
     """
     law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
-    phases = checked_values("drive_phase", drive_phase, "rad", ANY)
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
+    phases = checked_values("drive_phase", drive_phase, ANY)
     checked_choice("push", push, PUSHES)
     unit, w0 = QUANTITIES[push].unit, system.natural_frequency
     usual = {"initial_angular_velocity": _FASTEST * w0, "initial_offset": _WIDEST}[push]

@@ -267,10 +267,8 @@ def time_crystal(
     checked_system(system)
     drive = checked_periodic_drive(drive)
     own = drive.drive_frequency / system.natural_frequency
-    ratios = checked_values("frequency_ratio", frequency_ratio, "1", POSITIVE, default=own)
-    amplitudes = checked_values(
-        "drive_amplitude", drive_amplitude, "m", default=drive.drive_amplitude
-    )
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE, default=own)
+    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
     noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
     trajectories = checked_count("trajectories", trajectories)
     if trajectories > 1 and noise_strength == 0.0:

@@ -113,9 +113,9 @@ def pair_symmetry(
     angle, velocity = start.angles[0], start.velocities[0]
     axes: dict[str, Any] = {}
     if drive_amplitude is not None:
-        axes["drive_amplitude"] = checked_values("drive_amplitude", drive_amplitude, "m")
+        axes["drive_amplitude"] = checked_values("drive_amplitude", drive_amplitude)
     if frequency_ratio is not None:
-        axes["frequency_ratio"] = checked_values("frequency_ratio", frequency_ratio, "1")
+        axes["frequency_ratio"] = checked_values("frequency_ratio", frequency_ratio)
     varied = list(axes)
     grid = sweep(
         as_pair(system),
