@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -194,7 +195,7 @@ def basins(
         system, shape, (angle_low, angle_high), (velocity_low, velocity_high)
     )
 
-    def look(error: float) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
+    def look(error: float) -> dict[str, NDArray[Any]]:
         return settled_motion(
             system,
             law,
@@ -207,12 +208,10 @@ def basins(
             rest_speed=rest_speed,
         )
 
-    grid, motion = look(tolerance)
-    again, checked = look(check_tolerance)
-    frequency = law.drive_frequency
-    samples = _samples(grid, system.angles, frequency)
+    motion, checked = look(tolerance), look(check_tolerance)
+    samples = _samples(motion, system.angles, law.drive_frequency)
     both, examples = find_attractors(
-        np.concatenate([samples, _samples(again, system.angles, frequency)]),
+        np.concatenate([samples, _samples(checked, system.angles, law.drive_frequency)]),
         np.concatenate([motion["response_period"], checked["response_period"]]),
         np.concatenate([motion["status"], checked["status"]]),
         match_tolerance=match_tolerance,
@@ -254,11 +253,9 @@ def basins(
         "uncertain_fraction": float(uncertain.mean()),
         **basin_entropy(table, entropy_box)._asdict(),
     }
-    for name in ("section_angle", "section_angular_velocity"):
-        values = np.asarray(grid[name].values)
-        values = values.reshape(labels.size, *values.shape[2:])[examples]
-        values = wrapped(values) if name == "section_angle" else values
-        variables[name] = (("attractor", *ball, "sample"), values)
+    dims = ("attractor", *ball, "sample")
+    variables["section_angle"] = (dims, wrapped(motion["section_angle"][examples]))
+    variables["section_angular_velocity"] = (dims, motion["section_angular_velocity"][examples])
     return labelled(
         "basins",
         variables,
@@ -424,11 +421,11 @@ def _axes(system: System, angles: Floats, velocities: Floats, shift: float) -> d
     }
 
 
-def _samples(grid: xr.Dataset, balls: int, frequency: float) -> Floats:
+def _samples(motion: Mapping[Any, Any], balls: int, frequency: float) -> Floats:
     """Return the samples as angles, shape (start, sample, 2 per ball): angle, velocity over w."""
     parts = []
     for name, scale in (("angle", 1.0), ("angular_velocity", 1.0 / frequency)):
-        values = np.asarray(grid[f"section_{name}"].values) * scale
+        values = np.asarray(motion[f"section_{name}"]) * scale
         parts.append(values.reshape(-1, balls, values.shape[-1]))
     return np.concatenate(parts, axis=1).transpose(0, 2, 1)
 

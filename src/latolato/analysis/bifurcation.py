@@ -158,8 +158,7 @@ def bifurcation_diagram(
     ball = ("ball",) if system.angles == 2 else ()
     variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
     for name in ("section_angle", "section_angular_velocity"):
-        samples = result[name] if ball else result[name][:, :, 0]
-        variables[name] = ((*dims, *ball, "sample"), samples)
+        variables[name] = ((*dims, *ball, "sample"), result[name])
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
     return labelled(
@@ -224,7 +223,7 @@ def _follow(
         first, *columns = np.array(distinct).T
         starts = start_columns(system, columns[: system.angles], columns[system.angles :])
         at = frequency[[places[cases.index(case)] for case in distinct]]
-        grid, motion = settled_motion(
+        motion = settled_motion(
             system,
             law,
             {"case": {parameter: first, **starts}},
@@ -234,12 +233,9 @@ def _follow(
             **options,
         )
         of = [distinct.index(case) for case in cases]
-        for name in ("section_angle", "section_angular_velocity"):
-            samples = np.asarray(grid[name].values)
-            motion[name] = samples.reshape(len(distinct), system.angles, -1)
         for number, (place, case) in enumerate(zip(places, of, strict=True)):
-            angles = motion["section_angle"][case, :, -1]
-            velocities = motion["section_angular_velocity"][case, :, -1]
+            angles = np.atleast_1d(motion["section_angle"][case, ..., -1])
+            velocities = np.atleast_1d(motion["section_angular_velocity"][case, ..., -1])
             if np.isfinite(angles).all():  # a run that failed hands on its start
                 states[number] = (angles, velocities)
             for name, each in motion.items():

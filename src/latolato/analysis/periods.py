@@ -118,7 +118,7 @@ def response_period(
     law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
-    grid, result = settled_motion(
+    result = settled_motion(
         system,
         law,
         {"case": start_columns(system, start.angles, start.velocities)},
@@ -130,11 +130,9 @@ def response_period(
         rest_speed=rest_speed,
     )
     variables: dict[str, Any] = {name: values[0] for name, values in result.items()}
-    ball = ("ball",) if system.angles == 2 else ()
-    for name in ("section_angle", "section_angular_velocity"):
-        samples = grid[name].values[0]
-        samples = wrapped(samples) if name == "section_angle" else samples
-        variables[name] = ((*ball, "sample"), samples)
+    dims = ("ball", "sample") if system.angles == 2 else ("sample",)
+    variables["section_angle"] = (dims, wrapped(variables["section_angle"]))
+    variables["section_angular_velocity"] = (dims, variables["section_angular_velocity"])
     return labelled(
         "response_period",
         variables,

@@ -80,22 +80,25 @@ def settled_motion(
     longest: int,
     angle_tolerance: float,
     **options: Any,
-) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
-    """Return the sweep of `run_samples` and what `motion_of` tells, settled or not.
+) -> dict[str, NDArray[Any]]:
+    """Return period, rotation number, symmetry, samples and status of motions, settled or not.
+
+    Arrays as those of `motion_of`, for the points of `axes` in C order.
 
     Motion without a period is run again with two and four times the transient, and where it seems
     to settle with eight times, watched for longer. It is "not settled" where it has a period then,
     and where it goes on to settle. `frequency` is as in `motion_of`. The limits above are a rule of
     thumb from a few motions; for what it gets wrong see `latolato.analysis.response_period`.
     """
-    limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
 
-    def look(which: Mapping[str, Any], periods: float, at: Any, most: int) -> Any:
-        watched = {**limits, "longest": most}
-        grid = run_samples(system, drive, which, transient_periods=periods, **watched, **options)
-        return grid, motion_of(grid, system, at, **watched)
+    def look(
+        which: Mapping[str, Any], periods: float, at: Any, most: int
+    ) -> dict[str, NDArray[Any]]:
+        limits: dict[str, Any] = {"longest": most, "angle_tolerance": angle_tolerance}
+        grid = run_samples(system, drive, which, transient_periods=periods, **limits, **options)
+        return motion_of(grid, system, at, **limits)
 
-    grid, motion = look(axes, transient_periods, frequency, longest)
+    motion = look(axes, transient_periods, frequency, longest)
     status = motion["status"]
     each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
     left = np.flatnonzero(status == "aperiodic")
@@ -105,7 +108,7 @@ def settled_motion(
         if not left.size:
             break
         periods = transient_periods + times * waited
-        _, now = look(_chosen(axes, left), periods, each[left], most)
+        now = look(_chosen(axes, left), periods, each[left], most)
         result = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
         keep = np.isin(now["status"], PERIODICITY) & ~result
         looks.append(now)
@@ -116,7 +119,7 @@ def settled_motion(
         status[left[result]] = "not settled"
         left = left[keep]
         looks = [{name: row[name][keep] for name in _DECAYING} for row in looks]
-    return grid, motion
+    return motion
 
 
 def settled_cases(
@@ -128,7 +131,7 @@ def settled_cases(
     """
     result: dict[str, NDArray[Any]] = {}
     for part in octaves(frequency):
-        _, motion = settled_motion(
+        motion = settled_motion(
             system,
             drive,
             {"case": {name: values[part] for name, values in case.items()}},
@@ -137,7 +140,8 @@ def settled_cases(
             **options,
         )
         for name, values in motion.items():
-            result.setdefault(name, np.empty(len(frequency), values.dtype))[part] = values
+            shape = (len(frequency), *values.shape[1:])
+            result.setdefault(name, np.empty(shape, values.dtype))[part] = values
     return result
 
 
@@ -188,10 +192,10 @@ def motion_of(
     longest: int,
     angle_tolerance: float,
 ) -> dict[str, NDArray[Any]]:
-    """Return period, rotation number, symmetry and status of the points of `run_samples`.
+    """Return period, rotation number, symmetry, samples and status of the points of `run_samples`.
 
-    Arrays of shape (point,), points in C order; `frequency` is that of the drive [rad/s], of
-    the same shape or one number.
+    Arrays of shape (point,), of samples (point, [ball,] sample), points in C order; `frequency`
+    is that of the drive [rad/s], of the same shape or one number.
     """
     two = system.angles == 2
     codes = np.asarray(grid["status"].values).ravel()
@@ -267,6 +271,8 @@ def motion_of(
         "largest_angle_watched": either("largest_angle_watched"),
         "fastest_speed": either("fastest_speed"),
         "status": status,
+        "section_angle": angle if two else angle[:, 0],
+        "section_angular_velocity": velocity if two else velocity[:, 0],
     }
 
 
