@@ -111,11 +111,12 @@ def pair_symmetry(
     driven = checked_drive(drive)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]
-    axes: dict[str, Any] = {}
-    if drive_amplitude is not None:
-        axes["drive_amplitude"] = checked_values("drive_amplitude", drive_amplitude)
-    if frequency_ratio is not None:
-        axes["frequency_ratio"] = checked_values("frequency_ratio", frequency_ratio)
+    optional = {"drive_amplitude": drive_amplitude, "frequency_ratio": frequency_ratio}
+    axes: dict[str, Any] = {
+        name: checked_values(name, values)
+        for name, values in optional.items()
+        if values is not None
+    }
     varied = list(axes)
     grid = sweep(
         as_pair(system),
