@@ -15,10 +15,12 @@ from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_choice, checked_count, checked_number, suggest
+from latolato.numerics.integrate import Start
 from latolato.observables.period import PERIODICITY, wrapped
-from latolato.physics.drives import Drive
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, between_walls, checked_contact, walls_of
 from latolato.sweeps.axes import parameters_of
@@ -130,28 +132,27 @@ def bifurcation_diagram(
     first, last = checked_span(parameter, low, high, about.unit)
     for value in (first, last):
         checked_number(parameter, value, about.allowed, about.unit)
-    count = checked_count("points", points)
-    if not 2 <= count <= _MOST_POINTS:
-        raise InputError(f"must be from 2 to {_MOST_POINTS}, got {count}", parameter="points")
+    points = checked_count("points", points)
+    if not 2 <= points <= _MOST_POINTS:
+        raise InputError(f"must be from 2 to {_MOST_POINTS}, got {points}", parameter="points")
     checked_choice("direction", direction, DIRECTIONS)
-    values = np.linspace(first, last, count)
-    frequency = _frequencies(system, law, parameter, values)
+    values = np.linspace(first, last, points)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
     result = _follow(
         system,
         law,
-        parameter,
+        about,
         values,
         ways,
-        (np.array(start.angles), np.array(start.velocities)),
-        {"longest": longest, "angle_tolerance": angle_tolerance},
+        start,
         {
+            "longest": longest,
+            "angle_tolerance": angle_tolerance,
             "transient_periods": transient_periods,
             "tolerance": tolerance,
             "rest_speed": rest_speed,
         },
-        frequency,
     )
     kept = {n: result[n] for n in (*_KEPT, "status")}
     dims = ("direction", parameter)
@@ -177,16 +178,14 @@ def bifurcation_diagram(
     )
 
 
-def _frequencies(
-    system: System, law: Drive, parameter: str, values: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _frequencies(system: System, law: PeriodicDrive, parameter: str, values: Floats) -> Floats:
     """Return the drive's frequency at each value of the parameter [rad/s]."""
     if parameter == "drive_frequency":
         result = values
     elif parameter == "frequency_ratio":
         result = values * system.natural_frequency
     else:
-        result = np.full(len(values), law.drive_frequency)  # type: ignore[attr-defined]
+        result = np.full(len(values), law.drive_frequency)
     for value in result:
         checked_number(parameter, value, POSITIVE, "rad/s")
     return result
@@ -194,28 +193,29 @@ def _frequencies(
 
 def _follow(
     system: System,
-    law: Drive,
-    parameter: str,
+    law: PeriodicDrive,
+    parameter: Parameter,
     values: Floats,
     ways: list[str],
-    start: tuple[Floats, Floats],
-    limits: dict[str, Any],
+    start: Start,
     options: dict[str, Any],
-    frequency: Floats,
 ) -> dict[str, NDArray[Any]]:
-    """Return what `motion_of` tells and the samples, of shape (way, value, ...).
+    """Return what `motion_of` does, of shape (way, value, ...).
 
     All ways run at once. Each value starts from the last sample of the one before, which lies a
     whole number of drive periods after its start: so all samples are at one drive phase.
     """
     count = len(values)
-    states = [start for _ in ways]
+    frequency = _frequencies(system, law, parameter.name, values)
+    states = [(np.array(start.angles), np.array(start.velocities)) for _ in ways]
     result: dict[str, NDArray[Any]] = {}
     for step in range(count):
         places = [step if way == "up" else count - 1 - step for way in ways]
         cases = []
         for number, (place, state) in enumerate(zip(places, states, strict=True)):
-            moved, _ = varied(system, law, parameter, float(values[place]))
+            moved = system
+            if parameter.owner == "system":
+                moved, _ = varied(system, law, parameter.name, float(values[place]))
             angles = between_walls(state[0], walls_of(moved, checked_contact("exact", moved)))
             states[number] = (angles, state[1])
             cases.append((float(values[place]), *angles, *state[1]))
@@ -226,10 +226,9 @@ def _follow(
         motion = settled_motion(
             system,
             law,
-            {"case": {parameter: first, **starts}},
+            {"case": {parameter.name: first, **starts}},
             at,
             slowest_frequency=float(frequency[places].min()),
-            **limits,
             **options,
         )
         of = [distinct.index(case) for case in cases]
