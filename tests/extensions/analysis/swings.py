@@ -46,4 +46,5 @@ def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -
         coordinates={"largest_angle": angles},
         quantities={"swing_time": Quantity("s", "T", "time of a swing")},
         system=system,
+        arguments=locals(),
     )
