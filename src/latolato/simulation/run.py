@@ -216,7 +216,6 @@ def _recorded(
             law=law,
             progress=progress,
         )
-        quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
         state = trajectory.state
         residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
         if clamped or residual <= allowed or trajectory.status != "complete":
@@ -243,6 +242,7 @@ def _recorded(
         warnings.warn(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )
+    quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
     run = {
         "tolerance": tolerance,
         "rest_speed": rest_speed,
@@ -263,14 +263,19 @@ def _recorded(
         attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
     result = record_of(system, trajectory, quantities, instants, frame, attrs)
     if "tension" in result:
-        # What a failed run adds up last is no compression.
-        known = math.nan if trajectory.failed else 1.0
-        first, total = known * state.compression_start, known * state.compression_time
-        share = total / trajectory.reached
-        two = system.angles == 2
-        attrs["compression_time"] = first if two else float(first[0])
-        attrs["compression_fraction"] = share if two else float(share[0])
+        attrs.update(_compression(system, trajectory))
     return result
+
+
+def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
+    """Return when a rod is first pushed [s], and in which share of the time [1], of each ball."""
+    # What a failed run adds up last is no compression.
+    known = math.nan if trajectory.failed else 1.0
+    first = known * trajectory.state.compression_start
+    share = known * trajectory.state.compression_time / trajectory.reached
+    if system.angles == 1:
+        first, share = float(first[0]), float(share[0])
+    return {"compression_time": first, "compression_fraction": share}
 
 
 def _checked_times(
