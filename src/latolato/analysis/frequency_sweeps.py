@@ -89,10 +89,8 @@ def hysteresis(
         A free pendulum whose motion has died down below this is begun again with it at the next
         frequency [rad], as some disturbance always is there; walls make rest lasting, and nothing
         is added.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start of both sweeps, as for `latolato.simulate`; by default the system hangs at rest.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default both ways start where the system hangs at rest.
 
     Returns
     -------

@@ -134,10 +134,8 @@ def shortest_protocol(
     threshold_angle : float, optional
         Settled angle that counts as the upper branch [rad]; by default halfway between the angle
         from rest and the median of those that lie above it.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default the system hangs at rest.
-    tolerance, contact, rest_speed
-        As for `latolato.simulate`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.simulate`; by default the system hangs at rest.
 
     Returns
     -------

@@ -209,10 +209,8 @@ def time_crystal(
         Seed of the streams.
     periods, transient_periods : int
         Drive periods that are looked at (at least 16), after so many others.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default 0.1 rad beside where the system hangs.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default the start is 0.1 rad beside where the system hangs.
 
     Returns
     -------

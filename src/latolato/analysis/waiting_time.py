@@ -134,11 +134,8 @@ def first_passage_time(
         Seed of the streams.
     noise_interval : float, optional
         Time between kicks [s]; by default 1/50 of the natural period.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default the system hangs at rest, in contact if
-        it can be.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default the system hangs at rest, in contact if it can be.
 
     Returns
     -------

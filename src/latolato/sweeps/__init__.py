@@ -66,13 +66,11 @@ def sweep(
         End of every run [s].
     observables : sequence
         Names or instances of `latolato.observables`; a variable's name stands for its observable.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance
+        As for `latolato.simulate`.
     transient, transient_periods : float
         Time [s], or number of drive periods (natural ones without a drive), after which
         observables begin; they add up.
-    tolerance : float
-        Aimed-at error of the angle over a few hundred periods of regular motion [rad].
     contact, rest_speed, contact_limit, noise
         As for `latolato.simulate`. Point k (in C order over the axes) sees the stream
         ``noise.noise_stream + k``: a run with ``VelocityKicks(..., noise_stream=...)`` of that
