@@ -36,7 +36,7 @@ def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:
     rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     found = ll.analysis.bifurcation_diagram(
         rod, drive, parameter="drive_amplitude", low=0.01, high=0.02, points=2,
-        initial_angle=0.1, transient_periods=0,
+        initial_angle=np.float32(0.1), transient_periods=0,
     )  # fmt: skip
     names = signature(ll.analysis.bifurcation_diagram).parameters.keys() - {"system", "drive"}
     assert names - found.attrs.keys() == {"initial_offset", "direction"}  # None; a coordinate

@@ -28,6 +28,8 @@ COMMON = {
     "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
     "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
 }
+# What a file can hold as an attribute.
+_STORABLE = (int, float, str, tuple, list, np.generic, np.ndarray)
 
 
 def labelled(
@@ -78,14 +80,9 @@ def labelled(
             attributes |= {registry.kind: registry.name_of(part), **flattened(describe(part))}
     if arguments is not None:
         others = {"system", "drive", *variables, *coordinates}
-        attributes |= flattened(
-            {
-                parameter: arguments[parameter]
-                for parameter in signature(analyses[name]).parameters
-                if parameter not in others
-                and isinstance(arguments[parameter], (int, float, str, tuple, list))
-            }
-        )
+        names = [each for each in signature(analyses[name]).parameters if each not in others]
+        values = {each: arguments[each] for each in names}
+        attributes |= flattened({k: v for k, v in values.items() if isinstance(v, _STORABLE)})
 
     def entry(key: str, value: Any) -> Any:
         dims, values = value if isinstance(value, tuple) else ((), value)
