@@ -146,7 +146,7 @@ BAD_INPUT = [
     (but(TOY, "--system", "latolat"), "unknown system 'latolat': did you mean 'latolato'?"),
     (but(TOY, "--drive", "harmonics"), "unknown drive 'harmonics': did you mean 'harmonic'?"),
     (but(TOY, "--contact", "clam"), "unknown contact law 'clam': did you mean 'clamp'?"),
-    (but(TOY, "--frame", "moon"), "frame must be one of pivot, both, got 'moon'"),
+    (but(TOY, "--frame", "moon"), "frame must be 'pivot' or 'both', got 'moon'"),
     (but(TOY, "--noise-strength", "-1"), "noise_strength must lie in [0, inf) rad/s^(3/2), got -1"),
     (but(TOY, "--lenght", "1"), "No such option: --lenght"),
     (but(TOY, "--samples", "many"), "Invalid value for '--samples'"),

@@ -418,7 +418,7 @@ class TestBadInput:
             ({"tolerance": 1.0}, "tolerance must lie"),
             ({"tolerance": "tight"}, "tolerance must be a number"),
             ({"rest_speed": -1.0}, "rest_speed must lie"),
-            ({"frame": "moon"}, "frame must be one of pivot, both, got 'moon'"),
+            ({"frame": "moon"}, "frame must be 'pivot' or 'both', got 'moon'"),
             ({"contact": "exakt"}, "unknown contact law 'exakt': did you mean 'exact'"),
             ({"contact": 3}, "contact must be"),
             ({"contact_limit": 0}, "contact_limit must be a positive"),

@@ -243,7 +243,7 @@ MISTAKES = {
     ),
     "unknown contact": ({"contact": "soft"}, "unknown contact law 'soft'"),
     "unknown executor": ({"executor": "thread"}, "did you mean 'threads'"),
-    "unknown direction": ({"direction": "sideways"}, "direction must be one of up, down, both"),
+    "unknown direction": ({"direction": "sideways"}, "direction must be 'up', 'down' or 'both'"),
     "direction alone": ({"direction": "both"}, "needs a continuation"),
     "unknown continuation": (
         {"continuation": "drive_frequenc"},

@@ -17,7 +17,7 @@ from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_choice, checked_count, checked_number, suggest
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.numerics.integrate import Start
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
@@ -135,7 +135,8 @@ def bifurcation_diagram(
     points = checked_count("points", points)
     if not 2 <= points <= _MOST_POINTS:
         raise InputError(f"must be from 2 to {_MOST_POINTS}, got {points}", parameter="points")
-    checked_choice("direction", direction, DIRECTIONS)
+    if direction not in DIRECTIONS:
+        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
     values = np.linspace(first, last, points)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]

@@ -16,7 +16,7 @@ from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.core.registry import checked_choice, checked_count, checked_number
+from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
@@ -130,7 +130,8 @@ def continue_orbit(
             f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
             f"[{low:g}, {high:g}]"
         )
-    checked_choice("direction", direction, ("up", "down"))
+    if direction not in ("up", "down"):
+        raise InputError("must be 'up' or 'down'", parameter="direction", value=direction)
     period = checked_period(period)
     points = checked_count("points", points)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)

@@ -12,7 +12,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
-from latolato.core.registry import checked_choice, checked_count, checked_number
+from latolato.core.registry import checked_count, checked_number
 from latolato.numerics import records
 from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
@@ -180,7 +180,8 @@ def _recorded(
     contact_limit = checked_count("contact_limit", contact_limit)
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
-    checked_choice("frame", frame, ("pivot", "both"))
+    if frame not in ("pivot", "both"):
+        raise InputError("must be 'pivot' or 'both'", parameter="frame", value=frame)
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
     start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)

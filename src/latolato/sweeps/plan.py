@@ -15,7 +15,6 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
 from latolato.core.registry import (
-    checked_choice,
     checked_count,
     checked_number,
     describe,
@@ -275,7 +274,8 @@ def make_plan(
     for name in (name for o in watched for name in o.variables):
         if name in names:
             raise InputError(f"axis name '{name}' is that of an observable: choose another")
-    checked_choice("direction", direction, DIRECTIONS)
+    if direction not in DIRECTIONS:
+        raise InputError("must be 'up', 'down' or 'both'", parameter="direction", value=direction)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
