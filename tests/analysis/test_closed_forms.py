@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from latolato.analysis import closed_forms as exact
+from latolato import analysis as exact
 
 G = 9.8
 TIGHT = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}

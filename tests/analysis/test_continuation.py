@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.closed_forms import fall_time, mathieu_tongue_edges
+from latolato.analysis.closed_forms import fall_time
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
+from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)

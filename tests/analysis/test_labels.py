@@ -1,5 +1,7 @@
 """Every analysis labels its dataset in the same way."""
 
+from inspect import signature
+
 import numpy as np
 
 import latolato as ll
@@ -15,7 +17,7 @@ def test_labels_carry_units_and_all_parameters() -> None:
     found = labelled(
         "example",
         {"growth_rate": ("frequency_ratio", np.array([0.1, 0.2])), "drive_amplitude": 0.1},
-        coordinates={"frequency_ratio": ("frequency_ratio", np.array([1.0, 2.0]))},
+        coordinates={"frequency_ratio": [1.0, 2.0]},
         system=pair,
         drive=drive,
         settings={"order": 2, "is_stable": True, "left_out": None},
@@ -27,3 +29,14 @@ def test_labels_carry_units_and_all_parameters() -> None:
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
     assert "left_out" not in found.attrs
+
+
+def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:
+    drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    found = ll.analysis.bifurcation_diagram(
+        rod, drive, parameter="drive_amplitude", low=0.01, high=0.02, points=2,
+        initial_angle=np.float32(0.1), transient_periods=0,
+    )  # fmt: skip
+    names = signature(ll.analysis.bifurcation_diagram).parameters.keys() - {"system", "drive"}
+    assert names - found.attrs.keys() == {"initial_offset", "direction"}  # None; a coordinate

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.closed_forms import mathieu_growth_rate
 from latolato.analysis.flow import Flow
 from latolato.analysis.lyapunov import lyapunov_spectrum
+from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.symmetry import as_pair, pair_symmetry
 from latolato.core.errors import InputError
 

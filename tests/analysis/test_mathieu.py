@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from latolato.analysis import closed_forms as exact
+from latolato.analysis import mathieu as exact
 
 G = 9.8
 PAPER = {"length": 1.0, "mass": 0.8}

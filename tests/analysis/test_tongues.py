@@ -195,7 +195,7 @@ def test_what_has_no_linear_stability_is_refused():
 def test_bad_input_is_refused():
     tongue_edges = ll.analysis.tongue_edges
     chirp = ll.Chirp(drive_amplitude=0.1, drive_frequency=1, drive_frequency_final=2, sweep_time=10)
-    with pytest.raises(ValueError, match="drive must be periodic"):
+    with pytest.raises(ValueError, match="drive must repeat itself"):
         tongue_edges(PAPER, chirp, drive_amplitude=0.1)
     with pytest.raises(ValueError, match="the crank would jam"):
         tongue_edges(PAPER, DRIVES["below"], drive_amplitude=0.5)

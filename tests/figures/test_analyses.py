@@ -63,7 +63,7 @@ def spectrum(values, status, residual=1e-15):
         "lyapunov_spectrum",
         "lyapunov",
         variables,
-        {"exponent": ("exponent", np.arange(1, len(values) + 1))},
+        {"exponent": np.arange(1, len(values) + 1)},
         {"duration": 300.0, "transient": 100.0},
     )
 
@@ -79,7 +79,7 @@ def symmetry(rate, status, **axes):
             "largest_angle_after_transient": (dims, np.ones_like(rate)),
             "status": (dims, np.array(status)),
         },
-        {name: (name, np.array(values)) for name, values in axes.items()},
+        axes,
         {"duration": 300.0, "transient": 50.0},
     )
 

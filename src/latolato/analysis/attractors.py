@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_span,
-    checked_transient,
-    settled_motion,
-    wilson_interval,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
 from latolato.core.registry import checked_count, checked_number
@@ -48,7 +43,7 @@ _SPEEDS = 3.0
 _NEAREST = 0.5
 # A wall is approached from inside by this much [rad].
 _INSIDE = 1e-9
-_TOLD = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
+_OF_ATTRACTORS = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
 @analyses.register("basins")
@@ -97,7 +92,7 @@ def basins(
     transient_periods : float
         Drive periods before the motion is looked at, at least 0.
     longest : int
-        Longest response period that is told from chaos, 1 to 64 drive periods.
+        Longest response period that is distinguished from chaos, 1 to 64 drive periods.
     angle_tolerance : float
         Distance below which two samples of one motion agree [rad], in (0, 1].
     match_tolerance : float
@@ -106,15 +101,13 @@ def basins(
         Aperiodic motions that visit a common box of this size [rad] are one, in (0, 1].
     entropy_box : int
         Starts along each side of the boxes of the basin entropy.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
     check_tolerance : float, optional
         Smaller tolerance at which every start is run once more [rad]; by default a tenth.
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
     known : xarray.Dataset, optional
         A former result, for a series of maps: an attractor near one of its attractors gets the
         same number, and so the same colour.
+    tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------
@@ -169,27 +162,26 @@ def basins(
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = basins(
+    >>> result = basins(
     ...     system, drive, angle_points=6, velocity_points=6, velocity_low=-3.0, velocity_high=3.0
     ... )
-    >>> found.status.values, found.basin_fraction.values, found.basin_entropy.item()
+    >>> result.status.values, result.basin_fraction.values, result.basin_entropy.item()
     (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
     """
-    law = checked_periodic(system, drive, "basins")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    match = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
-    box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
-    shift = checked_number("asymmetry", asymmetry, Range(), "rad")
-    entropy_size = checked_count("entropy_box", entropy_box)
-    shape = (
-        checked_count("angle_points", angle_points),
-        checked_count("velocity_points", velocity_points),
-    )
-    if entropy_size > min(shape):
+    match_tolerance = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
+    chaos_box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
+    asymmetry = checked_number("asymmetry", asymmetry, Range(), "rad")
+    entropy_box = checked_count("entropy_box", entropy_box)
+    angle_points = checked_count("angle_points", angle_points)
+    velocity_points = checked_count("velocity_points", velocity_points)
+    shape = (angle_points, velocity_points)
+    if entropy_box > min(shape):
         raise InputError(
             f"must be at most the points of either axis, {min(shape)}",
             parameter="entropy_box",
-            value=entropy_size,
+            value=entropy_box,
             way_out="take a smaller box or more points",
         )
     if math.prod(shape) > _MOST_STARTS:
@@ -198,18 +190,18 @@ def basins(
             "velocity_points"
         )
     tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
-    finer = _checked_finer(check_tolerance, tolerance)
+    check_tolerance = _checked_finer(check_tolerance, tolerance)
     if known is not None:
         _check_known(known, system)
     angles, velocities = _starts(
         system, shape, (angle_low, angle_high), (velocity_low, velocity_high)
     )
 
-    def look(error: float) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
+    def look(error: float) -> dict[str, NDArray[Any]]:
         return settled_motion(
             system,
             law,
-            _axes(system, angles, velocities, shift),
+            _axes(system, angles, velocities, asymmetry),
             law.drive_frequency,
             longest=longest,
             angle_tolerance=angle_tolerance,
@@ -218,41 +210,25 @@ def basins(
             rest_speed=rest_speed,
         )
 
-    grid, motion = look(tolerance)
-    again, checked = look(finer)
-    frequency = law.drive_frequency
-    samples = _samples(grid, system.angles, frequency)
+    motion, checked = look(tolerance), look(check_tolerance)
+    samples = _samples(motion, system.angles, law.drive_frequency)
     both, examples = find_attractors(
-        np.concatenate([samples, _samples(again, system.angles, frequency)]),
+        np.concatenate([samples, _samples(checked, system.angles, law.drive_frequency)]),
         np.concatenate([motion["response_period"], checked["response_period"]]),
         np.concatenate([motion["status"], checked["status"]]),
-        match_tolerance=match,
-        chaos_box=box,
+        match_tolerance=match_tolerance,
+        chaos_box=chaos_box,
     )
     count = len(samples)
-    # Attractors that only the second run finds make its starts differ, and are not told.
-    shares = np.bincount(both[:count][both[:count] >= 0], minlength=len(examples))
-    seen = np.flatnonzero((shares > 0) & (examples < count))
-    order = seen[
-        np.lexsort(
-            [
-                samples[examples[seen], :, 0].mean(axis=1).round(6),
-                motion["rotation_number"][examples[seen]],
-                -shares[seen],
-            ]
-        )
-    ]
-    numbers = np.arange(len(order))
-    used = len(order)
-    if known is not None:
-        numbers, used = _known_numbers(samples[examples[order]], known)
-        order, numbers = order[np.argsort(numbers)], np.sort(numbers)
-    examples = examples[order]
-    place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
-    place[order] = np.arange(len(order))
+    examples, numbers, used, place = _numbered(
+        samples, motion["rotation_number"], both[:count], examples, known
+    )
     labels, others = place[both[:count]], place[both[count:]]
     uncertain = (labels != others).reshape(shape)
-    doubtful = float(uncertain.mean())
+    doubt = (
+        f"{100.0 * uncertain.mean():.3g} % of the starts lead elsewhere at a tolerance of "
+        f"{check_tolerance:.1g} rad: their basin is uncertain"
+    )
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
         warnings.warn(
@@ -265,58 +241,38 @@ def basins(
     counts = np.bincount(labels[labels >= 0], minlength=len(examples))
     share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
-    entropy = basin_entropy(table, entropy_size)
     ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
         "basin": (places, table),
         "uncertain": (places, uncertain.astype(np.int8)),
-        **{name: (("attractor",), motion[name][examples]) for name in (*_TOLD, "status")},
-        "basin_fraction": (("attractor",), share),
-        "basin_fraction_low": (("attractor",), low),
-        "basin_fraction_high": (("attractor",), high),
+        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
+        "basin_fraction": ("attractor", share),
+        "basin_fraction_low": ("attractor", low),
+        "basin_fraction_high": ("attractor", high),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
         "not_settled_fraction": unsettled,
-        "uncertain_fraction": doubtful,
-        "basin_entropy": entropy.basin_entropy,
-        "boundary_basin_entropy": entropy.boundary_basin_entropy,
-        "boundary_share": entropy.boundary_share,
+        "uncertain_fraction": float(uncertain.mean()),
+        **basin_entropy(table, entropy_box)._asdict(),
     }
-    for name in ("section_angle", "section_angular_velocity"):
-        values = np.asarray(grid[name].values)
-        values = values.reshape(labels.size, *values.shape[2:])[examples]
-        values = wrapped(values) if name == "section_angle" else values
-        variables[name] = (("attractor", *ball, "sample"), values)
-    coordinates: dict[str, Any] = {
-        "initial_angle": (("initial_angle",), angles),
-        "initial_angular_velocity": (("initial_angular_velocity",), velocities),
-        "attractor": (("attractor",), numbers),
-    }
-    if ball:
-        coordinates["ball"] = (("ball",), ["right", "left"])
+    dims = ("attractor", *ball, "sample")
+    variables["section_angle"] = (dims, wrapped(motion["section_angle"][examples]))
+    variables["section_angular_velocity"] = (dims, motion["section_angular_velocity"][examples])
     return labelled(
         "basins",
         variables,
-        coordinates=coordinates,
+        coordinates={
+            "initial_angle": angles,
+            "initial_angular_velocity": velocities,
+            "attractor": numbers,
+        },
         quantities=QUANTITIES_HERE | _QUANTITIES,
         system=system,
         drive=law,
+        arguments=locals(),
         settings={
-            "asymmetry": shift if ball else None,
-            "transient_periods": transient_periods,
-            "longest": longest,
-            "angle_tolerance": angle_tolerance,
-            "match_tolerance": match,
-            "chaos_box": box,
-            "entropy_box": entropy_size,
-            "tolerance": tolerance,
-            "check_tolerance": finer,
-            "rest_speed": rest_speed,
             "numbers_used": used,
-            "message": f"{100.0 * doubtful:.3g} % of the starts lead elsewhere at a tolerance of "
-            f"{finer:.1g} rad: their basin is uncertain"
-            if doubtful
-            else None,
+            "message": doubt if uncertain.any() else None,
         },
     )
 
@@ -340,11 +296,11 @@ _QUANTITIES: dict[str, Quantity] = {
 }
 
 
-def _checked_finer(given: Any, tolerance: float) -> float:
+def _checked_finer(value: Any, tolerance: float) -> float:
     """Return the tolerance of the second run [rad]."""
-    if given is None:
+    if value is None:
         return max(0.1 * tolerance, 1e-15)
-    finer = checked_number("check_tolerance", given, Range(1e-15, 1e-2), "rad")
+    finer = checked_number("check_tolerance", value, Range(1e-15, 1e-2), "rad")
     if not finer < tolerance:
         raise InputError(
             f"must be below the tolerance of {tolerance:g} rad",
@@ -372,6 +328,27 @@ def _check_known(known: Any, system: System) -> None:
             parameter="known",
             way_out="give a map of the same kind of system",
         )
+
+
+def _numbered(
+    samples: Floats, rotation: Floats, labels: Labels, examples: Labels, known: xr.Dataset | None
+) -> tuple[Labels, Labels, int, Labels]:
+    """Return the attractors in order: an example of each, its number, and how many are used.
+
+    Also the place of each label in that order. Attractors without an example among the samples,
+    which only the second run finds, have none: they make its starts differ.
+    """
+    shares = np.bincount(labels[labels >= 0], minlength=len(examples))
+    own = np.flatnonzero((shares > 0) & (examples < len(samples)))
+    angles = samples[examples[own], :, 0].mean(axis=1).round(6)
+    order = own[np.lexsort([angles, rotation[examples[own]], -shares[own]])]
+    numbers, used = np.arange(len(order)), len(order)
+    if known is not None:
+        numbers, used = _known_numbers(samples[examples[order]], known)
+        order, numbers = order[np.argsort(numbers)], np.sort(numbers)
+    place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
+    place[order] = np.arange(len(order))
+    return examples[order], numbers, used, place
 
 
 def _known_numbers(samples: Floats, known: xr.Dataset) -> tuple[Labels, int]:
@@ -446,11 +423,11 @@ def _axes(system: System, angles: Floats, velocities: Floats, shift: float) -> d
     }
 
 
-def _samples(grid: xr.Dataset, balls: int, frequency: float) -> Floats:
+def _samples(motion: Mapping[Any, Any], balls: int, frequency: float) -> Floats:
     """Return the samples as angles, shape (start, sample, 2 per ball): angle, velocity over w."""
     parts = []
     for name, scale in (("angle", 1.0), ("angular_velocity", 1.0 / frequency)):
-        values = np.asarray(grid[f"section_{name}"].values) * scale
+        values = np.asarray(motion[f"section_{name}"]) * scale
         parts.append(values.reshape(-1, balls, values.shape[-1]))
     return np.concatenate(parts, axis=1).transpose(0, 2, 1)
 

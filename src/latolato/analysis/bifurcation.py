@@ -4,29 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
+from latolato.analysis.flow import varied
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_span,
-    checked_transient,
-    settled_motion,
-)
+from latolato.analysis.starts import single_start, start_columns
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
-from latolato.core.parameters import UnitOf
+from latolato.core.parameters import Parameter, UnitOf
 from latolato.core.quantities import POSITIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.numerics.integrate import Start
 from latolato.observables.period import PERIODICITY, wrapped
-from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.parameters import SWEEP_PARAMETERS
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_start, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, between_walls, checked_contact, walls_of
 from latolato.sweeps.axes import parameters_of
 
 if TYPE_CHECKING:
@@ -74,18 +71,14 @@ def bifurcation_diagram(
         Values from low to high, 2 to 100000.
     direction : {"both", "up", "down"}
         Which way the motion is followed.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start at the first value, as in `latolato.simulate` [rad], [rad/s], [rad].
     transient_periods : float
         Drive periods at each value before the motion is watched, at least 0.
     longest : int
-        Longest response period that is told, 1 to 64; three times as many samples are kept.
+        Longest response period that is recognised, 1 to 64; three times as many samples are kept.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`; the start is that at the first value.
 
     Returns
     -------
@@ -122,14 +115,14 @@ def bifurcation_diagram(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = bifurcation_diagram(
+    >>> result = bifurcation_diagram(
     ...     toy, drive, parameter="frequency_ratio", low=2.2, high=3.4, points=13,
     ...     initial_offset=0.0,
     ... )
-    >>> found.status.sel(frequency_ratio=2.4, method="nearest").values
+    >>> result.status.sel(frequency_ratio=2.4, method="nearest").values
     array(['rest', 'periodic'], dtype='<U12')
     """
-    law = checked_periodic(system, drive, "a bifurcation diagram")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
     known = {n: p for n, p in parameters_of(system, law).items() if p.owner != "run"}
     known.pop("drive_phase", None)
@@ -139,50 +132,38 @@ def bifurcation_diagram(
     first, last = checked_span(parameter, low, high, about.unit)
     for value in (first, last):
         checked_number(parameter, value, about.allowed, about.unit)
-    count = checked_count("points", points, Range(2, _MOST_POINTS))
+    points = checked_count("points", points, Range(2, _MOST_POINTS))
     direction = SWEEP_PARAMETERS["direction"].checked(direction)
-    values = np.linspace(first, last, count)
-    frequency = _frequencies(system, law, parameter, values)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
+    values = np.linspace(first, last, points)
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
     result = _follow(
         system,
         law,
-        parameter,
+        about,
         values,
         ways,
-        _start(system, start),
-        {"longest": longest, "angle_tolerance": angle_tolerance},
+        start,
         {
+            "longest": longest,
+            "angle_tolerance": angle_tolerance,
             "transient_periods": transient_periods,
             "tolerance": tolerance,
             "rest_speed": rest_speed,
         },
-        frequency,
     )
     kept = {n: result[n] for n in (*_KEPT, "status")}
     dims = ("direction", parameter)
     ball = ("ball",) if system.angles == 2 else ()
     variables: dict[str, Any] = {name: (dims, each) for name, each in kept.items()}
     for name in ("section_angle", "section_angular_velocity"):
-        samples = result[name] if ball else result[name][:, :, 0]
-        variables[name] = ((*dims, *ball, "sample"), samples)
+        variables[name] = ((*dims, *ball, "sample"), result[name])
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
-    coordinates: dict[str, Any] = {
-        "direction": (("direction",), ways),
-        parameter: ((parameter,), values),
-    }
-    if ball:
-        coordinates["ball"] = (("ball",), ["right", "left"])
     return labelled(
         "bifurcation_diagram",
         variables,
-        coordinates=coordinates,
+        coordinates={"direction": ways, parameter: values},
         quantities=QUANTITIES_HERE
         | {
             parameter: about.quantity,
@@ -191,89 +172,67 @@ def bifurcation_diagram(
         },
         system=system,
         drive=law,
-        settings={
-            **start,
-            "parameter": parameter,
-            "transient_periods": transient_periods,
-            "longest": longest,
-            "angle_tolerance": angle_tolerance,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )
 
 
-def _frequencies(
-    system: System, law: Drive, parameter: str, values: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _frequencies(system: System, law: PeriodicDrive, parameter: str, values: Floats) -> Floats:
     """Return the drive's frequency at each value of the parameter [rad/s]."""
     if parameter == "drive_frequency":
         result = values
     elif parameter == "frequency_ratio":
         result = values * system.natural_frequency
     else:
-        result = np.full(len(values), law.drive_frequency)  # type: ignore[attr-defined]
+        result = np.full(len(values), law.drive_frequency)
     for value in result:
         checked_number(parameter, value, POSITIVE, "rad/s")
     return result
 
 
-def _start(system: System, start: dict[str, Any]) -> tuple[Floats, Floats]:
-    """Return the angles and angular velocities of the start, checked; shape (ball,)."""
-    walls = walls_of(system, checked_contact("exact", system))
-    result = checked_start(system, walls, *start.values())
-    return np.array(result.angles), np.array(result.velocities)
-
-
 def _follow(
     system: System,
-    law: Drive,
-    parameter: str,
+    law: PeriodicDrive,
+    parameter: Parameter,
     values: Floats,
     ways: list[str],
-    start: tuple[Floats, Floats],
-    limits: dict[str, Any],
+    start: Start,
     options: dict[str, Any],
-    frequency: Floats,
 ) -> dict[str, NDArray[Any]]:
-    """Return what `motion_of` tells and the samples, of shape (way, value, ...).
+    """Return what `motion_of` does, of shape (way, value, ...).
 
     All ways run at once. Each value starts from the last sample of the one before, which lies a
     whole number of drive periods after its start: so all samples are at one drive phase.
     """
     count = len(values)
-    states = [start for _ in ways]
+    frequency = _frequencies(system, law, parameter.name, values)
+    states = [(np.array(start.angles), np.array(start.velocities)) for _ in ways]
     result: dict[str, NDArray[Any]] = {}
     for step in range(count):
         places = [step if way == "up" else count - 1 - step for way in ways]
         cases = []
         for number, (place, state) in enumerate(zip(places, states, strict=True)):
-            moved = _changed(system, parameter, float(values[place]))
-            angles = _inside(moved, state[0])
+            moved = system
+            if parameter.owner == "system":
+                moved, _ = varied(system, law, parameter.name, float(values[place]))
+            angles = between_walls(state[0], walls_of(moved, checked_contact("exact", moved)))
             states[number] = (angles, state[1])
             cases.append((float(values[place]), *angles, *state[1]))
         distinct = list(dict.fromkeys(cases))  # both ways may meet in one motion
-        sides = ("",) if system.angles == 1 else ("_right", "_left")
-        names = [parameter]
-        names += [f"initial_angle{side}" for side in sides]
-        names += [f"initial_angular_velocity{side}" for side in sides]
+        first, *columns = np.array(distinct).T
+        starts = start_columns(system, columns[: system.angles], columns[system.angles :])
         at = frequency[[places[cases.index(case)] for case in distinct]]
-        grid, motion = settled_motion(
+        motion = settled_motion(
             system,
             law,
-            {"case": dict(zip(names, np.array(distinct).T, strict=True))},
+            {"case": {parameter.name: first, **starts}},
             at,
             slowest_frequency=float(frequency[places].min()),
-            **limits,
             **options,
         )
         of = [distinct.index(case) for case in cases]
-        for name in ("section_angle", "section_angular_velocity"):
-            samples = np.asarray(grid[name].values)
-            motion[name] = samples.reshape(len(distinct), system.angles, -1)
         for number, (place, case) in enumerate(zip(places, of, strict=True)):
-            angles = motion["section_angle"][case, :, -1]
-            velocities = motion["section_angular_velocity"][case, :, -1]
+            angles = np.atleast_1d(motion["section_angle"][case, ..., -1])
+            velocities = np.atleast_1d(motion["section_angular_velocity"][case, ..., -1])
             if np.isfinite(angles).all():  # a run that failed hands on its start
                 states[number] = (angles, velocities)
             for name, each in motion.items():
@@ -283,27 +242,6 @@ def _follow(
                 ]
     result["section_angle"] = wrapped(result["section_angle"])
     return result
-
-
-def _changed(system: System, parameter: str, value: float) -> System:
-    """Return the system at a value of the parameter, itself if that is of the drive."""
-    path = parameters_of(system, FixedPivot())
-    if parameter not in path or path[parameter].owner != "system":
-        return system
-    names = path[parameter].path
-    if len(names) == 1:
-        return replace(system, **{names[0]: value})
-    return replace(system, **{names[0]: replace(getattr(system, names[0]), **{names[1]: value})})
-
-
-def _inside(system: System, angles: Floats) -> Floats:
-    """Return angles moved to the nearest wall where the walls have passed them."""
-    low, high = walls_of(system, checked_contact("exact", system))
-    if system.angles == 1:
-        return np.clip(angles, low, high)
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return np.array([angles[0] + shift, angles[1] - shift])
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:

@@ -147,10 +147,10 @@ def _checked(grid: xr.Dataset, observable: str) -> xr.DataArray:
     values = grid[observable]
     dims = [str(dim) for dim in values.dims]
     if len(dims) != 2 or min(values.shape) < 2:
-        shown = ", ".join(f"{d} ({n})" for d, n in values.sizes.items()) or "nothing"
+        text = ", ".join(f"{d} ({n})" for d, n in values.sizes.items()) or "nothing"
         raise InputError(
             f"boundary needs a map over two parameters of at least 2 values each, but "
-            f"{observable} is over {shown}; take a part with grid.sel or grid.isel"
+            f"{observable} is over {text}; take a part with grid.sel or grid.isel"
         )
     for dim in dims:
         if dim not in grid.coords or grid[dim].dtype.kind not in "iuf":

@@ -1,8 +1,4 @@
-"""Exact solutions that trajectories are measured against: swings, decays, bounces and tongues.
-
-Those written here hold for a pivot at rest. The free pendulum (`latolato.analysis.elliptic`) and
-the Mathieu tongues (`latolato.analysis.mathieu`) are offered here as well.
-"""
+"""Exact solutions for a pivot at rest: decays, falls and bounces."""
 
 from __future__ import annotations
 
@@ -12,37 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from latolato.analysis.elliptic import Array, checked_times, undriven_motion, undriven_period
-from latolato.analysis.mathieu import (
-    MathieuParameters,
-    mathieu_growth_rate,
-    mathieu_parameters,
-    mathieu_threshold_amplitude,
-    mathieu_tongue_edges,
-)
+from latolato.analysis.elliptic import Array, checked_times, undriven_motion
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
-
-__all__ = [
-    "MathieuParameters",
-    "collision_times",
-    "damped_small_angle",
-    "damping_from_decay_rate",
-    "decay_rate",
-    "elastic_bounces",
-    "fall_time",
-    "impact_angular_velocity",
-    "mathieu_growth_rate",
-    "mathieu_parameters",
-    "mathieu_threshold_amplitude",
-    "mathieu_tongue_edges",
-    "reflected_angle",
-    "undriven_motion",
-    "undriven_period",
-    "zeno_time",
-]
 
 
 def decay_rate(*, damping: float, mass: float, length: float) -> float:

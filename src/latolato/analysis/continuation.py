@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
-from latolato.analysis.flow import Floats, Flow, parameter_of, periodic_drive, value_of
-from latolato.analysis.multipliers import smallest_period, told_of_period
+from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
+from latolato.analysis.multipliers import shorter_period, smallest_period
 from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
@@ -20,7 +20,6 @@ from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -120,9 +119,9 @@ def continue_orbit(
     >>> print(branch.special_kind.values, branch.special_value.values.round(6))
     ['period_doubling'] [1.909946]
     """
-    driven = periodic_drive(system, drive)
-    begun = value_of(system, driven, parameter)
-    known = parameter_of(system, driven, parameter)
+    flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
+    begun = value_of(system, flow.drive, parameter)
+    known = parameter_of(system, flow.drive, parameter)
     # An end that the parameter itself may not have, such as no drive at all, may be approached.
     closed, unit = replace(known.allowed, open_low=False, open_high=False), known.quantity.unit
     low = checked_number(f"low ({parameter})", low, closed, unit)
@@ -134,29 +133,21 @@ def continue_orbit(
         )
     if direction not in ("up", "down"):
         raise InputError("must be 'up' or 'down'", parameter="direction", value=direction)
-    count = checked_period(period)
-    most = checked_count("points", points)
-    flow = Flow(
-        system,
-        driven,
-        contact=contact,
-        tolerance=RUN_PARAMETERS["tolerance"].checked(tolerance),
-        rest_speed=RUN_PARAMETERS["rest_speed"].checked(rest_speed),
-        speed=2.0 * system.natural_frequency,
-    )
+    period = checked_period(period)
+    points = checked_count("points", points)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
-    branch = Branch(flow, parameter, (low, high), count)
-    first = find_orbit(flow, guess, count)
+    branch = Branch(flow, parameter, (low, high), period)
+    first = find_orbit(flow, guess, period)
     places: list[Place] = []
     specials: list[tuple[str, Place]] = []
     status, message = "not found", None
     if first.defect <= CLOSED:
-        message = told_of_period(smallest_period(first), count)
+        message = shorter_period(smallest_period(first), period)
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
         places[0] = branch.rescaled(branch.begin_between_contacts(places[0]) or places[0])
-        status = _follow(branch, places, specials, most)
+        status = _follow(branch, places, specials, points)
     if status in ("not found", "lost"):
         where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
         hint = "; try a start on the attractor"
@@ -165,10 +156,21 @@ def continue_orbit(
             near = bool(why) and specials[-1][1].value == places[-1].value
             hint = f", by {why}" if near else ": Newton's method fails with the shortest steps"
         warnings.warn(f"the branch was {status}{where}{hint}", RuntimeWarning, stacklevel=2)
-    return _dataset(branch, places, specials, status, {
-        "low": low, "high": high, "direction": direction, "period": count, "points": most,
-        "tolerance": flow.tolerance, "rest_speed": flow.rest_speed, "message": message,
-    })  # fmt: skip
+    variables = _variables(branch, places, specials) | {"status": status}
+    about = known.quantity
+    return labelled(
+        "continue_orbit",
+        variables,
+        quantities=QUANTITIES
+        | {
+            parameter: about,
+            "special_value": replace(QUANTITIES["special_value"], unit=about.unit),
+        },
+        system=flow.system,
+        drive=flow.drive,
+        arguments=locals(),
+        settings={"message": message},
+    )
 
 
 def _follow(
@@ -226,14 +228,10 @@ def _end(branch: Branch, old: Place, length: float) -> Place:
     return place
 
 
-def _dataset(
-    branch: Branch,
-    places: list[Place],
-    specials: list[tuple[str, Place]],
-    status: str,
-    settings: dict[str, Any],
-) -> xr.Dataset:
-    """Return the labelled branch."""
+def _variables(
+    branch: Branch, places: list[Place], specials: list[tuple[str, Place]]
+) -> dict[str, Any]:
+    """Return the points of a branch as variables."""
     flow, parameter = branch.flow, branch.parameter
     two = flow.size == 4
     starts = np.array([branch.at_time_zero(p) for p in places]).reshape(-1, flow.size)
@@ -242,11 +240,10 @@ def _dataset(
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
 
-    about = parameter_of(flow.system, flow.drive, parameter).quantity
     multipliers = np.array([p.orbit.multipliers for p in places], dtype=complex)
     multipliers = multipliers.reshape(-1, flow.size)
     largest = np.abs(multipliers).max(axis=1, initial=0.0)
-    variables = {
+    return {
         parameter: ("point", np.array([p.value for p in places])),
         "initial_angle": (per_ball, ball(starts[:, 0::2])),
         "initial_angular_velocity": (per_ball, ball(starts[:, 1::2])),
@@ -260,18 +257,4 @@ def _dataset(
             "special",
             np.array([p.orbit.passage.largest_angle for _, p in specials]),
         ),
-        "status": status,
     }
-    quantities = QUANTITIES | {
-        parameter: about,
-        "special_value": replace(QUANTITIES["special_value"], unit=about.unit),
-    }
-    return labelled(
-        "continue_orbit",
-        variables,
-        coordinates={"ball": ("ball", ["right", "left"])} if two else None,
-        quantities=quantities,
-        system=flow.system,
-        drive=flow.drive,
-        settings={"parameter": parameter, **settings},
-    )

@@ -77,10 +77,8 @@ def undriven_motion(
     ----------
     times : array_like
         Instants [s], of either sign.
-    length, gravity : float
-        l [m] and g [m/s^2], positive.
-    initial_angle, initial_angular_velocity : float
-        State [rad, rad/s] at time zero, any energy.
+    length, initial_angle, initial_angular_velocity, gravity
+        As for `undriven_period`.
 
     Returns
     -------

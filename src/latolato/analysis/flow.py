@@ -9,19 +9,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import POSITIVE
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
 from latolato.core.registry import checked_number, suggest
-from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.numerics.integrate import TOLERANCES, Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive, walls_of
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_periodic_drive,
+    checked_system,
+    walls_of,
+)
 from latolato.sweeps.axes import DERIVED, parameters_of
 
 Floats = NDArray[np.float64]
@@ -164,6 +169,20 @@ class Flow:
         )
 
 
+def checked_flow(
+    system: System, drive: Drive | None, *, contact: Any, tolerance: float, rest_speed: float
+) -> Flow:
+    """Return the motion under a drive that repeats itself, ready to be followed along orbits."""
+    return Flow(
+        system,
+        periodic_drive(system, drive),
+        contact=contact,
+        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
+        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        speed=2.0 * system.natural_frequency,
+    )
+
+
 def drive_period(drive: Drive) -> float:
     """Return the period of a periodic drive [s].
 
@@ -172,19 +191,13 @@ def drive_period(drive: Drive) -> float:
     InputError
         For a drive that does not repeat itself, which one of frequency zero does not.
     """
-    if isinstance(drive, PeriodicDrive):
-        frequency = checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
-        return math.tau / frequency
-    raise InputError(
-        f"the {{parameter}} must repeat itself, and {drives.name_of(drive)} does not",
-        parameter="drive",
-        way_out="give one such as Harmonic",
-    )
+    frequency = checked_periodic_drive(drive).drive_frequency
+    return math.tau / checked_number("drive_frequency", frequency, POSITIVE, "rad/s")
 
 
-def periodic_drive(system: System, drive: Any) -> Drive:
+def periodic_drive(system: System, drive: Drive | None) -> PeriodicDrive:
     """Return a checked drive that has a period, and one that can be followed in a short time."""
-    result = checked_drive(drive)
+    result = checked_periodic_drive(drive)
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
-from latolato.analysis.stroboscopic import octaves, settled_motion
-from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
+from latolato.analysis.starts import start_columns, start_options
+from latolato.analysis.stroboscopic import settled_cases
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_number
-from latolato.observables.period import PERIODICITY
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.observables.period import PERIODICITY, wrapped
+from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import Pendulum, System
 from latolato.simulation.parameters import RUN_PARAMETERS
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 LOOP, NO_LOOP, DELAY, UNKNOWN = "hysteresis", "no hysteresis", "not settled", "no answer"
 # Drive periods that a difference between both ways must outlast.
 _LASTING = 300.0
-# What is swept when nothing is said [w/w0].
+# Default range and number of frequencies [w/w0].
 _DEFAULT_RATIOS = (1.6, 3.6, 81)
 
 _ENDS = ("largest_angle_after_transient", "final_angle", "final_angular_velocity")
@@ -90,10 +90,8 @@ def hysteresis(
         A free pendulum whose motion has died down below this is begun again with it at the next
         frequency [rad], as some disturbance always is there; walls make rest lasting, and nothing
         is added.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start of both sweeps, as for `latolato.simulate`; by default the system hangs at rest.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default both ways start where the system hangs at rest.
 
     Returns
     -------
@@ -128,44 +126,31 @@ def hysteresis(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
-    >>> found = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
-    >>> found.status.values.tolist(), found.jump_ratio.sel(direction="up").values.tolist()
+    >>> result = hysteresis(toy, drive, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0)
+    >>> result.status.values.tolist(), result.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
-    system = checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            "a Mathieu system is linear: it grows or decays, and has no two answers; take a "
-            "Pendulum"
-        )
-    checked_drive(drive)
-    if not isinstance(drive, PeriodicDrive):
-        name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(
-            f"{name} drive has no frequency to sweep: give one with a period, such as Harmonic"
-        )
-    ratios = _listed("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
-    if len(ratios) < 2 or np.any(np.diff(ratios) <= 0.0):
-        raise InputError(
-            "must be two or more values that increase",
-            parameter="frequency_ratio",
-            way_out="sort them",
-        )
-    amplitudes = _listed("drive_amplitude", drive_amplitude, [drive.drive_amplitude])
-    held = RUN_PARAMETERS["duration"].checked(duration)
-    jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
-    least = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
-    begin = 0.5 * held if transient is None else transient
+    checked_nonlinear(system)
+    drive = checked_periodic_drive(drive)
+    swept = np.linspace(*_DEFAULT_RATIOS)
+    ratios = checked_increasing(
+        "frequency_ratio", frequency_ratio, NON_NEGATIVE, default=swept, least=2
+    )
+    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
+    duration = RUN_PARAMETERS["duration"].checked(duration)
+    least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
+    least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
+    transient = 0.5 * duration if transient is None else transient
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     options: dict[str, Any] = {
-        "duration": held,
-        "transient": begin,
+        "duration": duration,
+        "transient": transient,
         "tolerance": tolerance,
         "contact": contact,
         "rest_speed": rest_speed,
     }
     if isinstance(system, Pendulum) and not system.has_contacts:
-        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least, options)
+        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least_motion, options)
     else:
         grid = sweep(
             system,
@@ -181,10 +166,10 @@ def hysteresis(
         grid = grid if "ball" in grid.dims else grid.expand_dims("ball")
         angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
         angles = angles.max(axis=-1)
-    differ = np.abs(angles[:, 1] - angles[:, 0]) >= jump
-    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, jump, options)
+    differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
+    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, least_jump, options)
     rows = [
-        _loop(np.array(ratios), up, down, jump, each)
+        _loop(ratios, up, down, least_jump, each)
         for (up, down), each in zip(angles, lasting, strict=True)
     ]
     variables: dict[str, Any] = {
@@ -198,30 +183,23 @@ def hysteresis(
         "hysteresis",
         variables,
         coordinates={
-            "drive_amplitude": ("drive_amplitude", np.array(amplitudes)),
-            "direction": ("direction", np.array(["up", "down"])),
-            "frequency_ratio": ("frequency_ratio", np.array(ratios)),
+            "drive_amplitude": amplitudes,
+            "direction": ["up", "down"],
+            "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "duration": held,
-            "transient": begin,
-            "least_jump": jump,
-            "least_motion": least,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings=start,
     )
 
 
 def _stirred(
     system: System,
     drive: PeriodicDrive,
-    amplitudes: list[float],
-    ratios: list[float],
+    amplitudes: Floats,
+    ratios: Floats,
     start: dict[str, Any],
     least: float,
     options: dict[str, Any],
@@ -243,36 +221,25 @@ def _stirred(
                 axes={
                     "case": {
                         "drive_amplitude": amplitudes,
-                        "initial_angle": angle,
-                        "initial_angular_velocity": velocity,
                         "drive_phase": phase,
+                        **start_columns(system, [angle], [velocity]),
                     }
                 },
                 observables=_ENDS,
                 **options,
             )
             result[:, :, way, place] = [grid[name].values for name in _ENDS]
-            angle = np.remainder(grid.final_angle.values + math.pi, math.tau) - math.pi
-            velocity = grid.final_angular_velocity.values
-            angle, velocity = np.nan_to_num(angle), np.nan_to_num(velocity)
+            angle = np.nan_to_num(wrapped(grid.final_angle.values))
+            velocity = np.nan_to_num(grid.final_angular_velocity.values)
             phase = np.remainder(phase + frequency * options["duration"], math.tau)
     return result
-
-
-def _listed(name: str, values: Any, default: Any) -> list[float]:
-    """Return the checked values of a parameter."""
-    given = np.atleast_1d(default if values is None else values).tolist()
-    if not given:
-        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
-    unit = QUANTITIES[name].unit
-    return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
 
 
 def _lasts(
     system: System,
     drive: PeriodicDrive,
-    amplitudes: list[float],
-    ratios: list[float],
+    amplitudes: Floats,
+    ratios: Floats,
     differ: NDArray[np.bool_],
     ends: Sequence[Floats],
     least: float,
@@ -288,46 +255,33 @@ def _lasts(
         return differ
     row, column = np.tile(places, (2, 1)).T
     way = np.repeat([0, 1], len(places))
-    frequencies = np.array(ratios) * system.natural_frequency
+    frequencies = ratios * system.natural_frequency
     turned = frequencies * options["duration"]
     phases = np.array([np.cumsum(turned), np.cumsum(turned[::-1])[::-1]])
     angle, velocity = (each[row, way, column].reshape(len(row), -1) for each in ends)
-    sides = ("",) if system.angles == 1 else ("_right", "_left")
     case = {
-        "drive_amplitude": np.array(amplitudes)[row],
-        "frequency_ratio": np.array(ratios)[column],
+        "drive_amplitude": amplitudes[row],
+        "frequency_ratio": ratios[column],
         "drive_phase": np.remainder(drive.drive_phase + phases[way, column], math.tau),
+        **start_columns(system, angle.T, velocity.T),
     }
-    for i, side in enumerate(sides):
-        case[f"initial_angle{side}"] = angle[:, i]
-        case[f"initial_angular_velocity{side}"] = velocity[:, i]
-    status = np.empty(len(row), dtype=object)
-    largest = np.full(len(row), math.nan)
-    known = np.isfinite(angle).all(axis=1) & np.isfinite(velocity).all(axis=1)
-    status[~known] = "failed"
-    for part in octaves(case["frequency_ratio"]):
-        some = part[known[part]]
-        if not len(some):
-            continue
-        w = frequencies[column[some]]
-        _, motion = settled_motion(
-            system,
-            drive,
-            {"case": {name: values[some] for name, values in case.items()}},
-            w,
-            transient_periods=_LASTING,
-            longest=4,
-            angle_tolerance=1e-4,
-            slowest_frequency=float(w.min()),
-            **{k: v for k, v in options.items() if k not in ("duration", "transient")},
-        )
-        status[some], largest[some] = motion["status"], motion["largest_angle_watched"]
+    motion = settled_cases(
+        system,
+        drive,
+        case,
+        frequencies[column],
+        transient_periods=_LASTING,
+        longest=4,
+        angle_tolerance=1e-4,
+        **{k: v for k, v in options.items() if k not in ("duration", "transient")},
+    )
+    status, largest = motion["status"], motion["largest_angle_watched"]
     one, two = status.reshape(2, -1)
-    told = np.isin(status, PERIODICITY).reshape(2, -1)
+    known = np.isin(status, PERIODICITY).reshape(2, -1)
     both_chaotic = (one == "aperiodic") & (two == "aperiodic")
     apart = np.abs(np.diff(largest.reshape(2, -1), axis=0)[0]) >= least
     result = np.zeros(differ.shape, dtype=bool)
-    result[tuple(places.T)] = told.all(axis=0) & apart & ~both_chaotic
+    result[tuple(places.T)] = known.all(axis=0) & apart & ~both_chaotic
     return result
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from latolato.analysis.linear import METHODS, SLOWEST, checked_choice, linearised
+from latolato.analysis.linear import METHODS, SLOWEST, linearised
 from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
+from latolato.core.registry import checked_choice
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_drive
@@ -99,5 +100,5 @@ def growth_rate(
         },
         system=system,
         drive=FixedPivot() if is_static else template,
-        settings={"position": position, "method": method},
+        arguments=locals(),
     )

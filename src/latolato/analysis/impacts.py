@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import checked_periodic, checked_transient
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_count
@@ -44,18 +44,14 @@ def impact_map(
     ----------
     system, drive
         The laws; the system must have walls or two balls, the drive one period.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     periods : int
         Drive periods that are watched.
     transient_periods : float
         Drive periods before, at least 0.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
     contact_limit : int
         Contacts after which the run stops, with a status.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------
@@ -82,33 +78,30 @@ def impact_map(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = impact_map(toy, drive, initial_offset=0.2, periods=3)
-    >>> found.impacts_per_period.item(), found.impact_phase.values.round(2)
+    >>> result = impact_map(toy, drive, initial_offset=0.2, periods=3)
+    >>> result.impacts_per_period.item(), result.impact_phase.values.round(2)
     (1.0, array([5.91, 5.91, 5.91]))
     """
-    law = checked_periodic(system, drive, "an impact map")
+    law = checked_periodic(system, drive)
     if not system.has_contacts:
         raise InputError(
             f"an impact map needs walls, and {type(system).__name__} has none; use LatoLato or "
             "BallPair, or poincare_section"
         )
     transient_periods = checked_transient(transient_periods)
-    count = checked_count("periods", periods)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
+    periods = checked_count("periods", periods)
     period = math.tau / law.drive_frequency
-    begin, end = transient_periods * period, (transient_periods + count) * period
+    begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(
         system,
         law,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
         times=[end],
         tolerance=tolerance,
         rest_speed=rest_speed,
         contact_limit=contact_limit,
-        **start,
     )
     kind = run["contact_kind"].values.astype(str)
     late = run["contact_time"].values >= begin
@@ -128,11 +121,11 @@ def impact_map(
             "angular_velocity_after": (("impact",), after[keep]),
             "impact_side": (("impact",), kind[keep]),
             "impact_time": (("impact",), time),
-            "impacts_per_period": time.size / count,
+            "impacts_per_period": time.size / periods,
             "rests": int((late & (kind == "rest")).sum()),
             "status": status,
         },
-        coordinates={"impact": (("impact",), np.arange(time.size))},
+        coordinates={"impact": np.arange(time.size)},
         quantities={
             "impact": Quantity("1", "j", "number of the impact"),
             "impact_phase": Quantity("rad", r"\varphi_j", "drive phase at impact"),
@@ -140,16 +133,8 @@ def impact_map(
             "impact_side": Quantity("1", "", "side of impact"),
             "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
             "rests": Quantity("1", "", "times that contact became lasting"),
-            "status": Quantity("1", "", "status"),
         },
         system=system,
         drive=law,
-        settings={
-            **start,
-            "periods": count,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            "contact_limit": contact_limit,
-        },
+        arguments=locals(),
     )

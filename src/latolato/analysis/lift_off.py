@@ -14,15 +14,16 @@ from latolato.analysis.linear import (
     acceleration_at,
     checked_ratio,
     checked_template,
-    told_waveform,
+    waveform_of,
 )
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, PeriodicDrive
-from latolato.physics.pair import joint_coupling
-from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.run import simulate
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,9 +103,9 @@ def self_start(
     0.127322
     """
     angles = _resting_angles(system)
-    ratio = checked_ratio(frequency_ratio)
+    frequency_ratio = checked_ratio(frequency_ratio)
     template = checked_template(drive)
-    w = ratio * system.natural_frequency
+    w = frequency_ratio * system.natural_frequency
     needed = (system.gravity + _friction(system, angles)) / w**2
     amplitude = _amplitude(template, needed)
     status = "found"
@@ -112,7 +113,8 @@ def self_start(
         status = "out of reach"
         warnings.warn(
             f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
-            f"frequency_ratio {ratio:g}; raise it or lengthen a crank's connecting_rod_length",
+            f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
+            "connecting_rod_length",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -131,23 +133,16 @@ def self_start(
             "status": Quantity("1", "", "what was found"),
         },
         system=system,
-        settings={"frequency_ratio": ratio, **told_waveform(template)},
+        arguments=locals(),
+        settings=waveform_of(template),
     )
 
 
 def _resting_angles(system: System) -> tuple[float, ...]:
     """Return the angles of the balls at rest against each other [rad]."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
-    if isinstance(system, LatoLato):
-        angles: tuple[float, ...] = (system.contact_angle_low,)
-    elif isinstance(system, BallPair):
-        (m1, l1), (m2, l2) = ((ball.mass, ball.length) for ball in system.balls)
-        inertia = m1 * l1**2 + m2 * l2**2
-        separation = system.contact_separation
-        _, offset = joint_coupling(m1 * l1, m2 * l2, inertia, separation)
-        angles = (separation - offset, -offset)
-    else:
+    checked_system(system)
+    angles = hanging_angles(system)
+    if not system.has_contacts:
         raise InputError(
             f"a {systems.name_of(system)} has no wall to start from; use a LatoLato or BallPair, "
             "or threshold_amplitude for growth from hanging"

@@ -27,9 +27,10 @@ from latolato.analysis.waveform import (
 )
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_number, describe
+from latolato.core.registry import checked_choice, checked_number, describe
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
-from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.simulation.start import checked_periodic_drive, checked_system
 
 POSITIONS = ("hanging", "inverted")
 METHODS = ("determinant", "monodromy")
@@ -166,8 +167,8 @@ def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[floa
     return lambda phase: formula(phase, stretch)
 
 
-def told_waveform(template: PeriodicDrive) -> dict[str, Any]:
-    """Return what attributes tell of a drive whose amplitude and frequency are not its own."""
+def waveform_of(template: PeriodicDrive) -> dict[str, Any]:
+    """Return the attributes of a drive without its amplitude and frequency."""
     about = {k: v for k, v in describe(template).items() if k not in _SOUGHT}
     return {"drive": drives.name_of(template), **about}
 
@@ -182,24 +183,7 @@ def checked_template(drive: Drive | None) -> PeriodicDrive:
     """
     if drive is None:
         return Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    if not isinstance(drive, Drive):
-        raise InputError(
-            f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
-        )
-    if not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"must be periodic with one amplitude and one frequency, got {drives.name_of(drive)}",
-            parameter="drive",
-            way_out="use one such as Harmonic",
-        )
-    return drive
-
-
-def checked_choice(name: str, value: str, choices: tuple[str, ...]) -> str:
-    """Return one of the choices."""
-    if value not in choices:
-        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)
-    return value
+    return checked_periodic_drive(drive)
 
 
 def checked_ratio(frequency_ratio: float) -> float:
@@ -215,8 +199,7 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     InputError
         Where there is no linear stability: a wall or friction at the position.
     """
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     checked_choice("position", position, POSITIONS)
     if position == "inverted" and system.is_linear:
         raise InputError(

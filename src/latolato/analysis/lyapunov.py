@@ -9,20 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system
+from latolato.analysis.starts import single_start, start_columns
 from latolato.core.quantities import Quantity
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.parameters import RUN_PARAMETERS
-from latolato.simulation.start import (
-    DEFAULT_REST_SPEED,
-    checked_contact,
-    checked_drive,
-    checked_start,
-    walls_of,
-)
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,17 +52,11 @@ def lyapunov_spectrum(
     ----------
     system, drive
         Any system and drive.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as of `latolato.simulate`.
     duration, transient : float
         Time that is followed, and how much of it is left out at the beginning [s]; by default a
         tenth, at most 100 s.
-    contact : str, optional
-        ``exact`` or ``none``.
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    initial_angle, initial_angular_velocity, initial_offset, contact, tolerance, rest_speed
+        As for `latolato.simulate`. Contact must not be clamped.
 
     Returns
     -------
@@ -97,8 +85,8 @@ def lyapunov_spectrum(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
     >>> shake = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
-    >>> found = lyapunov_spectrum(toy, shake, initial_angle=0.6, duration=300.0)
-    >>> found.status.item(), abs(found.sum_rule_residual.item()) < 1e-12
+    >>> result = lyapunov_spectrum(toy, shake, initial_angle=0.6, duration=300.0)
+    >>> result.status.item(), abs(result.sum_rule_residual.item()) < 1e-12
     ('chaotic', True)
     """
     from latolato.sweeps import sweep
@@ -106,26 +94,19 @@ def lyapunov_spectrum(
     checked_system(system)
     if transient is None:
         transient = min(100.0, 0.1 * RUN_PARAMETERS["duration"].checked(duration))
-    law = checked_contact(contact, system)
     driven = checked_drive(drive)
-    start = checked_start(
-        system, walls_of(system, law), initial_angle, initial_angular_velocity, initial_offset
-    )
-    single = system.angles == 1
-    side = "" if single else "_right"
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset, contact)
     grid = sweep(
         system,
         driven,
-        axes={f"initial_angular_velocity{side}": [start.velocities[0]]},
-        initial_angle=start.angles[0] if single else start.angles,
-        initial_angular_velocity=0.0 if single else start.velocities,
+        axes={"case": start_columns(system, start.angles, start.velocities)},
         duration=duration,
         transient=transient,
-        contact=law,
+        contact=contact,
         tolerance=tolerance,
         rest_speed=rest_speed,
         observables=["lyapunov_spectrum", "sum_rule_residual"],
-    ).isel({f"initial_angular_velocity{side}": 0})
+    ).isel(case=0)
     exponents = grid.lyapunov_exponents.values
     residual = float(grid.sum_rule_residual)
     status = STATUS_NAMES[int(grid.status)]
@@ -147,14 +128,9 @@ def lyapunov_spectrum(
             "sum_rule_residual": residual,
             "status": status,
         },
-        coordinates={"exponent": ("exponent", np.arange(1, len(exponents) + 1))},
+        coordinates={"exponent": np.arange(1, len(exponents) + 1)},
         quantities=QUANTITIES,
         system=system,
         drive=driven,
-        settings={
-            "duration": duration,
-            "transient": transient,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )

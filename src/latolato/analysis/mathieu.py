@@ -157,10 +157,8 @@ def mathieu_tongue_edges(
     ----------
     drive_amplitude : float
         A0 [m], at least 0 and at most 25 l.
-    length, gravity : float
-        l [m] and g [m/s^2], positive.
-    mass, damping : float
-        m [kg] and C [kg m/s]; the mass is needed only where there is damping.
+    length, mass, damping, gravity
+        As for `mathieu_growth_rate`.
     order : int
         The tongue n that starts from the ratio 2/n, at least 1.
 
@@ -240,10 +238,8 @@ def mathieu_threshold_amplitude(
     ----------
     frequency_ratio : float
         w/w0 [1], positive, w0 without damping.
-    length, gravity : float
-        l [m] and g [m/s^2], positive.
-    mass, damping : float
-        m [kg] and C [kg m/s]; the mass is needed only where there is damping.
+    length, mass, damping, gravity
+        As for `mathieu_growth_rate`.
     largest_amplitude_ratio : float
         The search ends at this A0/l [1], positive and at most 25.
 

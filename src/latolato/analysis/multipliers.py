@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.analysis.flow import Floats, Flow, drive_period, periodic_drive
+from latolato.analysis.flow import Floats, checked_flow, drive_period
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
@@ -24,7 +24,6 @@ from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -81,12 +80,8 @@ def floquet(
         Instead of the angle: above the low contact angle of a `LatoLato` [rad].
     period : int
         Drive periods after which the motion repeats itself, 1 to 16.
-    contact : str, optional
-        ``exact`` or ``none``.
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    contact, tolerance, rest_speed
+        As for `latolato.simulate`; contact must not be clamped.
 
     Returns
     -------
@@ -124,26 +119,18 @@ def floquet(
 
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = floquet(system, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26))
-    >>> print(f"{found.multipliers.values[0].real:.5f} {found.growth_rate.item():.5f}")
+    >>> result = floquet(system, ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26))
+    >>> print(f"{result.multipliers.values[0].real:.5f} {result.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    driven = periodic_drive(system, drive)
-    count = checked_period(period)
-    flow = Flow(
-        system,
-        driven,
-        contact=contact,
-        tolerance=RUN_PARAMETERS["tolerance"].checked(tolerance),
-        rest_speed=RUN_PARAMETERS["rest_speed"].checked(rest_speed),
-        speed=2.0 * system.natural_frequency,
-    )
+    period = checked_period(period)
+    flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
-    orbit = find_orbit(flow, guess, count)
+    orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
         warnings.warn(
-            f"no motion of period {count} was found from this start (defect "
+            f"no motion of period {period} was found from this start (defect "
             f"{orbit.defect:.2g}); try a start on the attractor, or another period",
             RuntimeWarning,
             stacklevel=2,
@@ -158,20 +145,19 @@ def floquet(
     return labelled(
         "floquet",
         dimensioned(result, system),
-        coordinates={"ball": ("ball", ["right", "left"])} if system.angles == 2 else None,
         quantities=QUANTITIES,
         system=system,
-        drive=driven,
+        drive=flow.drive,
+        arguments=locals(),
         settings={
-            "period": count, "tolerance": flow.tolerance, "rest_speed": flow.rest_speed,
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
-            "message": told_of_period(result["response_period"], count),
+            "message": shorter_period(result["response_period"], period),
         },
-    )  # fmt: skip
+    )
 
 
-def told_of_period(smallest: Any, period: int) -> str | None:
-    """Return what is to be said of a motion that has a shorter period than was asked for."""
+def shorter_period(smallest: Any, period: int) -> str | None:
+    """Return a message about a motion that has a shorter period than was wanted."""
     if smallest not in range(1, period):
         return None
     return (
@@ -241,14 +227,14 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
     }
 
 
-def dimensioned(found: dict[str, object], system: System) -> dict[str, object]:
+def dimensioned(entries: dict[str, object], system: System) -> dict[str, object]:
     """Return the entries with their dimensions, a single ball's without one."""
     dims: dict[str, tuple[str, ...]] = {
         "multipliers": ("multiplier",),
         "monodromy": ("row", "column"),
     }
     variables: dict[str, object] = {}
-    for name, value in found.items():
+    for name, value in entries.items():
         if name in ("initial_angle", "initial_angular_velocity"):
             values: Floats = np.asarray(value)
             variables[name] = (("ball",), values) if system.angles == 2 else float(values[0])

@@ -14,7 +14,7 @@ from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
-from latolato.simulation.start import checked_start
+from latolato.simulation.start import between_walls, checked_start
 
 LONGEST = 16  # drive periods of an orbit
 # An orbit closes to this [rad, and angular velocity over the natural frequency].
@@ -188,13 +188,6 @@ def unwound(flow: Flow, state: Floats) -> Floats:
 
 def confined(flow: Flow, state: Floats) -> Floats:
     """Return a state moved between the walls."""
-    low, high = flow.walls
     result = np.array(state)
-    if flow.size == 2:
-        result[0] = min(max(result[0], low), high)
-    else:
-        gap = result[0] - result[2]
-        shift = 0.5 * (min(max(gap, low), high) - gap)
-        result[0] += shift
-        result[2] -= shift
+    result[0::2] = between_walls(result[0::2], flow.walls)
     return result

@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_transient,
-    octaves,
-    positive_values,
-    settled_motion,
-    wilson_interval,
-)
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_cases, wilson_interval
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
 from latolato.physics.pendulum import System
@@ -93,64 +86,44 @@ def response_period_map(
     --------
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = response_period_map(
+    >>> result = response_period_map(
     ...     system, drive_amplitude=[0.05], frequency_ratio=[1.7, 2.0], initial_angle=0.1
     ... )
-    >>> found.response_period.values
+    >>> result.response_period.values
     array([[1., 2.]])
     """
-    given = Harmonic(drive_amplitude=0.0, drive_frequency=1.0) if drive is None else drive
-    law = checked_periodic(system, given, "a response period")
+    usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    law = checked_periodic(system, usual if drive is None else drive)
     transient_periods = checked_transient(transient_periods)
-    amplitudes = positive_values("drive_amplitude", drive_amplitude, "m")
-    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
-    shape = (len(amplitudes), len(ratios))
-    w0 = system.natural_frequency
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    limits = {"longest": longest, "angle_tolerance": angle_tolerance}
-    result: dict[str, NDArray[Any]] = {}
-    for part in octaves(ratios):
-        _, motion = settled_motion(
-            system,
-            law,
-            {"drive_amplitude": amplitudes, "frequency_ratio": ratios[part]},
-            np.broadcast_to(ratios[part] * w0, (shape[0], len(part))),
-            longest=longest,
-            angle_tolerance=angle_tolerance,
-            transient_periods=transient_periods,
-            slowest_frequency=float(ratios[part].min() * w0),
-            tolerance=tolerance,
-            rest_speed=rest_speed,
-            **start,
-        )
-        for name in (*_MAPPED, "status"):
-            values = motion[name].reshape(shape[0], len(part))
-            result.setdefault(name, np.empty(shape, dtype=values.dtype))[:, part] = values
+    amplitudes = checked_values("drive_amplitude", drive_amplitude)
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
+    amplitude, ratio = np.broadcast_arrays(amplitudes[:, None], ratios)
+    motion = settled_cases(
+        system,
+        law,
+        {"drive_amplitude": amplitude.ravel(), "frequency_ratio": ratio.ravel()},
+        ratio.ravel() * system.natural_frequency,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        longest=longest,
+        angle_tolerance=angle_tolerance,
+        transient_periods=transient_periods,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+    )
+    result = {name: motion[name].reshape(ratio.shape) for name in (*_MAPPED, "status")}
     names, shares = shares_of(result["response_period"], result["status"], longest)
     dims = ("drive_amplitude", "frequency_ratio")
     return labelled(
         "response_period_map",
         {name: (dims, values) for name, values in result.items()}
         | {name: (("motion",), values) for name, values in shares.items()},
-        coordinates={
-            "drive_amplitude": (("drive_amplitude",), amplitudes),
-            "frequency_ratio": (("frequency_ratio",), ratios),
-            "motion": (("motion",), names),
-        },
+        coordinates={"drive_amplitude": amplitudes, "frequency_ratio": ratios, "motion": names},
         quantities=QUANTITIES_HERE | _SHARES,
         system=system,
         drive=law,
-        settings={
-            **start,
-            **limits,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )
 
 

@@ -6,14 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    QUANTITIES_HERE,
-    checked_periodic,
-    checked_transient,
-    settled_motion,
-    start_axis,
-)
+from latolato.analysis.starts import single_start, start_columns
+from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -45,8 +41,6 @@ def response_period(
     ----------
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
@@ -54,10 +48,8 @@ def response_period(
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------
@@ -119,59 +111,42 @@ def response_period(
     >>> import latolato as ll
     >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = response_period(system, drive, initial_angle=0.1)
-    >>> found.response_period.item(), found.status.item(), found.mirror_residual.item() < 1e-4
+    >>> result = response_period(system, drive, initial_angle=0.1)
+    >>> result.response_period.item(), result.status.item(), result.mirror_residual.item() < 1e-4
     (2.0, 'periodic', True)
     """
-    law = checked_periodic(system, drive, "a response period")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    axes, start = start_axis(system, start)
-    grid, result = settled_motion(
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
+    result = settled_motion(
         system,
         law,
-        axes,
+        {"case": start_columns(system, start.angles, start.velocities)},
         law.drive_frequency,
         longest=longest,
         angle_tolerance=angle_tolerance,
         transient_periods=transient_periods,
         tolerance=tolerance,
         rest_speed=rest_speed,
-        **start,
     )
     variables: dict[str, Any] = {name: values[0] for name, values in result.items()}
-    settings = {
-        **start,
-        "transient_periods": transient_periods,
-        "longest": longest,
-        "angle_tolerance": angle_tolerance,
-        "tolerance": tolerance,
-        "rest_speed": rest_speed,
-        "message": _message(variables, longest, transient_periods),
-    }
-    ball = ("ball",) if system.angles == 2 else ()
-    for name in ("section_angle", "section_angular_velocity"):
-        samples = grid[name].values[0]
-        samples = wrapped(samples) if name == "section_angle" else samples
-        variables[name] = ((*ball, "sample"), samples)
+    dims = ("ball", "sample") if system.angles == 2 else ("sample",)
+    variables["section_angle"] = (dims, wrapped(variables["section_angle"]))
+    variables["section_angular_velocity"] = (dims, variables["section_angular_velocity"])
     return labelled(
         "response_period",
         variables,
-        coordinates={"ball": (("ball",), ["right", "left"])} if ball else None,
         quantities=QUANTITIES_HERE,
         system=system,
         drive=law,
-        settings=settings,
+        arguments=locals(),
+        settings={"message": _message(variables, longest, transient_periods)},
     )
 
 
-def _message(found: dict[str, Any], longest: int, transient_periods: float) -> str | None:
+def _message(values: dict[str, Any], longest: int, transient_periods: float) -> str | None:
     """Return what stands in the way of an answer."""
-    status, left = str(found["status"]), float(found["recurrence_residual"])
+    status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
         return (
             f"no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
@@ -184,6 +159,6 @@ def _message(found: dict[str, Any], longest: int, transient_periods: float) -> s
         )
     if status == "grazing":
         return "an impact is nearly grazing: the period may change with the smallest change"
-    if not math.isfinite(float(found["response_period"])):
+    if not math.isfinite(float(values["response_period"])):
         return f"the run ended with status {status}: there is no answer"
     return None

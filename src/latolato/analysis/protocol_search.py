@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_increasing, checked_nonlinear
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_columns, start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import (
     NON_NEGATIVE,
     POSITIVE,
-    QUANTITIES,
     UNIT_INTERVAL,
     Quantity,
     Range,
@@ -44,10 +43,10 @@ _LEAST_GAP = 0.1
 _READ = 0.25
 # More candidates than this are not run in full when chaos makes the search's answers differ.
 _MOST_CHECKS = 10
-# First stages that are tried when nothing is said, over the target's frequency; dwells [s].
+# Default first stages, over the target's frequency, and dwells [s].
 _DEFAULT_FIRST = (1.05, 1.6, 12)
 _DEFAULT_DWELLS = (0.25, 4.0, 16)
-# Largest push that is tried when nothing is said [natural frequencies], and how many.
+# Default largest push [natural frequencies], and how many.
 _DEFAULT_PUSHES = (1.0, 21)
 _LASTING = "largest_angle_after_transient"
 
@@ -135,10 +134,8 @@ def shortest_protocol(
     threshold_angle : float, optional
         Settled angle that counts as the upper branch [rad]; by default halfway between the angle
         from rest and the median of those that lie above it.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default the system hangs at rest.
-    tolerance, contact, rest_speed
-        As for `latolato.simulate`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.simulate`; by default the system hangs at rest.
 
     Returns
     -------
@@ -172,28 +169,31 @@ def shortest_protocol(
     >>> import latolato as ll, numpy as np
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.0196, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * toy.natural_frequency)
-    >>> found = shortest_protocol(
+    >>> result = shortest_protocol(
     ...     toy, drive, first_frequency_ratio=[3.6], dwell_time=[1.0, 2.0, 4.0], phases=4
     ... )
-    >>> found.status.item(), f"{np.rad2deg(found.upper_angle.item()):.0f} degrees"
+    >>> result.status.item(), f"{np.rad2deg(result.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
     """
-    system = checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            "a Mathieu system is linear and has no upper branch to reach; take a Pendulum"
-        )
+    checked_nonlinear(system)
+    w0 = system.natural_frequency
     amplitude, target = _drive_of(system, drive, frequency_ratio)
-    first = _listed(
-        "frequency_ratio",
-        first_frequency_ratio,
-        _spread(target / _rate(system)),
+    low, high, count = _DEFAULT_FIRST
+    usual = np.linspace(low * target / w0, high * target / w0, count)
+    first = checked_increasing(
         "first_frequency_ratio",
+        first_frequency_ratio,
+        POSITIVE,
+        default=usual,
+        quantity="frequency_ratio",
     )
-    dwells = _listed("dwell_time", dwell_time, np.linspace(*_DEFAULT_DWELLS))
+    usual = np.linspace(*_DEFAULT_DWELLS)
+    dwells = checked_increasing("dwell_time", dwell_time, POSITIVE, default=usual)
     largest, count = _DEFAULT_PUSHES
-    given = np.linspace(0.0, largest * _rate(system), count)[1:] if push is None else push
-    shoves = _listed("initial_angular_velocity", given, given, "push")
+    usual = np.linspace(0.0, largest * w0, count)[1:]
+    pushes = checked_increasing(
+        "push", push, POSITIVE, default=usual, quantity="initial_angular_velocity"
+    )
     search = _Search(
         system,
         amplitude,
@@ -204,10 +204,10 @@ def shortest_protocol(
         start_options(system, initial_angle, initial_angular_velocity, initial_offset),
         {"tolerance": tolerance, "contact": contact, "rest_speed": rest_speed},
     )
-    required = checked_number(
+    required_share = checked_number(
         "required_share", required_share, Range(0.0, UNIT_INTERVAL.high, open_low=True), "1"
     )
-    pushed = _pushed(search, [0.0, *shoves])
+    pushed = _pushed(search, [0.0, *pushes])
     rest = float(np.median(pushed[0]))
     above = pushed[pushed > rest + _LEAST_GAP]
     upper = float(np.median(above)) if above.size else math.nan
@@ -221,22 +221,24 @@ def shortest_protocol(
     result: dict[str, Any] = dict.fromkeys(
         ("best_first_ratio", "best_dwell_time", "lead_time", "checked_share"), math.nan
     )
-    if shares[0] >= required:
+    if shares[0] >= required_share:
         result |= {"status": BY_ITSELF, "lead_time": 0.0, "checked_share": float(shares[0])}
     elif not math.isfinite(threshold):
         result["status"] = NO_BRANCH
     else:
         success = np.array([_stepped(search, ratio, dwells, threshold) for ratio in first])
-        result |= _shortest(search, first, dwells, success, threshold, required)
+        result |= _shortest(search, first, dwells, success, threshold, required_share)
     if result["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
-            NO_BRANCH: f"no push up to {shoves[-1]:.3g} rad/s leads to a larger motion than rest",
-            NOT_REACHED: f"no protocol succeeds for {required:.0%} of the drive phases",
+            NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
+            NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
         }
         warnings.warn(
             f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
         )
-    enough = [shove for shove, share in zip(shoves, shares[1:], strict=True) if share >= required]
+    enough = [
+        speed for speed, share in zip(pushes, shares[1:], strict=True) if share >= required_share
+    ]
     smallest = enough[0] if enough else math.nan
     inertia = sum(ball.mass * ball.length**2 for ball in system.balls)
     if system.angles == 1 and system.has_contacts:
@@ -255,35 +257,16 @@ def shortest_protocol(
             "threshold_angle": threshold,
         },
         coordinates={
-            "first_frequency_ratio": ("first_frequency_ratio", np.array(first)),
-            "dwell_time": ("dwell_time", np.array(dwells)),
-            "push": ("push", np.array([0.0, *shoves])),
+            "first_frequency_ratio": first,
+            "dwell_time": dwells,
+            "push": [0.0, *pushes],
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "frequency_ratio": target / _rate(system),
-            "ramp": search.ramp,
-            "phases": len(search.phases),
-            "required_share": required,
-            "settling": search.settling,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in search.start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**search.start, "frequency_ratio": target / system.natural_frequency},
     )
-
-
-def _rate(system: System) -> float:
-    """Return the natural frequency [rad/s], of the right ball."""
-    return float(system.natural_frequency)
-
-
-def _spread(ratio: float) -> Floats:
-    """Return the first stages that are tried for a target."""
-    low, high, count = _DEFAULT_FIRST
-    return np.linspace(low * ratio, high * ratio, count)
 
 
 def last_cosine(drive: Drive) -> Stretch | None:
@@ -302,32 +285,9 @@ def _drive_of(
         raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
     amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
-        target = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1") * _rate(system)
+        ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
+        target = ratio * system.natural_frequency
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
-
-
-def _listed(name: str, values: Any, default: Any, said: str = "") -> list[float]:
-    """Return the checked values of a parameter, which must increase."""
-    given = np.atleast_1d(default if values is None else values).tolist()
-    unit = QUANTITIES[name].unit
-    result = [checked_number(said or name, value, POSITIVE, unit) for value in given]
-    if not result or any(b <= a for a, b in pairwise(result)):
-        raise InputError(
-            f"the values of {said or name} must be one or more and increase; sort them"
-        )
-    return result
-
-
-def _velocity(search: _Search, push: float) -> dict[str, float]:
-    """Return the initial velocities that a push outwards gives, by their name along an axis."""
-    velocity: Any = search.start["initial_angular_velocity"]
-    if search.system.angles == 1:
-        return {"initial_angular_velocity": float(velocity) + push}
-    right, left = np.broadcast_to(np.asarray(velocity, dtype=np.float64), 2)
-    return {
-        "initial_angular_velocity_right": float(right) + push,
-        "initial_angular_velocity_left": float(left) - push,
-    }
 
 
 def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: Any) -> Floats:
@@ -352,22 +312,24 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
     return np.asarray(angles.values[back.ravel()], dtype=np.float64)
 
 
-def _pushed(search: _Search, pushes: list[float]) -> Floats:
+def _pushed(search: _Search, pushes: Sequence[float]) -> Floats:
     """Return settled angles at the target frequency after pushes, of shape (push, phase)."""
-    cases = [
-        {**_velocity(search, push), "drive_phase": phase}
-        for push in pushes
-        for phase in search.phases
-    ]
-    start = {k: v for k, v in search.start.items() if k != "initial_angular_velocity"}
-    columns = {name: np.array([case[name] for case in cases]) for name in cases[0]}
+    push, phase = (each.ravel() for each in np.meshgrid(pushes, search.phases, indexing="ij"))
+    start = dict(search.start)
+    velocities = np.broadcast_to(start.pop("initial_angular_velocity"), search.system.angles)
+    sides = ("",) if search.system.angles == 1 else ("_right", "_left")
+    columns = {
+        f"initial_angular_velocity{side}": velocity + way * push
+        for side, velocity, way in zip(sides, velocities, (1.0, -1.0), strict=False)
+    }
     drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
-    return _settle(search, drive, columns, **start).reshape(len(pushes), len(search.phases))
+    settled = _settle(search, drive, {**columns, "drive_phase": phase}, **start)
+    return settled.reshape(len(pushes), len(search.phases))
 
 
-def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: float) -> Floats:
+def _stepped(search: _Search, ratio: float, dwells: Floats, threshold: float) -> Floats:
     """Return the share of phases at which a first stage succeeds, for each dwell."""
-    frequency = ratio * _rate(search.system)
+    frequency = ratio * search.system.natural_frequency
     angles, velocities = [], []
     for phase in search.phases:
         drive = Harmonic(
@@ -376,12 +338,10 @@ def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: floa
         run = simulate(search.system, drive, times=dwells, **search.options, **search.start)
         angles.append(np.atleast_2d(run.angle.values))
         velocities.append(np.atleast_2d(run.angular_velocity.values))
-    sides = ("",) if search.system.angles == 1 else ("_right", "_left")
-    columns: dict[str, Floats] = {}
-    for i, side in enumerate(sides):
-        columns[f"initial_angle{side}"] = np.concatenate([a[i] for a in angles])
-        columns[f"initial_angular_velocity{side}"] = np.concatenate([v[i] for v in velocities])
-    turned = search.phases[:, None] + frequency * np.array(dwells)
+    columns = start_columns(
+        search.system, np.concatenate(angles, axis=1), np.concatenate(velocities, axis=1)
+    )
+    turned = search.phases[:, None] + frequency * dwells
     columns["drive_phase"] = turned.ravel()
     second: Drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)
     if search.ramp > 0.0:
@@ -397,8 +357,8 @@ def _stepped(search: _Search, ratio: float, dwells: list[float], threshold: floa
 
 def _shortest(
     search: _Search,
-    first: list[float],
-    dwells: list[float],
+    first: Floats,
+    dwells: Floats,
     success: Floats,
     threshold: float,
     required: float,
@@ -410,7 +370,7 @@ def _shortest(
     ]
     for dwell, _, ratio in sorted(candidates)[:_MOST_CHECKS]:
         steps = Protocol(
-            drive_frequencies=[ratio * _rate(search.system), search.target],
+            drive_frequencies=[ratio * search.system.natural_frequency, search.target],
             dwells=[dwell],
             ramp=search.ramp,
         )

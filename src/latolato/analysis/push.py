@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import (
-    checked_periodic,
-    checked_transient,
-    octaves,
-    positive_values,
-    run_samples,
-)
-from latolato.core.errors import InputError
+from latolato.analysis.starts import hanging_angles, start_columns
+from latolato.analysis.stroboscopic import octaves, run_samples
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
-from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
-from latolato.physics.drives import Drive
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
@@ -36,8 +32,8 @@ PUSHES = ("initial_angular_velocity", "initial_offset")
 _LONGEST = 4
 # Points that a bracket is cut into at each refinement.
 _CUTS = 8
-# Default largest push in natural frequencies [rad/s] or as an angle [rad].
-_LARGEST = {"initial_angular_velocity": 3.0, "initial_offset": 1.0}
+# Default largest push, in natural frequencies [rad/s] or as an angle [rad].
+_FASTEST, _WIDEST = 3.0, 1.0
 
 
 @analyses.register("first_push")
@@ -82,11 +78,9 @@ def first_push(
         Motion lasts if, after the transient, it still goes this far beyond its angle at rest
         [rad], in (0, pi].
     transient_periods : float
-        Drive periods after which that is asked, at least 0; twelve are watched.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+        Drive periods before that is checked, at least 0; twelve are watched.
+    tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------
@@ -122,80 +116,60 @@ def first_push(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.9)
     >>> drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
-    >>> found = first_push(toy, drive, frequency_ratio=[2.4, 3.2], scan_points=40)
-    >>> found.status.values.ravel(), found.first_push.values.ravel().round(1)
+    >>> result = first_push(toy, drive, frequency_ratio=[2.4, 3.2], scan_points=40)
+    >>> result.status.values.ravel(), result.first_push.values.ravel().round(1)
     (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
-    law = checked_periodic(system, drive, "a first push")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    ratios = positive_values("frequency_ratio", frequency_ratio, "1", POSITIVE)
-    phases = positive_values("drive_phase", drive_phase, "rad", ANY)
-    if push not in PUSHES:
-        raise InputError(f"unknown push '{push}': {suggest(str(push), list(PUSHES))}")
-    unit = QUANTITIES[push].unit
-    largest = checked_number("largest_push", _default(system, push, largest_push), POSITIVE, unit)
-    count = checked_count("scan_points", scan_points)
-    rounds = int(checked_number("refinements", refinements, Range(0.0, 12.0), "1"))
-    threshold = checked_number(
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
+    phases = checked_values("drive_phase", drive_phase, ANY)
+    checked_choice("push", push, PUSHES)
+    unit, w0 = QUANTITIES[push].unit, system.natural_frequency
+    usual = {"initial_angular_velocity": _FASTEST * w0, "initial_offset": _WIDEST}[push]
+    largest_push = checked_number(
+        "largest_push", usual if largest_push is None else largest_push, POSITIVE, unit
+    )
+    scan_points = checked_count("scan_points", scan_points)
+    refinements = int(checked_number("refinements", refinements, Range(0.0, 12.0), "1"))
+    sustained_angle = checked_number(
         "sustained_angle", sustained_angle, Range(0.0, math.pi, open_low=True), "rad"
     )
-    rest = rest_angles(system)
-    cells = [(float(r), float(p)) for r in ratios for p in phases]
-    options = {"tolerance": tolerance, "rest_speed": rest_speed}
-
-    def reach(cases: Floats) -> Floats:
-        """Return how far beyond rest the motion goes at last [rad], NaN where a run failed."""
-        result = np.full(len(cases), math.nan)
-        for part in octaves(cases[:, 0]):
-            some = cases[part]
-            grid = run_samples(
-                system,
-                law,
-                {"case": _case(system, some, push, rest)},
-                longest=_LONGEST,
-                angle_tolerance=1e-4,
-                transient_periods=transient_periods,
-                slowest_frequency=float(some[:, 0].min() * system.natural_frequency),
-                **options,
-            )
-            reached = np.asarray(grid["largest_angle_watched"].values).reshape(len(part), -1)
-            beyond = (reached - np.abs(rest)).max(axis=1)
-            failed = grid["status"].values >= EVENT_LIMIT
-            result[part] = np.where(failed, math.nan, beyond)
-        return result
-
-    pushes = np.linspace(0.0, largest, count + 1)
-    scan = reach(np.array([(*cell, p) for cell in cells for p in pushes]))
-    scan = scan.reshape(len(cells), count + 1)
-    lasts = scan > threshold
+    trials = _Trials(
+        system,
+        law,
+        push,
+        {
+            "transient_periods": transient_periods,
+            "tolerance": tolerance,
+            "rest_speed": rest_speed,
+        },
+    )
+    cells = np.array([(r, p) for r in ratios for p in phases])
+    pushes = np.linspace(0.0, largest_push, scan_points + 1)
+    scan = trials.reach(cells, np.tile(pushes, (len(cells), 1)))
+    lasts = scan > sustained_angle
     first, some = np.argmax(lasts, axis=1), lasts.any(axis=1)
     high = np.where(some, pushes[first], math.nan)
     low = np.where(some, pushes[np.maximum(first - 1, 0)], math.nan)
-    for _ in range(rounds):
-        open_cells = np.flatnonzero(some & (first > 0))
-        if not open_cells.size:
-            break
-        inner = np.linspace(low[open_cells], high[open_cells], _CUTS + 1, axis=1)[:, 1:-1]
-        cases = np.array(
-            [(*cells[c], p) for c, row in zip(open_cells, inner, strict=True) for p in row]
-        )
-        result = reach(cases).reshape(inner.shape) > threshold
-        for c, row, seen in zip(open_cells, inner, result, strict=True):
-            ends = np.concatenate([[low[c]], row, [high[c]]])
-            place = int(np.argmax(np.append(seen, True))) + 1
-            low[c], high[c] = ends[place - 1], ends[place]
-    status = np.array(["push"] * len(cells), dtype="<U10")
-    status[~some] = "none"
-    status[some & (first == 0)] = "self-start"
-    anything = some & (first > 0) & (low == 0.0) & (rounds > 0)
-    status[anything] = "any push"
-    status[np.isnan(scan).any(axis=1)] = "failed"
-    bad = status == "failed"
-    value = np.where(anything, 0.0, high)
+    pushed = np.flatnonzero(some & (first > 0))
+    for _ in range(refinements if pushed.size else 0):
+        ends = np.linspace(low[pushed], high[pushed], _CUTS + 1, axis=1)
+        last = trials.reach(cells[pushed], ends[:, 1:-1]) > sustained_angle
+        place = np.where(last.any(axis=1), np.argmax(last, axis=1), _CUTS - 1)
+        rows = np.arange(len(pushed))
+        low[pushed], high[pushed] = ends[rows, place], ends[rows, place + 1]
+    is_any = some & (first > 0) & (low == 0.0) & (refinements > 0)
+    bad = np.isnan(scan).any(axis=1)
+    status = np.select(
+        [bad, ~some, first == 0, is_any], ["failed", "none", "self-start", "any push"], "push"
+    )
+    value = np.where(is_any, 0.0, high)
     shape = (len(ratios), len(phases))
     dims = ("frequency_ratio", "drive_phase")
-    frequency = ratios * system.natural_frequency
-    lift = _accelerations(law, frequency) / system.gravity
+    accelerations = [
+        replace(law, drive_frequency=float(ratio * w0)).largest_acceleration for ratio in ratios
+    ]
     return labelled(
         "first_push",
         {
@@ -204,81 +178,64 @@ def first_push(
             "sustained_share": (dims, lasts.mean(axis=1).reshape(shape)),
             "angle_without_push": (dims, scan[:, 0].reshape(shape)),
             "status": (dims, status.reshape(shape)),
-            "drive_acceleration_ratio": (("frequency_ratio",), lift),
+            "drive_acceleration_ratio": (
+                "frequency_ratio",
+                np.array(accelerations) / system.gravity,
+            ),
         },
-        coordinates={
-            "frequency_ratio": (("frequency_ratio",), ratios),
-            "drive_phase": (("drive_phase",), phases),
-        },
+        coordinates={"frequency_ratio": ratios, "drive_phase": phases},
         quantities={
             "first_push": Quantity(unit, QUANTITIES[push].symbol, f"first push ({_WORDS[push]})"),
             "push_error": Quantity(unit, "", "width of the bracket of the first push"),
             "sustained_share": Quantity("1", "", "share of pushes after which motion lasts"),
             "angle_without_push": Quantity("rad", "", "angle beyond rest without a push"),
-            "status": Quantity("1", "", "status"),
         },
         system=system,
         drive=law,
-        settings={
-            "push": push,
-            "largest_push": largest,
-            "scan_points": count,
-            "scan_resolution": largest / count,
-            "refinements": rounds,
-            "sustained_angle": threshold,
-            "transient_periods": transient_periods,
-            **options,
-        },
+        arguments=locals(),
+        settings={"scan_resolution": largest_push / scan_points},
     )
 
 
 _WORDS = {"initial_angular_velocity": "angular velocity", "initial_offset": "angle"}
 
 
-def rest_angles(system: System) -> Floats:
-    """Return the angles at which balls hang at rest, in contact if there are two [rad]."""
-    if isinstance(system, LatoLato):
-        return np.array([system.contact_angle_low])
-    if not isinstance(system, BallPair):
-        return np.zeros(1)
-    right, left = system.balls
-    apart = system.contact_separation
-    a, b = right.mass * right.length, left.mass * left.length
-    angle = math.atan2(b * math.sin(apart), a + b * math.cos(apart))
-    return np.array([angle, angle - apart])
+class _Trials(NamedTuple):
+    """Pushes of a system at rest under a drive whose frequency and phase vary."""
 
+    system: System
+    law: PeriodicDrive
+    push: str
+    options: dict[str, Any]
 
-def _default(system: System, push: str, largest: float | None) -> float:
-    """Return where the search ends."""
-    if largest is not None:
-        return largest
-    scale = system.natural_frequency if push == "initial_angular_velocity" else 1.0
-    return _LARGEST[push] * scale
+    def reach(self, cells: Floats, pushes: Floats) -> Floats:
+        """Return how far beyond rest motions go at last [rad], NaN where a run failed.
 
+        Shape (cell, push), as that of `pushes`; `cells` holds frequency ratios and phases.
+        """
+        system, rest = self.system, np.array(hanging_angles(self.system))
+        ratio, phase = np.repeat(cells, pushes.shape[1], axis=0).T
+        case = {"frequency_ratio": ratio, "drive_phase": phase, **self.starts(rest, pushes.ravel())}
+        result = np.full(pushes.size, math.nan)
+        for part in octaves(ratio):
+            grid = run_samples(
+                system,
+                self.law,
+                {"case": {name: values[part] for name, values in case.items()}},
+                longest=_LONGEST,
+                angle_tolerance=1e-4,
+                slowest_frequency=float(ratio[part].min() * system.natural_frequency),
+                **self.options,
+            )
+            reached = np.asarray(grid["largest_angle_watched"].values).reshape(len(part), -1)
+            beyond = (reached - np.abs(rest)).max(axis=1)
+            result[part] = np.where(grid["status"].values >= EVENT_LIMIT, math.nan, beyond)
+        return result.reshape(pushes.shape)
 
-def _accelerations(law: Any, frequency: Floats) -> Floats:
-    """Return the pivot's largest downward-directed acceleration at each frequency [m/s^2]."""
-    from dataclasses import replace
-
-    return np.array(
-        [replace(law, drive_frequency=float(w)).largest_acceleration for w in frequency]
-    )
-
-
-def _case(system: System, cases: Floats, push: str, rest: Floats) -> dict[str, Floats]:
-    """Return the parameters of cases (ratio, phase, push) along one axis of a sweep."""
-    ratio, phase, size = cases.T
-    result = {"frequency_ratio": ratio, "drive_phase": phase}
-    is_offset = push == "initial_offset"
-    if system.angles == 2:
-        moves = (0.5 * size, -0.5 * size) if is_offset else (size, -size)
-        for side, angle, move in zip(("right", "left"), rest, moves, strict=True):
-            result[f"initial_angle_{side}"] = angle + (move if is_offset else 0.0 * move)
-            if not is_offset:
-                result[f"initial_angular_velocity_{side}"] = move
-        return result
-    angle = rest[0] + size if is_offset else np.full(len(size), rest[0])
-    result["initial_angle"] = angle
-    if not is_offset:
-        result["initial_angular_velocity"] = size
-    return result
+    def starts(self, rest: Floats, sizes: Floats) -> dict[str, Floats]:
+        """Return the starts after pushes of these sizes as columns of a sweep."""
+        away = np.array([1.0, -1.0])[: len(rest), None] * sizes
+        still = np.zeros_like(away)
+        if self.push == "initial_offset":  # which two balls share
+            return start_columns(self.system, rest[:, None] + away / len(rest), still)
+        return start_columns(self.system, rest[:, None] + still, away)

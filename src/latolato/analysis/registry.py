@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import Registry, describe
+from latolato.core.registry import Registry, describe, flattened
 from latolato.core.versions import version_of
 from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.record import BALL, BALLS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,10 +24,12 @@ analyses: Registry[Callable[..., Any]] = Registry("analysis")
 # What several analyses name.
 COMMON = {
     "status": Quantity("1", "", "status"),
-    "ball": Quantity("1", "", "ball"),
+    "ball": BALL,
     "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
     "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
 }
+# What a file can hold as an attribute.
+_STORABLE = (int, float, str, tuple, list, np.generic, np.ndarray)
 
 
 def labelled(
@@ -36,6 +40,7 @@ def labelled(
     quantities: Mapping[str, Quantity] | None = None,
     system: System | None = None,
     drive: Drive | None = None,
+    arguments: Mapping[str, Any] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Return the dataset of an analysis with units, names, symbols and all parameters.
@@ -44,23 +49,26 @@ def labelled(
     ----------
     name : str
         The analysis, as it is registered; becomes the attribute ``analysis``.
-    variables, coordinates : mapping
-        Scalars, or ``(dims, values)``.
+    variables : mapping
+        Scalars, or ``(dims, values)``. Where one is over ``ball``, this coordinate is added.
+    coordinates : mapping
+        Values along dimensions of the same names.
     quantities : mapping of str to Quantity
         Of names that neither `quantities.QUANTITIES` nor `COMMON` knows; each needs one.
     system, drive : optional
         Their kinds and parameters become attributes.
+    arguments : mapping
+        The arguments of the analysis after its checks, among other names: its ``locals()``. Those
+        that are no coordinates or variables become attributes.
     settings : mapping
-        Further attributes; None is left out.
+        Further attributes, before which `arguments` give way; None is left out.
     """
     import xarray as xr
 
     known = {**QUANTITIES, **COMMON, **(quantities or {})}
-
-    def entry(key: str, given: Any) -> Any:
-        dims, values = given if isinstance(given, tuple) else ((), given)
-        return dims, values, known[key].attributes
-
+    coordinates = {each: ((each,), values) for each, values in (coordinates or {}).items()}
+    if any("ball" in value[0] for value in variables.values() if isinstance(value, tuple)):
+        coordinates |= {"ball": (("ball",), list(BALLS))}
     attributes: dict[str, Any] = {
         "title": f"latolato analysis {name}",
         "analysis": name,
@@ -68,19 +76,20 @@ def labelled(
         "numpy_version": np.__version__,
     }
     for part, registry in ((system, systems), (drive, drives)):
-        if part is None:
-            continue
-        attributes[registry.kind] = registry.name_of(part)
-        for key, value in describe(part).items():
-            if isinstance(value, Mapping):
-                attributes |= {f"{key}_{inner}": number for inner, number in value.items()}
-            elif value is not None:
-                attributes[key] = value
-    for key, value in (settings or {}).items():
-        if value is not None:
-            attributes[key] = int(value) if isinstance(value, bool) else value
+        if part is not None:
+            attributes |= {registry.kind: registry.name_of(part), **flattened(describe(part))}
+    if arguments is not None:
+        others = {"system", "drive", *variables, *coordinates}
+        names = [each for each in signature(analyses[name]).parameters if each not in others]
+        values = {each: arguments[each] for each in names}
+        attributes |= flattened({k: v for k, v in values.items() if isinstance(v, _STORABLE)})
+
+    def entry(key: str, value: Any) -> Any:
+        dims, values = value if isinstance(value, tuple) else ((), value)
+        return dims, values, known[key].attributes
+
     return xr.Dataset(
-        {key: entry(key, given) for key, given in variables.items()},
-        coords={key: entry(key, given) for key, given in (coordinates or {}).items()},
-        attrs=attributes,
+        {key: entry(key, value) for key, value in variables.items()},
+        coords={key: entry(key, value) for key, value in coordinates.items()},
+        attrs=attributes | flattened(settings or {}),
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
+from latolato.analysis.checks import checked_periodic, checked_transient
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import checked_periodic, checked_transient
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
@@ -48,8 +48,6 @@ def poincare_section(
     ----------
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as in `latolato.simulate` [rad], [rad/s], [rad].
     section_phase : float
         Phase of the drive at which the motion is looked at [rad]: ``w t + drive_phase`` modulo
         2 pi. At 0 a harmonic pivot is at its top.
@@ -57,10 +55,8 @@ def poincare_section(
         Points of the section, 1 to 1000000.
     transient_periods : float
         Drive periods before the first point, at least 0.
-    tolerance : float
-        Aimed-at error of the angle [rad], in [1e-14, 1e-2].
-    rest_speed : float
-        Impacts up to this speed [rad/s] begin rest when the restitution is below 1.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`.
 
     Returns
     -------
@@ -89,48 +85,37 @@ def poincare_section(
     >>> abs(section.angle.values).round(3)
     array([0.091, 0.091, 0.091, 0.091])
     """
-    law = checked_periodic(system, drive, "a stroboscopic section")
+    law = checked_periodic(system, drive)
     transient_periods = checked_transient(transient_periods)
-    phase = checked_number("section_phase", section_phase, ANY, "rad")
-    count = checked_count("periods", periods, Range(1, _MOST_PERIODS))
-    start: dict[str, Any] = {
-        "initial_angle": initial_angle,
-        "initial_angular_velocity": initial_angular_velocity,
-        "initial_offset": initial_offset,
-    }
-    lead = ((phase - law.drive_phase) / math.tau) % 1.0
+    section_phase = checked_number("section_phase", section_phase, ANY, "rad")
+    periods = checked_count("periods", periods, Range(1, _MOST_PERIODS))
+    lead = ((section_phase - law.drive_phase) / math.tau) % 1.0
     first = math.ceil(transient_periods - lead)
-    numbers = np.arange(first, first + count, dtype=np.float64)
+    numbers = np.arange(first, first + periods, dtype=np.float64)
     times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
-    if count == 1 and times[0] == 0.0:
+    if periods == 1 and times[0] == 0.0:
         raise InputError("the only point would be the start: take more periods or a transient")
-    run = simulate(system, law, times=times, tolerance=tolerance, rest_speed=rest_speed, **start)
-    status = str(run.attrs["status"])
-    two = system.angles == 2
-    dims = ("ball", "time") if two else ("time",)
-    coordinates: dict[str, Any] = {"time": (("time",), times)}
-    if two:
-        coordinates["ball"] = (("ball",), ["right", "left"])
+    run = simulate(
+        system,
+        law,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        times=times,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+    )
+    dims = ("ball", "time") if system.angles == 2 else ("time",)
     return labelled(
         "poincare_section",
         {
             "angle": (dims, wrapped(run["angle"].values)),
             "angular_velocity": (dims, run["angular_velocity"].values),
-            "status": status,
+            "status": str(run.attrs["status"]),
         },
-        coordinates=coordinates,
-        quantities={
-            "status": Quantity("1", "", "status of the run"),
-            "ball": Quantity("1", "", "ball"),
-        },
+        coordinates={"time": times},
+        quantities={"status": Quantity("1", "", "status of the run")},
         system=system,
         drive=law,
-        settings={
-            **start,
-            "section_phase": phase,
-            "periods": count,
-            "transient_periods": transient_periods,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-        },
+        arguments=locals(),
     )

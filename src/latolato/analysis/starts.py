@@ -1,4 +1,4 @@
-"""Where a system hangs at rest, and starts of ensembles written as sweeps want them."""
+"""Where a system hangs at rest, and starts as sweeps want them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from latolato.core.errors import InputError
-from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+import numpy as np
 
-
-def checked_system(system: Any) -> System:
-    """Return a system, or raise with what is known."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
-    return system
+from latolato.numerics.integrate import Start
+from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.simulation.start import checked_contact, checked_start, walls_of
 
 
 def hanging_angles(system: System) -> tuple[float, ...]:
@@ -38,6 +34,30 @@ def hanging_angles(system: System) -> tuple[float, ...]:
         angle = math.atan2(left * math.sin(gap), right + left * math.cos(gap))
         return (angle, angle - gap)
     return (0.0,)
+
+
+def single_start(
+    system: System, angle: Any, velocity: Any, offset: Any, contact: Any = "exact"
+) -> Start:
+    """Return the checked start of one motion."""
+    walls = walls_of(system, checked_contact(contact, system))
+    return checked_start(system, walls, angle, velocity, offset)
+
+
+def start_columns(system: System, angles: Any, velocities: Any) -> dict[str, Any]:
+    """Return starts as parameters along an axis of `latolato.sweep`.
+
+    Parameters
+    ----------
+    angles, velocities : sequence of array_like, shape (ball, start)
+    """
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    pairs = {"initial_angle": angles, "initial_angular_velocity": velocities}
+    return {
+        name + side: np.atleast_1d(values)
+        for name, balls in pairs.items()
+        for side, values in zip(sides, balls, strict=True)
+    }
 
 
 def start_options(

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.starts import checked_system
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
-from latolato.core.registry import checked_number
+from latolato.core.quantities import Quantity
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     PERIODICITY,
@@ -21,9 +19,8 @@ from latolato.observables.period import (
     find_mirror,
     find_period,
 )
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive
 from latolato.physics.pendulum import LatoLato, System
-from latolato.simulation.start import checked_drive
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -37,12 +34,9 @@ QUANTITIES_HERE: dict[str, Quantity] = {
     "rotation_number": Quantity(
         "1", r"\rho", "turns (signed), swings, or with walls impacts per drive period"
     ),
-    "status": Quantity("1", "", "status"),
-    "ball": Quantity("1", "", "ball"),
 }
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
-_TRANSIENTS = Range(0.0, 1e7)
 # What becomes smaller while a motion settles; by which factor: twice, or once. Set by trial on a
 # few slow decays and toys that are chaotic in bursts.
 _DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
@@ -51,57 +45,6 @@ _SLOWED, _FALLEN = 0.8, 0.5
 _NEARLY = 0.05
 # The longest period at the last look, which sets for how long that is.
 _LONGEST = 64
-
-
-def checked_periodic(system: System, drive: Drive | None, what: str) -> PeriodicDrive:
-    """Return a drive with a period, or say why `what` cannot be found.
-
-    Raises
-    ------
-    InputError
-        For a drive without a period, and for the linearised pendulum.
-    """
-    checked_system(system)
-    if system.is_linear:
-        raise InputError(
-            f"{what} needs a {{parameter}} whose motion settles, but the linearised Mathieu only "
-            "grows or decays",
-            parameter="system",
-            way_out="use Pendulum, or mathieu_growth_rate",
-        )
-    checked_drive(drive)
-    if drive is None:
-        raise InputError(
-            f"{what} needs a {{parameter}} with a period",
-            parameter="drive",
-            value=drive,
-            way_out="give Harmonic",
-        )
-    if not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"{what} needs a {{parameter}} with a single period, such as harmonic",
-            parameter="drive",
-            value=drives.name_of(drive),
-        )
-    checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
-    return drive
-
-
-def checked_transient(transient_periods: Any) -> float:
-    """Return a transient in drive periods."""
-    return checked_number("transient_periods", transient_periods, _TRANSIENTS, "drive periods")
-
-
-def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, float]:
-    """Return two limits of which the second is larger."""
-    first, last = (checked_number(name, each, Range(), unit) for each in (low, high))
-    if not first < last:
-        raise InputError(
-            f"must go from low to high, got {first:g} to {last:g}",
-            parameter=name,
-            way_out="swap them",
-        )
-    return first, last
 
 
 def run_samples(
@@ -137,43 +80,69 @@ def settled_motion(
     longest: int,
     angle_tolerance: float,
     **options: Any,
-) -> tuple[xr.Dataset, dict[str, NDArray[Any]]]:
-    """Return the sweep of `run_samples` and what `motion_of` tells, settled or not.
+) -> dict[str, NDArray[Any]]:
+    """Return period, rotation number, symmetry, samples and status of motions, settled or not.
+
+    Arrays as those of `motion_of`, for the points of `axes` in C order.
 
     Motion without a period is run again with two and four times the transient, and where it seems
     to settle with eight times, watched for longer. It is "not settled" where it has a period then,
     and where it goes on to settle. `frequency` is as in `motion_of`. The limits above are a rule of
     thumb from a few motions; for what it gets wrong see `latolato.analysis.response_period`.
     """
-    limits: dict[str, Any] = {"longest": longest, "angle_tolerance": angle_tolerance}
 
-    def look(which: Mapping[str, Any], periods: float, at: Any, most: int) -> Any:
-        watched = {**limits, "longest": most}
-        grid = run_samples(system, drive, which, transient_periods=periods, **watched, **options)
-        return grid, motion_of(grid, system, at, **watched)
+    def look(
+        which: Mapping[str, Any], periods: float, at: Any, most: int
+    ) -> dict[str, NDArray[Any]]:
+        limits: dict[str, Any] = {"longest": most, "angle_tolerance": angle_tolerance}
+        grid = run_samples(system, drive, which, transient_periods=periods, **limits, **options)
+        return motion_of(grid, system, at, **limits)
 
-    grid, motion = look(axes, transient_periods, frequency, longest)
+    motion = look(axes, transient_periods, frequency, longest)
     status = motion["status"]
     each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), status.shape)
     left = np.flatnonzero(status == "aperiodic")
-    seen = [{name: motion[name][left] for name in _DECAYING}]
+    looks = [{name: motion[name][left] for name in _DECAYING}]
     waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
     for times, most in ((1.0, longest), (3.0, longest), (7.0, _LONGEST)):
         if not left.size:
             break
         periods = transient_periods + times * waited
-        _, now = look(_chosen(axes, left), periods, each[left], most)
+        now = look(_chosen(axes, left), periods, each[left], most)
         result = np.isin(now["status"], PERIODICITY[:-1]) & (now["response_period"] <= longest)
         keep = np.isin(now["status"], PERIODICITY) & ~result
-        seen.append(now)
-        if len(seen) == 3:
-            keep &= _seems_to_settle(*seen)
-        elif len(seen) == 4:
-            result |= keep & _goes_on_to_settle(seen)
+        looks.append(now)
+        if len(looks) == 3:
+            keep &= _seems_to_settle(*looks)
+        elif len(looks) == 4:
+            result |= keep & _goes_on_to_settle(looks)
         status[left[result]] = "not settled"
         left = left[keep]
-        seen = [{name: row[name][keep] for name in _DECAYING} for row in seen]
-    return grid, motion
+        looks = [{name: row[name][keep] for name in _DECAYING} for row in looks]
+    return motion
+
+
+def settled_cases(
+    system: System, drive: Drive, case: Mapping[str, Floats], frequency: Floats, **options: Any
+) -> dict[str, NDArray[Any]]:
+    """Return what `settled_motion` tells of points along one axis, run by octaves of frequency.
+
+    Every point has at least the transient, the faster ones up to twice that.
+    """
+    result: dict[str, NDArray[Any]] = {}
+    for part in octaves(frequency):
+        motion = settled_motion(
+            system,
+            drive,
+            {"case": {name: values[part] for name, values in case.items()}},
+            frequency[part],
+            slowest_frequency=float(frequency[part].min()),
+            **options,
+        )
+        for name, values in motion.items():
+            shape = (len(frequency), *values.shape[1:])
+            result.setdefault(name, np.empty(shape, values.dtype))[part] = values
+    return result
 
 
 def _seems_to_settle(
@@ -187,23 +156,23 @@ def _seems_to_settle(
     return result
 
 
-def _goes_on_to_settle(seen: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
+def _goes_on_to_settle(looks: Sequence[Mapping[str, Floats]]) -> NDArray[np.bool_]:
     """Return which motions are less than ever at the last look, or ever nearer to a period."""
     angle, speed, residual = (
         row[-1] < _SLOWED * row[:-1].min(axis=0)
-        for row in (np.array([each[name] for each in seen]) for name in _DECAYING)
+        for row in (np.array([each[name] for each in looks]) for name in _DECAYING)
     )
-    nearly = np.array([each["recurrence_residual"] for each in seen]).max(axis=0) < _NEARLY
+    nearly = np.array([each["recurrence_residual"] for each in looks]).max(axis=0) < _NEARLY
     return np.asarray((angle & speed) | (residual & nearly))
 
 
 def _chosen(axes: Mapping[str, Any], places: NDArray[np.int64]) -> dict[str, Any]:
     """Return one axis with some of the points that axes span, counted in C order."""
     columns = [
-        {name: np.asarray(each) for name, each in given.items()}
-        if isinstance(given, Mapping)
-        else {axis: np.asarray(given)}
-        for axis, given in axes.items()
+        {name: np.asarray(each) for name, each in values.items()}
+        if isinstance(values, Mapping)
+        else {axis: np.asarray(values)}
+        for axis, values in axes.items()
     ]
     indices = np.unravel_index(places, [len(next(iter(c.values()))) for c in columns])
     return {
@@ -223,10 +192,10 @@ def motion_of(
     longest: int,
     angle_tolerance: float,
 ) -> dict[str, NDArray[Any]]:
-    """Return period, rotation number, symmetry and status of the points of `run_samples`.
+    """Return period, rotation number, symmetry, samples and status of the points of `run_samples`.
 
-    Arrays of shape (point,), points in C order; `frequency` is that of the drive [rad/s], of
-    the same shape or one number.
+    Arrays of shape (point,), of samples (point, [ball,] sample), points in C order; `frequency`
+    is that of the drive [rad/s], of the same shape or one number.
     """
     two = system.angles == 2
     codes = np.asarray(grid["status"].values).ravel()
@@ -302,6 +271,8 @@ def motion_of(
         "largest_angle_watched": either("largest_angle_watched"),
         "fastest_speed": either("fastest_speed"),
         "status": status,
+        "section_angle": angle if two else angle[:, 0],
+        "section_angular_velocity": velocity if two else velocity[:, 0],
     }
 
 
@@ -324,9 +295,9 @@ def wilson_interval(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
     >>> print(f"{share:.3f} in [{low:.3f}, {high:.3f}]")
     0.000 in [0.000, 0.278]
     """
-    for name, given in (("count", count), ("total", total)):
-        if np.asarray(given).dtype.kind not in "iu":
-            raise InputError("must hold whole numbers", parameter=name, value=given)
+    for name, value in (("count", count), ("total", total)):
+        if np.asarray(value).dtype.kind not in "iu":
+            raise InputError("must hold whole numbers", parameter=name, value=value)
     k, n = np.asarray(count, dtype=np.float64), np.asarray(total, dtype=np.float64)
     if not np.all((k >= 0.0) & (k <= n)):
         raise InputError("must lie between 0 and total", parameter="count", value=count)
@@ -337,17 +308,6 @@ def wilson_interval(count: Any, total: Any) -> tuple[Floats, Floats, Floats]:
         half = np.sqrt(square * (share * (1.0 - share) + 0.25 * square)) / (1.0 + square)
     low, high = np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
     return share, np.minimum(low, share), np.maximum(high, share)
-
-
-def start_axis(system: System, start: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return axes of a single point, and the start without what became its axis."""
-    velocity = start.get("initial_angular_velocity", 0.0)
-    if system.angles == 1:
-        name, first = "initial_angular_velocity", velocity
-    else:
-        name = "initial_angular_velocity_right"
-        first = velocity[0] if isinstance(velocity, Sequence) else velocity
-    return {name: [first]}, dict(start)
 
 
 def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
@@ -362,11 +322,3 @@ def octaves(frequencies: Floats) -> list[NDArray[np.int64]]:
             parts.append([])
         parts[-1].append(int(place))
     return [np.array(sorted(part)) for part in parts]
-
-
-def positive_values(name: str, values: Any, unit: str, allowed: Range = NON_NEGATIVE) -> Floats:
-    """Return numbers along an axis, each of them checked; one number is an axis of one."""
-    if isinstance(values, (str, bytes)) or np.ndim(values) > 1 or np.size(values) == 0:
-        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
-    several = values if np.ndim(values) else [values]
-    return np.array([checked_number(name, value, allowed, unit) for value in several])

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
-from latolato.physics.drives import Drive, PeriodicDrive, drives
+from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -41,14 +43,15 @@ WINDOW = (0.25, 0.75)
 # Share of the oscillating power that a sharp peak holds at least.
 SHARP = 0.5
 # and how often the width of a steady tone it has at most.
-BROAD = 2.0
+WIDEST = 2.0
 # Full width at half maximum of the squared spectrum of a steady tone under a Hann window [bins].
 _HANN_WIDTH = 1.44
 _PADDING = 8
 # The main lobe of a Hann window reaches so many bins to each side.
 _LOBE = 2
 
-STATUSES = ("no motion", "no subharmonic", "locked", "drifting", "broad", "no answer")
+NO_MOTION, NO_SUBHARMONIC, NO_ANSWER = "no motion", "no subharmonic", "no answer"
+LOCKED, DRIFTING, BROAD = "locked", "drifting", "broad"
 
 _QUANTITIES = {
     "order_parameter": Quantity(
@@ -206,10 +209,8 @@ def time_crystal(
         Seed of the streams.
     periods, transient_periods : int
         Drive periods that are looked at (at least 16), after so many others.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default 0.1 rad beside where the system hangs.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default the start is 0.1 rad beside where the system hangs.
 
     Returns
     -------
@@ -257,54 +258,41 @@ def time_crystal(
     >>> import latolato as ll
     >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26)
-    >>> found = time_crystal(pendulum, drive, periods=64, transient_periods=400)
-    >>> found.status.item(), f"{found.peak_frequency.item():.3f}"
+    >>> result = time_crystal(pendulum, drive, periods=64, transient_periods=400)
+    >>> result.status.item(), f"{result.peak_frequency.item():.3f}"
     ('locked', '0.500')
     """
-    system = checked_system(system)
-    checked_drive(drive)
-    if not isinstance(drive, PeriodicDrive):
-        name = "no" if drive is None else f"a {drives.name_of(drive)}"
+    checked_system(system)
+    drive = checked_periodic_drive(drive)
+    own = drive.drive_frequency / system.natural_frequency
+    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE, default=own)
+    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
+    noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
+    trajectories = checked_count("trajectories", trajectories)
+    if trajectories > 1 and noise_strength == 0.0:
         raise InputError(
-            f"{name} drive has no single period to count in: give one that has, such as Harmonic"
+            f"{trajectories} trajectories without noise are all the same: give noise_strength or "
+            "one"
         )
-    ratios = _listed("frequency_ratio", frequency_ratio)
-    if ratios is None:
-        ratios = [drive.drive_frequency / system.natural_frequency]
-    if min(ratios) <= 0.0:
-        raise InputError(
-            "must be positive",
-            parameter="frequency_ratio",
-            value=float(min(ratios)),
-            way_out="leave it out",
-        )
-    amplitudes = _listed("drive_amplitude", drive_amplitude) or [drive.drive_amplitude]
-    strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
-    count = checked_count("trajectories", trajectories)
-    if count > 1 and strength == 0.0:
-        raise InputError(
-            f"{count} trajectories without noise are all the same: give noise_strength or one"
-        )
-    seen = checked_count("periods", periods)
-    if seen < 16:
-        raise InputError("must be at least 16 to tell a line", parameter="periods", value=seen)
+    periods = checked_count("periods", periods)
+    if periods < 16:
+        raise InputError("must be at least 16 to tell a line", parameter="periods", value=periods)
     before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
-    noise = (
-        VelocityKicks(noise_strength=strength, noise_seed=noise_seed) if strength > 0.0 else None
-    )
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
-    if noise is not None:
-        axes["noise_stream"] = range(count)
+    noise = None
+    if noise_strength > 0.0:
+        noise = VelocityKicks(noise_strength=noise_strength, noise_seed=noise_seed)
+        axes["noise_stream"] = range(trajectories)
     result: list[list[dict[str, Any]]] = []
     for ratio in ratios:
         frequency = ratio * system.natural_frequency
         grid = sweep(
             system,
-            _at(drive, frequency),
+            replace(drive, drive_frequency=frequency),
             axes=axes,
-            duration=(before + seen) * math.tau / frequency,
-            observables=[PoincareSection(periods=seen)],
+            duration=(before + periods) * math.tau / frequency,
+            observables=[PoincareSection(periods=periods)],
             noise=noise,
             tolerance=tolerance,
             contact=contact,
@@ -313,7 +301,7 @@ def time_crystal(
         )
         if "ball" in grid.dims:
             grid = grid.isel(ball=0)
-        shape = (len(amplitudes), count, seen)
+        shape = (len(amplitudes), trajectories, periods)
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
@@ -335,43 +323,22 @@ def time_crystal(
         )
         for name in result[0][0]
     }
-    rates = np.array(ratios) * system.natural_frequency
+    rates = ratios * system.natural_frequency
     return labelled(
         "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
         coordinates={
-            "drive_amplitude": ("drive_amplitude", np.array(amplitudes)),
-            "frequency_ratio": ("frequency_ratio", np.array(ratios)),
-            "lag": ("lag", np.arange(_lags(seen))),
-            "period": ("period", np.arange(before + 1, before + seen + 1)),
+            "drive_amplitude": amplitudes,
+            "frequency_ratio": ratios,
+            "lag": np.arange(periods // 2),
+            "period": np.arange(before + 1, before + periods + 1),
         },
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "caution": CAUTION,
-            "resolution": _HANN_WIDTH / seen,
-            "noise_strength": strength,
-            "noise_seed": noise_seed if noise else None,
-            "trajectories": count,
-            "periods": seen,
-            "transient_periods": before,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**start, "caution": CAUTION, "resolution": _HANN_WIDTH / periods},
     )
-
-
-def _listed(name: str, values: Any) -> list[float] | None:
-    """Return the numbers of a list of parameters, checked."""
-    if values is None:
-        return None
-    unit = QUANTITIES[name].unit
-    given = np.atleast_1d(values).tolist()
-    if not given:
-        raise InputError(f"{name}: the list of values is empty; give one or leave it out")
-    return [checked_number(name, value, NON_NEGATIVE, unit) for value in given]
 
 
 def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, Any]:
@@ -386,32 +353,19 @@ def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, 
     return start_options(system, 0.1, velocity, None)
 
 
-def _at(drive: PeriodicDrive, frequency: float) -> Drive:
-    """Return the drive at another frequency."""
-    from dataclasses import replace
-
-    return replace(drive, drive_frequency=frequency)
-
-
-def _lags(periods: int) -> int:
-    """Return how many lags of the autocorrelation are kept: none with few pairs."""
-    return periods // 2
-
-
 def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) -> dict[str, Any]:
-    """Return everything that is told of one point, from arrays of shape (trajectory, period)."""
-    seen = angles.shape[1]
-    signs = np.where((first + np.arange(seen)) % 2 == 0, 1.0, -1.0)
-    nothing = math.nan
+    """Return all variables of one point, from arrays of shape (trajectory, period)."""
+    periods = angles.shape[1]
+    signs = np.where((first + np.arange(periods)) % 2 == 0, 1.0, -1.0)
     result: dict[str, Any] = dict.fromkeys(
         ("order_parameter", "order_parameter_size", "order_parameter_best", "peak_frequency",
          "peak_amplitude", "peak_width", "peak_share", "phase_slips", "lifetime", "lifetime_low",
          "lifetime_high"),
-        nothing,
+        math.nan,
     )  # fmt: skip
-    result["sign_autocorrelation"] = np.full(_lags(seen), nothing)
-    result["order_parameter_decay"] = np.full(seen, nothing)
-    result["status"] = STATUSES[5]
+    result["sign_autocorrelation"] = np.full(periods // 2, math.nan)
+    result["order_parameter_decay"] = np.full(periods, math.nan)
+    result["status"] = NO_ANSWER
     if not len(angles) or not np.all(np.isfinite(angles)):
         return result
     # Motion about the upright position is counted from there: elsewhere the cut would part it.
@@ -424,7 +378,7 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
     motion = np.sqrt(np.mean((velocities / frequency) ** 2 + (angles - angles.mean()) ** 2))
     result["peak_amplitude"] = peak.amplitude
     if peak.amplitude < LEAST_AMPLITUDE:
-        result["status"] = STATUSES[0] if motion < LEAST_AMPLITUDE else STATUSES[1]
+        result["status"] = NO_MOTION if motion < LEAST_AMPLITUDE else NO_SUBHARMONIC
         return result
     result |= {
         "peak_frequency": peak.frequency,
@@ -432,11 +386,11 @@ def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) 
         "peak_share": peak.share,
         **_survival(_demodulated(signs, angles, velocities, frequency), math.tau / frequency),
     }
-    if peak.share < SHARP or peak.width > BROAD * _HANN_WIDTH / seen:
-        result["status"] = STATUSES[4]
+    if peak.share < SHARP or peak.width > WIDEST * _HANN_WIDTH / periods:
+        result["status"] = BROAD
     else:
-        is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / seen
-        result["status"] = STATUSES[2] if is_half else STATUSES[3]
+        is_half = abs(peak.frequency - 0.5) <= 0.5 * _HANN_WIDTH / periods
+        result["status"] = LOCKED if is_half else DRIFTING
     return result
 
 
@@ -454,9 +408,9 @@ def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
     from latolato.analysis.waiting_time import censored_mean
 
     states = sign_states(demodulated).astype(np.float64)
-    count, seen = states.shape
+    count, periods = states.shape
     slips = int(np.count_nonzero(np.diff(states, axis=1)))
-    life = censored_mean(count * (seen - 1) * period, slips)
+    life = censored_mean(count * (periods - 1) * period, slips)
     return {
         "order_parameter_best": float(abs(demodulated.mean())),
         "order_parameter_decay": (states[:, :1] * demodulated).mean(axis=0),
@@ -465,6 +419,6 @@ def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
         "lifetime_low": life.low,
         "lifetime_high": life.high,
         "sign_autocorrelation": np.array(
-            [np.mean(states[:, : seen - m] * states[:, m:]) for m in range(_lags(seen))]
+            [np.mean(states[:, : periods - m] * states[:, m:]) for m in range(periods // 2)]
         ),
     }

@@ -1,4 +1,4 @@
-"""What an analysis found, as texts and as plain values."""
+"""The results of an analysis, as texts and as plain values."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FEW, _MANY = 8, 1000
 
 
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return what an analysis found as JSON knows it.
+    """Return the results of an analysis as JSON.
 
     Complex variables are parted as in files; NaN is None and infinities are texts. Of more than
     1000 values there are the least and the largest only.
@@ -37,7 +37,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def as_lines(dataset: xr.Dataset) -> dict[str, str]:
-    """Return what an analysis found as texts by name."""
+    """Return the results of an analysis as texts by name."""
     drive = f", drive {dataset.attrs['drive']}" if "drive" in dataset.attrs else ""
     lines = {"analysis": f"{dataset.attrs['analysis']} of {dataset.attrs.get('system', '')}{drive}"}
     if "status" in dataset:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
+from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.stroboscopic import positive_values
+from latolato.analysis.starts import single_start
 from latolato.core.errors import InputError
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
-from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_start, walls_of
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,16 +61,12 @@ def pair_symmetry(
         The one-ball model that is questioned; the motion is that of the two balls behind it.
     drive : Drive, optional
         Any drive.
-    initial_angle, initial_angular_velocity, initial_offset : float
-        The right ball's start, as of `latolato.simulate`; the left one's is its mirror image.
     drive_amplitude, frequency_ratio : sequence of float, optional
         For a validity map: drive amplitudes [m] and frequency ratios [1].
     duration, transient : float
         Time that is followed, and how much of it is left out at the beginning [s].
-    tolerance : float
-        Error [rad] that sets the step.
-    rest_speed : float
-        Capture speed of resting contact [rad/s].
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
+        As for `latolato.simulate`; the start is the right ball's, the left one's is its image.
 
     Returns
     -------
@@ -101,8 +97,8 @@ def pair_symmetry(
     >>> import latolato as ll
     >>> toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02)
     >>> shake = ll.Harmonic(drive_amplitude=0.3, drive_frequency=9.0)
-    >>> found = pair_symmetry(toy, shake, initial_offset=0.2, duration=100.0, transient=20.0)
-    >>> found.status.item()
+    >>> result = pair_symmetry(toy, shake, initial_offset=0.2, duration=100.0, transient=20.0)
+    >>> result.status.item()
     'broken'
     """
     from latolato.sweeps import sweep
@@ -113,19 +109,14 @@ def pair_symmetry(
             "systems have no mirror-symmetric motion"
         )
     driven = checked_drive(drive)
-    start = checked_start(
-        system,
-        walls_of(system, ExactContact()),
-        initial_angle,
-        initial_angular_velocity,
-        initial_offset,
-    )
+    start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]
-    axes: dict[str, Any] = {}
-    if drive_amplitude is not None:
-        axes["drive_amplitude"] = positive_values("drive_amplitude", drive_amplitude, "m")
-    if frequency_ratio is not None:
-        axes["frequency_ratio"] = positive_values("frequency_ratio", frequency_ratio, "1")
+    optional = {"drive_amplitude": drive_amplitude, "frequency_ratio": frequency_ratio}
+    axes: dict[str, Any] = {
+        name: checked_values(name, values)
+        for name, values in optional.items()
+        if values is not None
+    }
     varied = list(axes)
     grid = sweep(
         as_pair(system),
@@ -158,15 +149,10 @@ def pair_symmetry(
             ),
             "status": (dims, status),
         },
-        coordinates={name: (name, grid[name].values) for name in varied},
+        coordinates={name: grid[name].values for name in varied},
         quantities=QUANTITIES,
         system=system,
         drive=driven if drive is not None else None,
-        settings={
-            "duration": duration,
-            "transient": transient,
-            "tolerance": tolerance,
-            "initial_angle": angle,
-            "initial_angular_velocity": velocity,
-        },
+        arguments=locals(),
+        settings={"initial_angle": angle, "initial_angular_velocity": velocity},
     )

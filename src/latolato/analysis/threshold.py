@@ -6,7 +6,7 @@ import math
 import warnings
 from typing import TYPE_CHECKING
 
-from latolato.analysis.linear import checked_ratio, linearised, threshold, told_waveform
+from latolato.analysis.linear import checked_ratio, linearised, threshold, waveform_of
 from latolato.analysis.mathieu import mathieu_threshold_amplitude
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import POSITIVE, Quantity
@@ -65,27 +65,32 @@ def threshold_amplitude(
     --------
     >>> import latolato as ll
     >>> toy = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
-    >>> found = ll.analysis.threshold_amplitude(toy, frequency_ratio=10.09 / toy.natural_frequency)
-    >>> print(f"{1e3 * found.drive_amplitude:.2f} mm")
+    >>> result = ll.analysis.threshold_amplitude(toy, frequency_ratio=10.09 / toy.natural_frequency)
+    >>> print(f"{1e3 * result.drive_amplitude:.2f} mm")
     11.39 mm
     """
     problem = linearised(system, drive)
-    ratio = checked_ratio(frequency_ratio)
-    reach = checked_number("largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1")
+    frequency_ratio = checked_ratio(frequency_ratio)
+    largest_amplitude_ratio = checked_number(
+        "largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1"
+    )
     if order is not None:
         order = checked_count("order", order)
     if problem.is_plain and order is None:
         amplitude = mathieu_threshold_amplitude(
-            frequency_ratio=ratio, largest_amplitude_ratio=reach, **problem.parameters
+            frequency_ratio=frequency_ratio,
+            largest_amplitude_ratio=largest_amplitude_ratio,
+            **problem.parameters,
         )
     else:
-        largest = min(reach * problem.length, problem.largest_amplitude)
-        amplitude = threshold(problem, ratio, largest, order)
+        largest = min(largest_amplitude_ratio * problem.length, problem.largest_amplitude)
+        amplitude = threshold(problem, frequency_ratio, largest, order)
     status = "none" if math.isnan(amplitude) else "found"
     if status == "none":
         warnings.warn(
-            f"no drive up to {reach:g} length makes hanging unstable at frequency_ratio "
-            f"{ratio:g}; raise largest_amplitude_ratio or choose a ratio nearer to 2/n",
+            f"no drive up to {largest_amplitude_ratio:g} length makes hanging unstable at "
+            f"frequency_ratio {frequency_ratio:g}; raise largest_amplitude_ratio or choose a ratio "
+            "nearer to 2/n",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -94,10 +99,6 @@ def threshold_amplitude(
         {"drive_amplitude": amplitude, "status": status},
         quantities={"status": Quantity("1", "", "what was found")},
         system=system,
-        settings={
-            **told_waveform(problem.template),
-            "frequency_ratio": ratio,
-            "order": order,
-            "largest_amplitude_ratio": reach,
-        },
+        arguments=locals(),
+        settings=waveform_of(problem.template),
     )

@@ -6,12 +6,12 @@ import math
 import warnings
 from typing import TYPE_CHECKING, Literal
 
-from latolato.analysis.linear import METHODS, checked_choice, linearised, told_waveform, tongue
+from latolato.analysis.linear import METHODS, linearised, tongue, waveform_of
 from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -86,7 +86,7 @@ def tongue_edges(
     1.90994630 2.10750817
     """
     problem = linearised(system, drive, position)
-    amplitude = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
+    drive_amplitude = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
     checked_choice("method", method, METHODS)
     lowest = 0 if position == "inverted" else 1
     order = checked_count("order", order, Range(lowest, _LARGEST_ORDER))
@@ -99,17 +99,17 @@ def tongue_edges(
         )
     if problem.is_plain and method == "determinant":
         low, high = mathieu_tongue_edges(
-            drive_amplitude=amplitude, order=order, **problem.parameters
+            drive_amplitude=drive_amplitude, order=order, **problem.parameters
         )
-    elif amplitude == 0.0:
+    elif drive_amplitude == 0.0:
         low, high = _edges_at_rest(order, problem.side, problem.damping)
     else:
-        low, high = tongue(problem, amplitude, order, method)
+        low, high = tongue(problem, drive_amplitude, order, method)
     status = "closed" if math.isnan(low) else "no upper edge" if math.isinf(high) else "found"
     if status == "closed":
         warnings.warn(
-            f"the tongue of order {order} is closed at drive_amplitude {amplitude:g} m; raise it "
-            "or lower the damping",
+            f"the tongue of order {order} is closed at drive_amplitude {drive_amplitude:g} m; "
+            "raise it or lower the damping",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -118,13 +118,8 @@ def tongue_edges(
         {"low": low, "high": high, "status": status},
         quantities=QUANTITIES_OF_EDGES,
         system=system,
-        settings={
-            **told_waveform(problem.template),
-            "drive_amplitude": amplitude,
-            "order": order,
-            "position": position,
-            "method": method,
-        },
+        arguments=locals(),
+        settings=waveform_of(problem.template),
     )
 
 

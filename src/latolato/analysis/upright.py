@@ -7,7 +7,7 @@ import warnings
 from typing import TYPE_CHECKING
 
 from latolato.analysis.hill import find_root
-from latolato.analysis.linear import Linear, checked_ratio, linearised, told_waveform
+from latolato.analysis.linear import Linear, checked_ratio, linearised, waveform_of
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_number
@@ -72,10 +72,12 @@ def inverted_limits(
     0.070788 0.458219; Kapitza 0.070711
     """
     problem = linearised(system, drive, "inverted")
-    ratio = checked_ratio(frequency_ratio)
-    reach = checked_number("largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1")
-    largest = min(reach * problem.length, problem.largest_amplitude)
-    low, high = _limits(problem, 1.0 / ratio, largest)
+    frequency_ratio = checked_ratio(frequency_ratio)
+    largest_amplitude_ratio = checked_number(
+        "largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1"
+    )
+    largest = min(largest_amplitude_ratio * problem.length, problem.largest_amplitude)
+    low, high = _limits(problem, 1.0 / frequency_ratio, largest)
     status = (
         "never stable" if math.isnan(low) else "no upper limit" if math.isnan(high) else "found"
     )
@@ -96,11 +98,8 @@ def inverted_limits(
             "status": Quantity("1", "", "what was found"),
         },
         system=system,
-        settings={
-            **told_waveform(problem.template),
-            "frequency_ratio": ratio,
-            "largest_amplitude_ratio": reach,
-        },
+        arguments=locals(),
+        settings=waveform_of(problem.template),
     )
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.starts import checked_system, start_options
+from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity, Range
 from latolato.core.registry import checked_count, checked_number
@@ -20,7 +20,7 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.parameters import RUN_PARAMETERS
-from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -80,8 +80,8 @@ def censored_mean(waited: float, events: int) -> Lifetime:
 
     Examples
     --------
-    >>> found = censored_mean(120.0, 4)
-    >>> print(f"{found.mean:.0f} +- {found.error:.0f} s, {found.low:.1f} to {found.high:.0f} s")
+    >>> result = censored_mean(120.0, 4)
+    >>> print(f"{result.mean:.0f} +- {result.error:.0f} s, {result.low:.1f} to {result.high:.0f} s")
     30 +- 15 s, 11.7 to 110 s
     """
     from scipy.stats import chi2
@@ -135,11 +135,8 @@ def first_passage_time(
         Seed of the streams.
     noise_interval : float, optional
         Time between kicks [s]; by default 1/50 of the natural period.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`; by default the system hangs at rest, in contact if
-        it can be.
-    tolerance, contact, rest_speed
-        As for `latolato.sweep`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
+        As for `latolato.sweep`; by default the system hangs at rest, in contact if it can be.
 
     Returns
     -------
@@ -171,10 +168,10 @@ def first_passage_time(
     --------
     >>> import latolato as ll
     >>> pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
-    >>> found = first_passage_time(
+    >>> result = first_passage_time(
     ...     pendulum, noise_strength=0.5, threshold_angle=0.6, duration=60.0, trajectories=50
     ... )
-    >>> found.sizes["trajectory"], bool(found.passage_fraction > 0.5)
+    >>> result.sizes["trajectory"], bool(result.passage_fraction > 0.5)
     (50, True)
     """
     system = checked_system(system)
@@ -185,16 +182,16 @@ def first_passage_time(
         noise_seed=noise_seed,
         noise_interval=noise_interval,
     )
-    threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
-    end = RUN_PARAMETERS["duration"].checked(duration)
-    count = checked_count("trajectories", trajectories)
+    threshold_angle = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
+    duration = RUN_PARAMETERS["duration"].checked(duration)
+    trajectories = checked_count("trajectories", trajectories)
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     grid = sweep(
         system,
         drive,
-        axes={"noise_stream": range(count)},
-        duration=end,
-        observables=[FirstPassage(threshold_angle=threshold)],
+        axes={"noise_stream": range(trajectories)},
+        duration=duration,
+        observables=[FirstPassage(threshold_angle=threshold_angle)],
         noise=kicks,
         tolerance=tolerance,
         contact=contact,
@@ -206,35 +203,26 @@ def first_passage_time(
         times = np.fmin(times[:, 0], times[:, 1])
     if np.any(times == 0.0):
         raise InputError(
-            f"the start must lie below threshold_angle {threshold:g} rad; give a larger threshold"
+            f"the start must lie below threshold_angle {threshold_angle:g} rad; give a larger one"
         )
     known = grid.status.values < EVENT_LIMIT
-    result = _statistics(times[known], end)
+    result = _statistics(times[known], duration)
     if result["status"] == NONE:
         warnings.warn(
-            f"no trajectory of {count} reached {threshold:g} rad within {end:g} s: the mean is "
-            "unknown; wait longer or raise noise_strength",
+            f"no trajectory of {trajectories} reached {threshold_angle:g} rad within {duration:g} "
+            "s: the mean is unknown; wait longer or raise noise_strength",
             RuntimeWarning,
             stacklevel=2,
         )
     return labelled(
         "first_passage_time",
         {"first_passage": ("trajectory", times)} | result,
-        coordinates={"trajectory": ("trajectory", np.arange(count))},
+        coordinates={"trajectory": np.arange(trajectories)},
         quantities=_QUANTITIES,
         system=system,
         drive=drive,
-        settings={
-            "noise_strength": kicks.noise_strength,
-            "noise_seed": kicks.noise_seed,
-            "noise_interval": kicks.spacing(system),
-            "threshold_angle": threshold,
-            "duration": end,
-            "trajectories": count,
-            "tolerance": tolerance,
-            "rest_speed": rest_speed,
-            **{k: v for k, v in start.items() if v is not None},
-        },
+        arguments=locals(),
+        settings={**start, "noise_interval": kicks.spacing(system)},
     )
 
 

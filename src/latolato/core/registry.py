@@ -7,7 +7,7 @@ scenario files, forms and tables are generated from the registries.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
@@ -186,6 +186,19 @@ def _within(name: str, number: Number, allowed: Range, unit: str) -> Number:
     return number
 
 
+def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
+    """Return one of the words that a parameter may be.
+
+    Raises
+    ------
+    InputError
+        For any other.
+    """
+    if value not in choices:
+        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)
+    return str(value)
+
+
 def number_fields(law: Any) -> list[Field[Any]]:
     """Return the fields of a law (class or instance) that hold one number."""
     return [f for f in fields(law) if "quantity" in f.metadata and not f.metadata.get("array")]
@@ -224,6 +237,23 @@ def describe(law: Any) -> dict[str, Any]:
         elif isinstance(value, tuple):
             value = list(value)
         result[f.name] = value
+    return result
+
+
+def flattened(described: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what `describe` returned as attributes, nested laws with their name in front.
+
+    Examples
+    --------
+    >>> flattened({"kind": "ballpair", "right": {"mass": 0.1}, "gravity": 9.8, "noise": None})
+    {'right_mass': 0.1, 'gravity': 9.8}
+    """
+    result: dict[str, Any] = {}
+    for name, value in described.items():
+        if isinstance(value, Mapping):
+            result |= {f"{name}_{inner}": number for inner, number in value.items()}
+        elif name != "kind" and value is not None:
+            result[name] = int(value) if isinstance(value, bool) else value
     return result
 
 

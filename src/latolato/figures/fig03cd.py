@@ -44,7 +44,7 @@ def data(quick: bool = False) -> xr.Dataset:
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statements on the maps need."""
     from latolato.analysis.boundary import map_boundary
-    from latolato.analysis.closed_forms import mathieu_tongue_edges
+    from latolato.analysis.mathieu import mathieu_tongue_edges
 
     free, damped = (dataset.sel(case=case) for case in (UNDAMPED, DAMPED))
     by_energy = map_boundary(free, "mean_energy", LEVEL)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.closed_forms import mathieu_growth_rate, mathieu_threshold_amplitude
+from latolato.analysis.mathieu import mathieu_growth_rate, mathieu_threshold_amplitude
 from latolato.figures import measure, style
 from latolato.figures import paper_systems as paper
 from latolato.figures.cases import SAMPLES_PER_PERIOD, Residuals, instants, quantity, stack

@@ -59,7 +59,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 9's statements need."""
-    from latolato.analysis.closed_forms import mathieu_tongue_edges
+    from latolato.analysis.mathieu import mathieu_tongue_edges
 
     ratio = dataset.frequency_ratio.values
     amplitudes = dataset.drive_amplitude.values

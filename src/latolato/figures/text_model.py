@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.closed_forms import mathieu_tongue_edges
+from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.figures import measure
 from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, instants, quantity, stack, variable

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.closed_forms import (
-    decay_rate,
+from latolato.analysis.closed_forms import decay_rate
+from latolato.analysis.mathieu import (
     mathieu_growth_rate,
     mathieu_threshold_amplitude,
     mathieu_tongue_edges,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import describe
+from latolato.core.registry import describe, flattened
 from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
@@ -104,7 +104,7 @@ class Record:
 def record_of(
     system: System,
     trajectory: Trajectory,
-    seen: dict[str, Floats],
+    quantities: dict[str, Floats],
     times: Floats,
     frame: str,
     attrs: dict[str, Any],
@@ -123,13 +123,13 @@ def record_of(
         "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
     }
     for name in PIVOT_ROWS:
-        variables[name] = (("time",), seen[name])
+        variables[name] = (("time",), quantities[name])
     left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
     if system.is_linear:  # the small-angle model has no such quantities
         left_out |= {"tension", "lab_energy", "rod_power"}
     for name in (*BALL_ROWS[:2], "total_energy", *BALL_ROWS[2:]):
         if name not in left_out:
-            variables[name] = (per_ball, per_angle(seen[name]))
+            variables[name] = (per_ball, per_angle(quantities[name]))
     for name, row in LEDGER.items():
         if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
             variables[name] = (("time",), rows[row])
@@ -177,11 +177,7 @@ def attributes_of(
         "drive": drives.name_of(drive),
     }
     for part in ("system", "drive", "run"):
-        for name, value in scenario[part].items():
-            if isinstance(value, dict):
-                attributes.update({f"{name}_{inner}": v for inner, v in value.items()})
-            elif name != "kind" and value is not None:
-                attributes[name] = int(value) if isinstance(value, bool) else value
+        attributes |= flattened(scenario[part])
     for name in ("natural_frequency", "contact_angle_low", "contact_angle_high"):
         if hasattr(system, name):
             attributes[name] = getattr(system, name)

@@ -26,7 +26,7 @@ from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import System
 from latolato.simulation.parameters import MOST_SAMPLES, RUN_PARAMETERS
 from latolato.simulation.record import Record, attributes_of, record_of
 from latolato.simulation.start import (
@@ -34,6 +34,7 @@ from latolato.simulation.start import (
     checked_contact,
     checked_drive,
     checked_start,
+    checked_system,
     kicks_of,
     walls_of,
 )
@@ -132,22 +133,7 @@ def simulate(
     >>> [str(kind) for kind in run.contact_kind.values]
     ['bottom', 'bottom']
     """
-    return _recorded(
-        system=system,
-        drive=drive,
-        initial_angle=initial_angle,
-        initial_angular_velocity=initial_angular_velocity,
-        initial_offset=initial_offset,
-        duration=duration,
-        times=times,
-        tolerance=tolerance,
-        contact=contact,
-        rest_speed=rest_speed,
-        frame=frame,
-        noise=noise,
-        contact_limit=contact_limit,
-        progress=progress,
-    ).to_dataset()
+    return _recorded(**locals()).to_dataset()
 
 
 def record(*args: Any, **options: Any) -> Record:
@@ -159,9 +145,9 @@ def record(*args: Any, **options: Any) -> Record:
     >>> float(record(ll.Pendulum(length=1.0, mass=1), initial_angle=0.1, duration=2.0)["time"][-1])
     2.0
     """
-    given = signature(simulate).bind(*args, **options)
-    given.apply_defaults()
-    return _recorded(**given.arguments)
+    bound = signature(simulate).bind(*args, **options)
+    bound.apply_defaults()
+    return _recorded(**bound.arguments)
 
 
 def _recorded(
@@ -183,8 +169,7 @@ def _recorded(
 ) -> Record:
     """Return the record of a run; arguments as of `simulate`."""
     drive = checked_drive(drive)
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     law = checked_contact(contact, system)
     tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
     rest_speed = RUN_PARAMETERS["rest_speed"].checked(rest_speed)
@@ -228,7 +213,6 @@ def _recorded(
             law=law,
             progress=progress,
         )
-        seen = _observe(system, drive, trajectory, instants, end, frame == "both")
         state = trajectory.state
         residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
         if clamped or residual <= allowed or trajectory.status != "complete":
@@ -255,6 +239,7 @@ def _recorded(
         warnings.warn(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )
+    quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
     run = {
         "tolerance": tolerance,
         "rest_speed": rest_speed,
@@ -272,17 +257,22 @@ def _recorded(
         contacts=len(trajectory.contact_times),
     )
     if not law.stores_energy:
-        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, seen))
-    result = record_of(system, trajectory, seen, instants, frame, attrs)
+        attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
+    result = record_of(system, trajectory, quantities, instants, frame, attrs)
     if "tension" in result:
-        # What a failed run adds up last is no compression.
-        known = math.nan if trajectory.failed else 1.0
-        first, total = known * state.compression_start, known * state.compression_time
-        share = total / trajectory.reached
-        two = system.angles == 2
-        attrs["compression_time"] = first if two else float(first[0])
-        attrs["compression_fraction"] = share if two else float(share[0])
+        attrs.update(_compression(system, trajectory))
     return result
+
+
+def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
+    """Return when a rod is first pushed [s], and in which share of the time [1], of each ball."""
+    # What a failed run adds up last is no compression.
+    known = math.nan if trajectory.failed else 1.0
+    first = known * trajectory.state.compression_start
+    share = known * trajectory.state.compression_time / trajectory.reached
+    if system.angles == 1:
+        first, share = float(first[0]), float(share[0])
+    return {"compression_time": first, "compression_fraction": share}
 
 
 def _checked_times(
@@ -368,11 +358,11 @@ def _observe(
     return result
 
 
-def _sampled_residual(trajectory: Trajectory, seen: dict[str, Floats]) -> float:
+def _sampled_residual(trajectory: Trajectory, quantities: dict[str, Floats]) -> float:
     """Return the largest error of the closed ledger at the samples [J]."""
     first = trajectory.state.first_energy
     rows = trajectory.samples
-    total = seen["total_energy"].sum(axis=0)
+    total = quantities["total_energy"].sum(axis=0)
     gained = rows[records.S_WORK] + rows[records.S_NOISE]
     gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
     with np.errstate(over="ignore", invalid="ignore"):

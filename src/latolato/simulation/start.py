@@ -1,8 +1,9 @@
-"""How a run begins: drive, contact law, walls, start and kicks, checked with the way out."""
+"""How a run begins: system, drive, contact law, walls, start and kicks, checked."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,20 @@ from latolato.core.registry import checked_number
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
-from latolato.physics.drives import Drive, FixedPivot, drives
+from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import BallPair, LatoLato, System
+from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 DEFAULT_REST_SPEED = 1e-7  # rad/s
 # More velocity kicks than this would fill the memory.
 MOST_KICKS = 20_000_000
+
+
+def checked_system(system: Any) -> System:
+    """Return a system, or raise with what is known."""
+    if not isinstance(system, System):
+        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    return system
 
 
 def checked_drive(drive: Drive | None) -> Drive:
@@ -29,6 +37,19 @@ def checked_drive(drive: Drive | None) -> Drive:
     if not isinstance(drive, Drive):
         raise InputError(
             f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
+        )
+    return drive
+
+
+def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
+    """Return a drive that repeats itself."""
+    checked_drive(drive)
+    if not isinstance(drive, PeriodicDrive):
+        name = "none" if drive is None else drives.name_of(drive)
+        raise InputError(
+            f"must repeat itself with a single period, got {name}",
+            parameter="drive",
+            way_out="give one such as Harmonic",
         )
     return drive
 
@@ -65,8 +86,18 @@ def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
     return system.contact_angle_low, system.contact_angle_high
 
 
-def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """Return one or two checked numbers."""
+def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) -> Floats:
+    """Return the angles of one or two balls, moved to the nearest wall if they lie beyond it."""
+    low, high = walls
+    if len(angles) == 1:
+        return np.array([min(max(angles[0], low), high)])
+    gap = angles[0] - angles[1]
+    shift = 0.5 * (min(max(gap, low), high) - gap)
+    return np.array([angles[0] + shift, angles[1] - shift])
+
+
+def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """Return one or two checked numbers of a start."""
     unit = QUANTITIES[name].unit
     if count == 1:
         if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
@@ -83,6 +114,21 @@ def _numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
     return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
 
 
+def checked_offset(system: System, angle: Any, offset: Any) -> float:
+    """Return an offset that stands instead of an angle [rad]."""
+    if not isinstance(system, LatoLato):
+        raise InputError(
+            "counts from the low contact angle of a LatoLato",
+            parameter="initial_offset",
+            way_out="use initial_angle for other systems",
+        )
+    if angle is not None:
+        raise InputError(
+            "give only one of {parameter} and initial_offset", parameter="initial_angle"
+        )
+    return checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+
+
 def checked_start(
     system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
 ) -> Start:
@@ -93,22 +139,13 @@ def checked_start(
             "is needed [rad] (for a LatoLato initial_offset may stand instead)",
             parameter="initial_angle",
         )
-    if angle is not None and offset is not None:
-        raise InputError(
-            "give only one of {parameter} and initial_offset", parameter="initial_angle"
-        )
     if offset is not None:
-        if not isinstance(system, LatoLato):
-            raise InputError(
-                "counts from the low contact angle of a LatoLato",
-                parameter="initial_offset",
-                way_out="use initial_angle for other systems",
-            )
-        above = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
+        above = checked_offset(system, angle, offset)
+        assert isinstance(system, LatoLato)
         angle = system.contact_angle_low + above
-    velocities = _numbers("initial_angular_velocity", velocity, system.angles)
+    velocities = checked_numbers("initial_angular_velocity", velocity, system.angles)
     if system.angles == 1:
-        (value,) = _numbers("initial_angle", angle, 1)
+        (value,) = checked_numbers("initial_angle", angle, 1)
         what, gap = "{parameter}", value
     else:
         if np.isscalar(angle):
@@ -117,7 +154,7 @@ def checked_start(
                 parameter="initial_angle",
                 value=angle,
             )
-        right, left = _numbers("initial_angle", angle, 2)
+        right, left = checked_numbers("initial_angle", angle, 2)
         what, gap = "the separation {parameter}[0] - {parameter}[1]", right - left
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(

@@ -32,8 +32,8 @@ def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     Examples
     --------
     >>> import latolato as ll
-    >>> found = summarise(ll.load_scenario("zeno").simulate())
-    >>> found["contacts"]["rest"], round(found["largest_angle"], 4)
+    >>> result = summarise(ll.load_scenario("zeno").simulate())
+    >>> result["contacts"]["rest"], round(result["largest_angle"], 4)
     (1, 1.5708)
     """
     import numpy as np

@@ -66,13 +66,11 @@ def sweep(
         End of every run [s].
     observables : sequence
         Names or instances of `latolato.observables`; a variable's name stands for its observable.
-    initial_angle, initial_angular_velocity, initial_offset
-        The start, as for `latolato.simulate`.
+    initial_angle, initial_angular_velocity, initial_offset, tolerance
+        As for `latolato.simulate`.
     transient, transient_periods : float
         Time [s], or number of drive periods (natural ones without a drive), after which
         observables begin; they add up.
-    tolerance : float
-        Aimed-at error of the angle over a few hundred periods of regular motion [rad].
     contact, rest_speed, contact_limit, noise
         As for `latolato.simulate`. Point k (in C order over the axes) sees the stream
         ``noise.noise_stream + k``: a run with ``VelocityKicks(..., noise_stream=...)`` of that
@@ -131,31 +129,10 @@ def sweep(
     >>> grid.largest_angle.dims
     ('drive_amplitude', 'frequency_ratio')
     """
-    plan = make_plan(
-        system,
-        drive,
-        axes=axes,
-        duration=duration,
-        observables=observables,
-        initial_angle=initial_angle,
-        initial_angular_velocity=initial_angular_velocity,
-        initial_offset=initial_offset,
-        transient=transient,
-        transient_periods=transient_periods,
-        tolerance=tolerance,
-        contact=contact,
-        rest_speed=rest_speed,
-        contact_limit=contact_limit,
-        noise=noise,
-        continuation=continuation,
-        direction=direction,
-        chunk_size=chunk_size,
-    )
-    options: dict[str, Any] = {}
-    if workers is not None:
-        options["workers"] = workers
-    if client is not None:
-        options["client"] = client
+    arguments = locals()
+    plan = make_plan(**{name: arguments[name] for name in signature(make_plan).parameters})
+    options = {"workers": workers, "client": client}
+    options = {name: value for name, value in options.items() if value is not None}
     return run_plan(plan, executor=executor, store=store, progress=progress, **options)
 
 
@@ -206,10 +183,10 @@ def run_plan(
     counts = results.status_counts()
     lost = {name: counts[name] for name in ("event_limit", "failed", "invalid") if name in counts}
     if lost:
-        told = ", ".join(f"{n} {name}" for name, n in lost.items())
+        text = ", ".join(f"{n} {name}" for name, n in lost.items())
         why = dataset.attrs.get("first_invalid", "")
         warnings.warn(
-            f"{sum(lost.values())} of {plan.size} points have no answer: {told}"
+            f"{sum(lost.values())} of {plan.size} points have no answer: {text}"
             + (f" ({why})" if why else ""),
             RuntimeWarning,
             stacklevel=3,

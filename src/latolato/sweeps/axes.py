@@ -112,8 +112,8 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
         points = list(zip(*columns.values(), strict=True))
         if len(set(points)) < len(points):
             repeated = next(p for i, p in enumerate(points) if p in points[:i])
-            shown = ", ".join(f"{value:g}" for value in repeated)
-            raise InputError(f"axis {name} must not repeat a value, got {shown} twice; remove one")
+            text = ", ".join(f"{value:g}" for value in repeated)
+            raise InputError(f"axis {name} must not repeat a value, got {text} twice; remove one")
         result.append(Axis(str(name), tuple(columns), tuple(columns.values())))
     _check_conflicts(result)
     return tuple(result)

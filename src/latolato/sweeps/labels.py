@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.core.quantities import Quantity
+from latolato.core.registry import flattened
 from latolato.core.versions import version_of
 from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
+from latolato.simulation.record import BALL, BALLS
 from latolato.sweeps.axes import DERIVED, parameters_of
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.plan import Plan
@@ -66,20 +69,14 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
     joint = {name for o in plan.observables if o.is_joint for name in o.variables}
     energies = {n for o in plan.observables for n, q in o.variables.items() if q.unit == "J"}
     for name, quantity in quantities.items():
-        result[name] = {
-            "units": quantity.unit,
-            "long_name": quantity.long_name,
-            "symbol": quantity.symbol,
-        }
+        result[name] = quantity.attributes
         if per_ball and name in energies:
             both = plan.system.angles == 2 and name in joint
             result[name]["long_name"] += ", both balls" if both else ", per ball"
-    result["ball"] = {"long_name": "ball", "units": "1", "symbol": ""}
-    result["direction"] = {"long_name": "way along the continuation", "units": "1", "symbol": ""}
+    result["ball"] = BALL.attributes
+    result["direction"] = Quantity("1", "", "way along the continuation").attributes
     result[STATUS] = {
-        "long_name": "status of the point",
-        "units": "1",
-        "symbol": "",
+        **Quantity("1", "", "status of the point").attributes,
         "flag_values": list(range(len(STATUS_NAMES))),
         "flag_meanings": " ".join(STATUS_NAMES),
     }
@@ -95,7 +92,7 @@ def coordinates_of(plan: Plan) -> dict[str, tuple[tuple[str, ...], Any]]:
         for name, values in zip(axis.parameters, axis.values, strict=True):
             result[name] = ((axis.name,), np.array(values))
     if plan.system.angles == 2:
-        result["ball"] = (("ball",), np.array(["right", "left"]))
+        result["ball"] = (("ball",), np.array(BALLS))
     return result
 
 
@@ -120,23 +117,19 @@ def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:
     # What varies under another name has no value of its own either.
     varied = plan.varied | {DERIVED[name] for name in plan.varied & DERIVED.keys()}
     for part in ("system", "drive", "start"):
-        for name, value in described[part].items():
-            if isinstance(value, dict):
-                flat.update({f"{name}_{k}": v for k, v in value.items()})
-            elif name != "kind" and value is not None:
-                flat[name] = value
+        flat |= flattened(described[part])
     for name in ("duration", "transient", "transient_periods", "tolerance", "rest_speed"):
         flat[name] = described[name]
     flat["contact"] = described["contact"]["kind"]
     if plan.noise is not None:
-        flat |= {k: v for k, v in described["noise"].items() if v is not None}
+        flat |= flattened(described["noise"])
         if plan.own_streams:
             flat["noise_streams"] = "noise_stream + number of the point in C order"
     if plan.continuation:
         flat |= {"continuation": plan.continuation, "continuation_direction": plan.direction}
     for observable in described["observables"]:
-        flat |= {k: v for k, v in observable.items() if k != "kind"}
-    flat = {k: int(v) if isinstance(v, bool) else v for k, v in flat.items() if k not in varied}
+        flat |= flattened(observable)
+    flat = {name: value for name, value in flat.items() if name not in varied}
     return flat | {"plan": json.dumps(described), "plan_hash": plan.hash}
 
 
@@ -198,7 +191,7 @@ class Memory:
         coordinates = coordinates_of(self.plan)
         dataset = xr.Dataset(
             {n: (dims_of(self.plan, n), array, about[n]) for n, array in self.arrays.items()},
-            coords={n: (*given, about.get(n, {})) for n, given in coordinates.items()},
+            coords={n: (*entry, about.get(n, {})) for n, entry in coordinates.items()},
             attrs=attributes_of(self.plan, self.rounding),
         )
         if self._reasons:  # the same whatever the order in which chunks came

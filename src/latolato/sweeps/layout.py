@@ -81,8 +81,8 @@ def survey(path: Path, *, read_all: bool) -> Survey:
         raise InputError(f"'{path}' is not a store of a sweep") from error
     if not is_store:
         raise InputError(f"'{path}' is not a store of a sweep, or one that was only just begun")
-    shown, copy = _read(path / ROOT), _signed_content(path / COPY)
-    if copy is None and _is_root(shown) and "rounding" not in shown["attributes"]:
+    document, copy = _read(path / ROOT), _signed_content(path / COPY)
+    if copy is None and _is_root(document) and "rounding" not in document["attributes"]:
         raise InputError(
             f"the store '{path}' was written by an earlier latolato, without checksums",
             way_out="read it with xarray.open_zarr, or run the sweep again into another store",
@@ -92,7 +92,7 @@ def survey(path: Path, *, read_all: bool) -> Survey:
         root = json.loads(copy["root"])
         plan = Plan.from_description(json.loads(root["attributes"]["plan"]))
     else:
-        root = _without_reason(shown)
+        root = _without_reason(document)
         plan = _plan_of(root)
     if plan is None:
         raise InputError(
@@ -114,9 +114,9 @@ def survey(path: Path, *, read_all: bool) -> Survey:
         elif (path / key).exists():
             result.damaged[key] = number
     reason = result.reason if result.is_complete else None
-    if _without_reason(shown) != root or reason not in (
+    if _without_reason(document) != root or reason not in (
         None,
-        shown["attributes"].get(_REASON, reason),
+        document["attributes"].get(_REASON, reason),
     ):
         result.damaged[ROOT] = None
     if read_all:
@@ -185,9 +185,9 @@ def _read(path: Path) -> Any:
         return None
 
 
-def _is_root(shown: Any) -> bool:
+def _is_root(document: Any) -> bool:
     """Return whether a document looks like the metadata of a store."""
-    return isinstance(shown, dict) and isinstance(shown.get("attributes"), dict)
+    return isinstance(document, dict) and isinstance(document.get("attributes"), dict)
 
 
 def copy_of(root: Mapping[str, Any]) -> bytes:
@@ -195,12 +195,12 @@ def copy_of(root: Mapping[str, Any]) -> bytes:
     return signed({"root": as_text(root).decode()})
 
 
-def _without_reason(shown: Any) -> Any:
+def _without_reason(document: Any) -> Any:
     """Return a group's metadata as they were when the store began."""
-    if not _is_root(shown):
-        return shown
-    attributes = {k: v for k, v in shown["attributes"].items() if k != _REASON}
-    return shown | {"attributes": attributes}
+    if not _is_root(document):
+        return document
+    attributes = {k: v for k, v in document["attributes"].items() if k != _REASON}
+    return document | {"attributes": attributes}
 
 
 def _plan_of(root: Any) -> Plan | None:

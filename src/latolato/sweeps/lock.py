@@ -69,10 +69,10 @@ def is_held(path: Path) -> bool:
 def holder(path: Path) -> str:
     """Return who holds the lock, as far as the file tells."""
     try:
-        told = path.read_text()
+        process = path.read_text()
     except OSError:
-        told = ""
-    return f"process {told}" if told else "another process"
+        process = ""
+    return f"process {process}" if process else "another process"
 
 
 def _is_named(descriptor: int, path: Path) -> bool:

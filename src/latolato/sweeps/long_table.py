@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.simulation.record import BALLS
 from latolato.sweeps.labels import (
     attributes_of_variables,
     coordinates_of,
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 POINT = "point"
-_BALLS = ("right", "left")
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
@@ -92,7 +92,7 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
     coordinates = coordinates_of(plan)
     variables: dict[str, Any] = {}
     for name, (dims, dtype, _) in template(plan).items():
-        names = [f"{name}_{ball}" for ball in _BALLS] if "ball" in dims else [name]
+        names = [f"{name}_{ball}" for ball in BALLS] if "ball" in dims else [name]
         if not set(names) <= columns.keys():
             continue
         values = np.stack([columns[each] for each in names], axis=-1)
@@ -100,5 +100,5 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
             raise InputError(f"this table has {len(values)} rows, its sweep {plan.size} points")
         shape = [lengths[dim] for dim in dims]
         variables[name] = (dims, values.reshape(shape).astype(dtype), about[name])
-    coords = {name: (*given, about.get(name, {})) for name, given in coordinates.items()}
+    coords = {name: (*entry, about.get(name, {})) for name, entry in coordinates.items()}
     return xr.Dataset(variables, coords=coords, attrs=dict(attributes))

@@ -13,10 +13,7 @@ from typing import Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import (
-    checked_number,
     describe,
     number_fields,
     rebuild,
@@ -29,7 +26,14 @@ from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.noise import KEY, STREAMS, VelocityKicks
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, checked_drive
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_numbers,
+    checked_offset,
+    checked_system,
+)
 from latolato.sweeps.axes import Axis, checked_axes, parameters_of
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
@@ -238,8 +242,7 @@ def make_plan(
     chunk_size: int | None = None,
 ) -> Plan:
     """Return the plan of a sweep; parameters and errors are those of `latolato.sweep`."""
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
     varied_names = _names_in(axes)
@@ -257,38 +260,13 @@ def make_plan(
             parameter="transient",
             value=transient,
         )
-    watched = tuple(checked_observable(o) for o in _listed(observables))
-    for observable in watched:
-        observable.check_memory()
-    names = [name for o in watched for name in o.variables]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two observables both give '{name}': drop one")
-        if name in {axis.name for axis in dimensions}:
-            raise InputError(f"axis name '{name}' is that of an observable: choose another")
-    if any(o.marks for o in watched) and not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
-        )
-    counts = sorted({o.marks for o in watched} - {0})
-    if len(counts) > 1:  # marks are numbered for all observables together
-        raise InputError(
-            f"observables that look once per drive period must mark equally many periods, got "
-            f"{' and '.join(map(str, counts))}: set their periods alike"
-        )
     law = checked_contact(contact, system)
-    for observable in watched:
-        if observable.angles not in (0, system.angles):
-            raise InputError(
-                f"{next(iter(observable.variables))} belongs to systems of {observable.angles} "
-                f"angles, got a system of {system.angles}"
-            )
-    blind = [name for o in watched if o.tangent is not None for name in o.variables]
-    if blind and law.fixed_step is not None:
-        raise InputError(
-            f"{blind[0]} needs exact contact: a clamped motion depends on its step, so small "
-            "deviations have no meaning there"
-        )
+    watched = tuple(checked_observable(o) for o in _listed(observables))
+    _check_observables(watched, system, drive, law)
+    names = {axis.name for axis in dimensions}
+    for name in (name for o in watched for name in o.variables):
+        if name in names:
+            raise InputError(f"axis name '{name}' is that of an observable: choose another")
     direction = SWEEP_PARAMETERS["direction"].checked(direction)
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
@@ -299,9 +277,7 @@ def make_plan(
         drive=drive,
         axes=dimensions,
         observables=watched,
-        start=_start(
-            system, known, varied, initial_angle, initial_angular_velocity, initial_offset
-        ),
+        start=_start(system, varied, initial_angle, initial_angular_velocity, initial_offset),
         duration=length,
         transient=transient,
         transient_periods=periods,
@@ -319,14 +295,16 @@ def make_plan(
             f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
             "lie in [0, 2^53): begin with a smaller one"
         )
-    if chunk_size is None:
-        # Small enough for several workers and for progress, large enough to fill SIMD lanes.
-        size = min(max(plan.size // 4, 256), 4096)
-        if noise is not None:
-            kicks = max(1.0, length / noise.spacing(system) * system.angles)
-            size = int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
-        plan = replace(plan, chunk_size=size)
-    return plan
+    return plan if chunk_size is not None else replace(plan, chunk_size=_usual_chunk_size(plan))
+
+
+def _usual_chunk_size(plan: Plan) -> int:
+    """Return how many points fill SIMD lanes, but leave work for several threads and progress."""
+    size = min(max(plan.size // 4, 256), 4096)
+    if plan.noise is None:
+        return size
+    kicks = max(1.0, plan.duration / plan.noise.spacing(plan.system) * plan.system.angles)
+    return int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
 
 
 def _names_in(axes: Any) -> set[str]:
@@ -373,34 +351,66 @@ def _drive_for(
     return checked_drive(None)
 
 
-def _listed(given: Any) -> list[Any]:
+def _listed(value: Any) -> list[Any]:
     """Return the observables asked for as a list."""
-    if isinstance(given, (str, Observable)):
-        return [given]
-    if not isinstance(given, Iterable):
-        raise InputError("must be names or instances", parameter="observables", value=given)
-    result = list(given)
+    if isinstance(value, (str, Observable)):
+        return [value]
+    if not isinstance(value, Iterable):
+        raise InputError("must be names or instances", parameter="observables", value=value)
+    result = list(value)
     if not result:
         raise InputError(f"observables must name at least one of {', '.join(observables)}")
     return result
 
 
-def checked_observable(given: Any) -> Observable:
+def checked_observable(value: Any) -> Observable:
     """Return an observable from its name, that of one of its variables, or itself."""
-    if isinstance(given, Observable):
-        return given
-    if not isinstance(given, str):
-        raise InputError("an observable must be a name or an instance", value=given)
+    if isinstance(value, Observable):
+        return value
+    if not isinstance(value, str):
+        raise InputError("an observable must be a name or an instance", value=value)
     kinds: Mapping[str, Any] = observables
-    owners = [kind for kind in kinds.values() if given in kind.variables]
-    kind = owners[0] if owners and given not in kinds else kinds[given]
+    owners = [kind for kind in kinds.values() if value in kind.variables]
+    kind = owners[0] if owners and value not in kinds else kinds[value]
     result: Observable = kind()
     return result
 
 
+def _check_observables(
+    watched: Sequence[Observable], system: System, drive: Drive, law: ContactLaw
+) -> None:
+    """Raise InputError unless observables go together, and with the laws of a run."""
+    names = [name for o in watched for name in o.variables]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two observables both give '{name}': drop one")
+    counts = sorted({o.marks for o in watched} - {0})
+    if counts and not isinstance(drive, PeriodicDrive):
+        raise InputError(
+            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
+        )
+    if len(counts) > 1:  # marks are numbered for all observables together
+        raise InputError(
+            f"observables that look once per drive period must mark equally many periods, got "
+            f"{' and '.join(map(str, counts))}: set their periods alike"
+        )
+    for observable in watched:
+        observable.check_memory()
+        name = next(iter(observable.variables))
+        if observable.angles not in (0, system.angles):
+            raise InputError(
+                f"{name} belongs to systems of {observable.angles} angles, got a system of "
+                f"{system.angles}"
+            )
+        if observable.tangent is not None and law.fixed_step is not None:
+            raise InputError(
+                f"{name} needs exact contact: a clamped motion depends on its step, so small "
+                "deviations have no meaning there"
+            )
+
+
 def _start(
     system: System,
-    known: Mapping[str, Parameter],
     varied: set[str],
     angle: Any,
     velocity: Any,
@@ -408,48 +418,26 @@ def _start(
 ) -> tuple[tuple[str, float], ...]:
     """Return the start's parameters that do not vary, by name."""
     sides = ("",) if system.angles == 1 else ("_right", "_left")
-    given: dict[str, float] = {}
-    pairs = {"initial_angle": angle, "initial_angular_velocity": velocity}
+    fixed: dict[str, float] = {}
     if offset is not None:
-        if "initial_offset" not in known:
-            raise InputError(
-                "counts from the low contact angle of a LatoLato",
-                parameter="initial_offset",
-                way_out="use initial_angle for other systems",
-            )
-        if angle is not None:
-            raise InputError(
-                "give only one of {parameter} and initial_offset", parameter="initial_angle"
-            )
-        given["initial_offset"] = checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
-    for name, value in pairs.items():
-        if value is None:
-            continue
-        values = (value,)
-        if len(sides) == 2:
-            if np.ndim(value) == 0 and value == 0.0:
-                value = (0.0, 0.0)
-            if np.shape(value) != (2,):
-                raise InputError(
-                    "of a BallPair must be two numbers (right, left)", parameter=name, value=value
-                )
-            values = tuple(value)
-        for side, number in zip(sides, values, strict=True):
-            unit = QUANTITIES[name].unit
-            given[name + side] = checked_number(name + side, number, ANY, unit)
+        fixed["initial_offset"] = checked_offset(system, angle, offset)
+    for name, value in {"initial_angle": angle, "initial_angular_velocity": velocity}.items():
+        if value is not None:
+            numbers = checked_numbers(name, value, system.angles)
+            fixed |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
     starts = ("initial_angle", "initial_offset")
     for name, other in zip(starts, reversed(starts), strict=True):
-        if name in varied and other in given:
+        if name in varied and other in fixed:
             raise InputError(f"give only one of {{parameter}} and an axis {name}", parameter=other)
     if varied & set(starts):
-        given = {k: v for k, v in given.items() if k not in starts}
-    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*given, *varied}]
-    if missing and "initial_offset" not in {*given, *varied}:
+        fixed = {k: v for k, v in fixed.items() if k not in starts}
+    missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*fixed, *varied}]
+    if missing and "initial_offset" not in {*fixed, *varied}:
         raise InputError(
             f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
             "may stand instead)"
         )
-    return tuple(sorted((k, v) for k, v in given.items() if k not in varied))
+    return tuple(sorted((k, v) for k, v in fixed.items() if k not in varied))
 
 
 def _check_continuation(

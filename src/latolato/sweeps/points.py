@@ -36,7 +36,7 @@ from latolato.physics.contacts import FINE
 from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.start import checked_start, kicks_of, walls_of
+from latolato.simulation.start import between_walls, checked_start, kicks_of, walls_of
 from latolato.sweeps.axes import DERIVED, parameters_of
 from latolato.sweeps.plan import Plan
 
@@ -311,8 +311,8 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
             last = np.floor(plan.duration / period * (1.0 + LAST_PERIOD))
             numbers = last[:, None] - np.arange(marks - 1, -1, -1)
             instants = np.minimum(numbers * period[:, None], plan.duration)
-        seen = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
-        stops[:, 1:-1] = np.where(seen, instants, np.nan)
+        inside = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
+        stops[:, 1:-1] = np.where(inside, instants, np.nan)
     return stops, transient < plan.duration
 
 
@@ -387,7 +387,7 @@ def _objects(
     offset = None
     angle: tuple[float, ...] = ()
     if previous is not None:
-        angle = _inside(tuple(float(a[k]) for a in previous.angles), walls)
+        angle = tuple(between_walls([float(a[k]) for a in previous.angles], walls).tolist())
         velocity = tuple(float(v[k]) for v in previous.velocities)
     else:
         velocity = tuple(float(columns[f"initial_angular_velocity{s}"][k]) for s in sides)
@@ -396,8 +396,8 @@ def _objects(
         else:
             angle = tuple(float(columns[f"initial_angle{s}"][k]) for s in sides)
     one = system.angles == 1
-    given: Any = None if offset is not None else (angle[0] if one else angle)
-    start = checked_start(system, walls, given, velocity[0] if one else velocity, offset)
+    values: Any = None if offset is not None else (angle[0] if one else angle)
+    start = checked_start(system, walls, values, velocity[0] if one else velocity, offset)
     transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
     if not transient < plan.duration:
         raise InputError(
@@ -461,13 +461,3 @@ def _check_mirrored(system: System, start: Start) -> None:
             "properties, and the left one the opposite angle and angular velocity",
             parameter="transverse_exponent",
         )
-
-
-def _inside(angles: tuple[float, ...], walls: tuple[float, float]) -> tuple[float, ...]:
-    """Return angles moved between the walls where parameters of the walls have changed."""
-    low, high = walls
-    if len(angles) == 1:
-        return (min(max(angles[0], low), high),)
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return (angles[0] + shift, angles[1] - shift)

@@ -59,7 +59,7 @@ _LOCK = f"{OWN}/lock"
 _UNFINISHED = re.compile(r"\..+\.\d+\.[0-9a-f]{6}(\.\w+)?")
 # What a store begins with, the root apart.
 _FIRST = re.compile(r"[^/]+/(zarr\.json|root\.json|c/0)")
-_MOST_TOLD = 4
+_MOST_LISTED = 4
 
 
 class Store:
@@ -115,7 +115,7 @@ class Store:
             (self.path / OWN).mkdir(exist_ok=True)
             descriptor = lock.acquire(lock_path)
         except OSError as error:
-            raise self._told(error) from None
+            raise self._with_way_out(error) from None
         if descriptor is None:
             raise BlockingIOError(
                 f"{lock.holder(lock_path)} is writing the store '{self.path}': wait for it, stop "
@@ -127,7 +127,7 @@ class Store:
         except BaseException as error:
             self.__exit__()
             if isinstance(error, OSError) and error.errno is not None:
-                raise self._told(error) from None
+                raise self._with_way_out(error) from None
             raise
         return self
 
@@ -157,7 +157,7 @@ class Store:
             if len(self._reasons) == self.plan.chunks:
                 self._finish()
         except OSError as error:
-            raise self._told(error) from None
+            raise self._with_way_out(error) from None
 
     def status_counts(self) -> dict[str, int]:
         """Return how many points of the finished chunks have each status that occurs."""
@@ -286,11 +286,11 @@ class Store:
         with atomic_path(path) as unfinished:
             unfinished.write_bytes(content)
 
-    def _told(self, error: OSError) -> OSError:
+    def _with_way_out(self, error: OSError) -> OSError:
         """Return an error of the system with what is kept and the way out."""
-        said = error.strerror or str(error)
+        text = error.strerror or str(error)
         way_out = "finished chunks are kept; once this is mended, the same sweep goes on from there"
-        return OSError(error.errno, f"{said} ({way_out})", str(self.path))
+        return OSError(error.errno, f"{text} ({way_out})", str(self.path))
 
 
 def open_store(path: str | Path) -> xr.Dataset:
@@ -369,11 +369,11 @@ def store_status(path: str | Path) -> dict[str, Any]:
     return _status(Path(path), survey(Path(path), read_all=False))
 
 
-def _status(path: Path, found: Survey) -> dict[str, Any]:
+def _status(path: Path, contents: Survey) -> dict[str, Any]:
     """Return the state of a store as plain values."""
-    attributes, plan = found.root["attributes"], found.plan
+    attributes, plan = contents.root["attributes"], contents.plan
     counts: Counter[str] = Counter()
-    for note in found.notes.values():
+    for note in contents.notes.values():
         counts.update(note["status"])
     return {
         "store": str(path),
@@ -387,23 +387,23 @@ def _status(path: Path, found: Survey) -> dict[str, Any]:
         "duration": plan.duration,
         "tolerance": plan.tolerance,
         "chunks": plan.chunks,
-        "chunks_done": len(found.notes),
+        "chunks_done": len(contents.notes),
         "points": plan.size,
         "points_done": counts.total(),
         "status_counts": in_order(counts),
-        "first_invalid": found.reason,
-        "complete": found.is_complete,
+        "first_invalid": contents.reason,
+        "complete": contents.is_complete,
         "writer_active": lock.is_held(path / _LOCK),
     }
 
 
-def _opened(path: Path, found: Survey) -> xr.Dataset:
+def _opened(path: Path, contents: Survey) -> xr.Dataset:
     """Return the dataset of a store, whose files are compared with their digests on use."""
     import xarray as xr
 
     from latolato.sweeps.checked import CheckedFiles
 
-    dataset: xr.Dataset = xr.open_zarr(CheckedFiles.of(path, found.digests), chunks=None)
+    dataset: xr.Dataset = xr.open_zarr(CheckedFiles.of(path, contents.digests), chunks=None)
     # As NumPy's fixed-width text, like the coordinates of a sweep in memory.
     texts = {n: c for n, c in dataset.coords.items() if c.dtype.kind not in "iuf"}
     return dataset.assign_coords(
@@ -418,5 +418,5 @@ def _executors(rounding: str) -> str:
 
 def _shortened(texts: list[str]) -> str:
     """Return the first few of many texts."""
-    more = f" and {len(texts) - _MOST_TOLD} more" if len(texts) > _MOST_TOLD else ""
-    return ", ".join(texts[:_MOST_TOLD]) + more
+    more = f" and {len(texts) - _MOST_LISTED} more" if len(texts) > _MOST_LISTED else ""
+    return ", ".join(texts[:_MOST_LISTED]) + more

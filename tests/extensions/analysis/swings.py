@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.closed_forms import undriven_period
+from latolato.analysis.elliptic import undriven_period
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.core.registry import checked_count, checked_number
@@ -43,7 +43,8 @@ def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -
     return labelled(
         "swing_time",
         {"swing_time": ("largest_angle", times)},
-        coordinates={"largest_angle": ("largest_angle", angles)},
+        coordinates={"largest_angle": angles},
         quantities={"swing_time": Quantity("s", "T", "time of a swing")},
         system=system,
+        arguments=locals(),
     )
