@@ -1,7 +1,7 @@
 """Compiles the package's pieces: LLVM bitcode, ``kernels.zip``, and WebAssembly: `make kernels`.
 
-``python .ci/kernels.py [FILE]``; the file that the package reads is the default, and the folder
-``wasm`` lies beside it. Nothing is done if they were made of these very sources, by no newer LLVM.
+``python .ci/kernels.py [FILE [FOLDER]]``; the file that the package reads and the folder that pages
+read are the defaults. Nothing is done if both were made of these very sources, by no newer LLVM.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
 import wasm
 
+from latolato.app import STATIC
 from latolato.numerics import pieces, shipped
 from latolato.numerics.sources import digest_of_sources
 from latolato.observables import Observable
@@ -149,7 +150,7 @@ def _made_of() -> dict[str, str]:
 def main() -> None:
     """Compile all, write the archive and the modules."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped.ARCHIVE
-    folder = path.with_name("wasm")
+    folder = Path(sys.argv[2]) if len(sys.argv) > 2 else STATIC / "kernels"
     if _is_fresh(path, folder):
         return
     wasm.check_linker()

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from in_node import MODULES, described_array, read_layout, record_run
+from in_node import described_array, read_layout, record_run
 from latolato.app.pages import STATIC
 
 RUN = """
 async ({ arrays, how }) => {
   const { Kernels } = await import("/js/kernels/memory.js");
   const { integrate } = await import("/js/kernels/run.js");
-  const layout = await (await fetch("/wasm/layout.json")).json();
+  const layout = await (await fetch("/kernels/layout.json")).json();
   const started = {};
   for (const name of Object.keys(layout.modules)) {
-    const module = await WebAssembly.compileStreaming(fetch(`/wasm/${name}.wasm`));
+    const module = await WebAssembly.compileStreaming(fetch(`/kernels/${name}.wasm`));
     started[name] = await Kernels.start(module, name, layout);
   }
   const { one } = started;
@@ -45,7 +45,7 @@ def empty_page(browser):
 
     def answer(route):
         place = urlsplit(route.request.url).path
-        path = MODULES / place[6:] if place.startswith("/wasm/") else STATIC / place[1:]
+        path = STATIC / place[1:]
         kind = mimetypes.guess_type(place)[0]
         if place == "/":
             route.fulfill(body="<!doctype html>", content_type="text/html")

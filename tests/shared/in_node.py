@@ -20,8 +20,9 @@ from unittest import mock
 import numpy as np
 
 import latolato as ll
+from latolato.app import STATIC
 from latolato.core.registry import describe
-from latolato.numerics import integrate, records, shipped
+from latolato.numerics import integrate, records
 from latolato.numerics.engine import record
 from latolato.numerics.many import Progress
 from latolato.numerics.pieces import SHARED
@@ -39,7 +40,7 @@ from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch
 
 NODE = Path(sys.executable).parent / "node"
-MODULES = shipped.ARCHIVE.with_name("wasm")
+MODULES = STATIC / "kernels"
 _SIMULATE = sys.modules["latolato.simulation.run"]
 _TYPES = {
     record.run_dtype(): "run",

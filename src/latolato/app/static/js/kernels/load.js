@@ -1,0 +1,55 @@
+/** Compiled modules from their files, in a page, in a worker and in Node.js. */
+
+import { Kernels } from "./memory.js";
+
+/** @typedef {import("./memory.js").Layout} Layout */
+
+const FOLDER = new URL("../../kernels/", import.meta.url);
+/** @type {Promise<Layout> | null} */
+let layout = null;
+/** @type {Map<string, Promise<Kernels>>} */
+const modules = new Map();
+
+/**
+ * Return the content of a file beside the modules.
+ * @param {string} name
+ */
+async function content(name) {
+  const address = new URL(name, FOLDER);
+  if (address.protocol !== "file:") {
+    const response = await fetch(address);
+    if (!response.ok) throw new Error(`${name} cannot be loaded: ${response.status}`);
+    return response;
+  }
+  const { readFile } = await import(/** @type {any} */ ("node:fs/promises"));
+  return new Response(await readFile(address));
+}
+
+/** Return what the modules have and what lies where in their memory. */
+export function loadLayout() {
+  layout ??= content("layout.json").then((response) => response.json()).catch((error) => {
+    layout = null; // to be tried again
+    throw error;
+  });
+  return layout;
+}
+
+/**
+ * Return a module that is ready to be called; it is loaded once.
+ * @param {string} name `one`, `two` or `lanes`
+ */
+export function loadKernels(name) {
+  const started = modules.get(name) ?? start(name).catch((error) => {
+    modules.delete(name);
+    throw error;
+  });
+  modules.set(name, started);
+  return started;
+}
+
+/** @param {string} name */
+async function start(name) {
+  const [about, code] = await Promise.all([
+    loadLayout(), content(`${name}.wasm`).then((response) => response.arrayBuffer())]);
+  return Kernels.start(await WebAssembly.compile(code), name, about);
+}
