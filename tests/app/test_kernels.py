@@ -38,6 +38,23 @@ async ({ arrays, how }) => {
 }
 """
 
+MAP = """
+async (plan) => {
+  const { Pool } = await import("/js/map/pool.js");
+  const pool = new Pool(2);
+  const rows = { status: [], angles: [] };
+  await new Promise((resolve, reject) => pool.start(plan, {
+    onCells: ({ cell, status, values }) => cell.forEach((at, k) => {
+      rows.status[at] = status[k];
+      rows.angles[at] = values[0][k];
+    }),
+    onDone: resolve, onError: reject,
+  }));
+  pool.close();
+  return rows;
+}
+"""
+
 
 @pytest.fixture
 def empty_page(browser):
@@ -76,3 +93,24 @@ def test_a_page_computes_what_python_computes(empty_page):
     # The motion is regular: see `tests/numerics/test_wasm.py`.
     np.testing.assert_allclose(found["times"], case.expected["contact_times"], rtol=0, atol=1e-10)
     np.testing.assert_allclose(found["angles"], case.expected["samples"][0], rtol=0, atol=1e-12)
+
+
+def test_workers_of_a_page_compute_a_map(empty_page):
+    ball = {"length": 1.0, "mass": 0.8, "radius": 0.1, "damping": 0.02}
+    axes = {"restitution": [0.5, 0.7, 0.9], "drive_amplitude": [0.0, 0.01, 0.02, 0.03]}
+    system, drive = ll.LatoLato(**ball), ll.Harmonic(drive_amplitude=0.1, drive_frequency=3.0)
+    native = ll.sweep(
+        system, drive, axes=axes, observables=["largest_angle"], initial_angle=0.5, duration=5.0
+    )
+    y, x = ({"name": name, "values": values} for name, values in axes.items())
+    usual = {"gravity": 9.8, "meets": 1, "rest_speed": 1e-6, "tolerance": 1e-6}
+    plan = {
+        "drive": "harmonic", "x": x, "y": y, "duration": 5.0,
+        "parameters": {**ball, **usual, "drive_frequency": 3.0, "initial_angle": 0.5},
+        "observables": [{"name": "largest_angle"}],
+    }  # fmt: skip
+    page = empty_page.evaluate(MAP, plan)
+    assert page["status"] == native["status"].values.ravel().tolist()
+    np.testing.assert_allclose(
+        page["angles"], native["largest_angle"].values.ravel(), rtol=0, atol=1e-10
+    )
