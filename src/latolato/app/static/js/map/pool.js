@@ -26,6 +26,9 @@ import { inOrder, pointsOf } from "./plan.js";
 // A batch takes about so long [s].
 const BATCH = 0.25;
 const LARGEST_BATCH = 4096;
+// Batches in lanes have so many cells for each: a lane whose point has ended takes up the next one.
+// With one cell for each lane, a map takes 1.6 times as long; with all in one batch, 8 % less.
+const FILLS = 2;
 // Cells along each axis whose steps are counted before a map begins.
 const PROBES = 7;
 // A step in lanes, and one of a single trajectory, until they are measured [s].
@@ -77,7 +80,7 @@ class Job {
     const left = this.cells.length - this.next;
     if (!left) return null;
     const coarse = this.strides.lastIndexOf(this.strides[0]) + 1;
-    // All workers share the first picture, and the last. Few cells take as long as full lanes.
+    // All workers share the first picture, and the last.
     const share = this.next < coarse ? Math.ceil(coarse / workers)
       : Math.max(this.least, Math.ceil(left / workers));
     const size = Math.min(left, share, Math.max(this.least, target));
@@ -136,7 +139,7 @@ export class Pool {
       if (job !== this.job) return;
       job.estimate = estimate;
       job.start = { module, name, layout };
-      if (estimate.in_lanes) job.least = layout.lanes.lanes;
+      if (estimate.in_lanes) job.least = FILLS * layout.lanes.lanes;
       this.members = this.members.filter((member) => {
         if (member.module !== name) member.thread.terminate();
         return member.module === name;
