@@ -83,6 +83,26 @@ test("a new map ends the workers that are busy, and what they say is not heard",
   assert.ok(workers.every(({ ended }) => ended));
 });
 
+test("what was computed before comes at once", async () => {
+  const { pool, workers, heard, listener } = await started();
+  const { cells: [first] } = workers[0];
+  workers[0].answer();
+  heard.cells = [];
+  await pool.start(PLAN, listener);
+  assert.deepEqual(heard.cells, [...first]);
+  while (!heard.done) for (const each of workers) if (!each.ended && each.cells.length) each.answer();
+  assert.deepEqual(heard.cells.sort((a, b) => a - b), Array.from({ length: 600 }, (_, i) => i));
+  // Moved by ten columns: twenty are the same.
+  const x = { ...PLAN.x, values: PLAN.x.values.map((value) => value + 2) };
+  heard.cells = [];
+  await pool.start({ ...PLAN, x }, listener);
+  assert.deepEqual(heard.cells.sort((a, b) => a - b),
+    Array.from({ length: 600 }, (_, i) => i).filter((i) => i % 30 < 20));
+  heard.cells = [];
+  await pool.start({ ...PLAN, duration: 100 }, listener);
+  assert.deepEqual(heard.cells, []);
+});
+
 test("a worker that dies is replaced, says so, and its cells are computed again", async () => {
   const { workers, heard } = await started();
   const [lost] = workers[0].cells;

@@ -2,15 +2,17 @@
 
 import { loadKernels, loadLayout, loadModule } from "../kernels/load.js";
 import { countSteps, moduleOf } from "../kernels/map.js";
-import { inOrder, pointsOf } from "./plan.js";
+import { cellsOf, Memory, pointsAt, put } from "./known.js";
+import { inOrder, pointsOf, variablesOf } from "./plan.js";
 
 /**
  * @typedef {import("./plan.js").Plan} Plan
  * @typedef {{points: number, seconds: number, rate: number}} Progress points that are computed, in
  *   how long [s], and how many in a second
  *
- * What becomes of a map: cells as they come, row after row of `variablesOf`; then its end, or what
- * is wrong with it. A worker that dies is replaced, and computes its cells again.
+ * What becomes of a map: cells as they come, row after row of `variablesOf`, those first that other
+ * maps have had; then its end, or what is wrong with it. A worker that dies is replaced, and
+ * computes its cells again.
  * @typedef {object} Listener
  * @property {(cells: {cell: Int32Array, stride: Uint8Array, status: Uint8Array,
  *   values: Float64Array[]}, progress: Progress) => void} onCells
@@ -51,7 +53,10 @@ class Job {
     const { cells, strides } = inOrder(plan.x.values.length, plan.y.values.length);
     this.cells = cells;
     this.strides = strides;
+    this.count = cells.length;
     this.next = 0;
+    /** @type {import("./known.js").Known | null} */
+    this.known = null;
     /** @type {Batch[]} */
     this.again = [];
     this.points = 0;
@@ -60,6 +65,23 @@ class Job {
     /** @type {import("./worker.js").Start | null} */
     this.start = null;
     this.least = 1;
+  }
+
+  /**
+   * Show the cells that are known, which need not be computed.
+   * @param {import("./known.js").Known} known
+   */
+  begins(known) {
+    this.known = known;
+    if (!cellsOf(known).length) return;
+    const isKnown = new Set(cellsOf(known));
+    const [old, fresh] = [true, false].map((wanted) =>
+      [...this.cells.keys()].filter((k) => isKnown.has(this.cells[k]) === wanted));
+    const cell = Int32Array.from(old, (k) => this.cells[k]);
+    const stride = Uint8Array.from(old, (k) => this.strides[k]);
+    this.cells = Int32Array.from(fresh, (k) => this.cells[k]);
+    this.strides = Uint8Array.from(fresh, (k) => this.strides[k]);
+    this.listener.onCells({ cell, stride, ...pointsAt(known, cell) }, this.progress());
   }
 
   /** Return how far it is. @returns {Progress} */
@@ -103,6 +125,7 @@ export class Pool {
     /** @type {Job | null} */
     this.job = null;
     this.step = { ...USUAL_STEP };
+    this.memory = new Memory();
   }
 
   /**
@@ -144,7 +167,10 @@ export class Pool {
         if (member.module !== name) member.thread.terminate();
         return member.module === name;
       });
-      this.employ(job);
+      job.begins(this.memory.begin(plan, variablesOf(layout, plan).length));
+      if (job !== this.job) return; // stopped by who saw these
+      if (job.cells.length) this.employ(job);
+      else this.finish(job);
     } catch (error) {
       this.fail(job, /** @type {Error} */ (error));
     }
@@ -203,7 +229,7 @@ export class Pool {
   /** Return how many cells of a map take as long as a batch should. @param {Job} job */
   target(job) {
     const { in_lanes, steps } = job.estimate;
-    const point = (steps / job.cells.length) * this.step[in_lanes ? "lanes" : "single"];
+    const point = (steps / job.count) * this.step[in_lanes ? "lanes" : "single"];
     return Math.max(1, Math.min(LARGEST_BATCH, Math.round(BATCH / point)));
   }
 
@@ -226,16 +252,20 @@ export class Pool {
     }
     const { in_lanes, steps } = job.estimate;
     this.step[in_lanes ? "lanes" : "single"] =
-      data.seconds / (batch.cell.length * (steps / job.cells.length));
+      data.seconds / (batch.cell.length * (steps / job.count));
     job.points += batch.cell.length;
+    if (job.known) put(job.known, batch.cell, data);
     this.feed(member);
     const progress = job.progress();
     const { cell, stride } = batch;
     job.listener.onCells({ cell, stride, status: data.status, values: data.values }, progress);
-    if (job === this.job && job.points === job.cells.length) {
-      this.job = null;
-      job.listener.onDone(progress);
-    }
+    if (job === this.job && job.points === job.cells.length) this.finish(job);
+  }
+
+  /** Tell that a map is complete. @param {Job} job */
+  finish(job) {
+    this.job = null;
+    job.listener.onDone(job.progress());
   }
 
   /**
