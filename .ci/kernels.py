@@ -1,7 +1,7 @@
 """Compiles the package's pieces: LLVM bitcode, ``kernels.zip``, and WebAssembly: `make kernels`.
 
-``python .ci/kernels.py [FILE]``; the file that the package reads is the default, and the folder
-``wasm`` lies beside it. Nothing is done if they were made of these very sources, by no newer LLVM.
+``python .ci/kernels.py [FILE [FOLDER]]``; the file that the package reads and the folder that pages
+read are the defaults. Nothing is done if both were made of these very sources, by no newer LLVM.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
 import wasm
 
+from latolato.app import STATIC
 from latolato.numerics import pieces, shipped
 from latolato.numerics.sources import digest_of_sources
 from latolato.observables import Observable
@@ -102,10 +103,10 @@ def _name(number: int) -> str:
     return f"piece_{number:03}"
 
 
-def _piece(number: int) -> tuple[bytes, list[str], bytes]:
-    """Return one of the recipes, compiled: what `_bitcode` returns, and an object file for pages.
+def _piece(number: int) -> tuple[bytes, list[str], dict[str, bytes]]:
+    """Return one of the recipes, compiled: what `_bitcode` returns, and object files for pages.
 
-    The latter is empty if no module for pages has the piece.
+    There are none of these if no module for pages has the piece.
     """
     from latolato.numerics.compiled import compile_piece  # imports numba
 
@@ -121,9 +122,11 @@ def _piece(number: int) -> tuple[bytes, list[str], bytes]:
     except _LinkedError:
         (text,) = linked
     bitcode, called = _bitcode(text, recipe.kind, _name(number))
-    if not modules:
-        return bitcode, called, b""
-    return bitcode, called, wasm.object_of(text + _entry(text, recipe.kind, name), name)
+    variants = wasm.VARIANTS if modules else {}
+    code = text + _entry(text, recipe.kind, name)
+    return bitcode, called, {
+        variant: wasm.object_of(code, name, features) for variant, features in variants.items()
+    }  # fmt: skip
 
 
 def _is_fresh(path: Path, folder: Path) -> bool:
@@ -149,7 +152,7 @@ def _made_of() -> dict[str, str]:
 def main() -> None:
     """Compile all, write the archive and the modules."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped.ARCHIVE
-    folder = path.with_name("wasm")
+    folder = Path(sys.argv[2]) if len(sys.argv) > 2 else STATIC / "kernels"
     if _is_fresh(path, folder):
         return
     wasm.check_linker()
@@ -176,12 +179,15 @@ def main() -> None:
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, 9)
     os.chmod(new, 0o644)
     os.replace(new, path)
-    objects = {recipe.key: code for recipe, (_, _, code) in zip(recipes, made, strict=True)}
+    objects: dict[str, dict[str, bytes]] = {variant: {} for variant in wasm.VARIANTS}
+    for recipe, (_, _, codes) in zip(recipes, made, strict=True):
+        for variant, code in codes.items():
+            objects[variant][recipe.key] = code
     for_pages = wasm.write(folder, _made_of(), wasm.modules_of(recipes), objects)
     size, seconds = path.stat().st_size, time.monotonic() - begin
     print(
-        f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, for pages {for_pages / 1e3:.0f} kB, "
-        f"in {seconds:.0f} s"
+        f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, for pages "
+        f"{' or '.join(f'{each / 1e3:.0f}' for each in for_pages.values())} kB, in {seconds:.0f} s"
     )
 
 

@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +38,10 @@ from latolato.sweeps.points import LAST_PERIOD
 LAYOUT = "layout.json"
 _LINKER = "ziglang"
 
-# Every browser has had these since 2023; lanes are made of `simd128`.
-_FEATURES = "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext"
+# Every browser has had these since 2021; nearly every one has had `simd128`, of which lanes are
+# made, since 2023. Others load the modules of the second kind.
+_FEATURES = ("bulk-memory", "bulk-memory-opt", "nontrapping-fptoint", "sign-ext")
+VARIANTS = {"": ("simd128", *_FEATURES), "-scalar": _FEATURES}
 # Functions of C that modules take from a page's `Math`, which has them under the same names. Both
 # err by about a unit in the last place. The sine of the equation of motion is not one of them: see
 # `latolato.core.scalar`.
@@ -89,7 +92,8 @@ def check_linker() -> None:
 def is_fresh(folder: Path, made_of: dict[str, Any]) -> bool:
     """Return whether a folder has all modules, made of just that."""
     layout = json.loads((folder / LAYOUT).read_text())
-    is_whole = all((folder / f"{module}.wasm").exists() for module in layout["modules"])
+    files = product(layout["modules"], VARIANTS)
+    is_whole = all((folder / f"{module}{variant}.wasm").exists() for module, variant in files)
     return is_whole and all(layout[key] == value for key, value in made_of.items())
 
 
@@ -117,10 +121,10 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     laws = [law.__name__ for law in recipe.laws]
     if maker == "make_entry":
         if laws[0] == "make_clamped":
-            return "clamp", ("one",)
+            return "clamp", ("one", "lanes")
         return "engine", ("one", "lanes") if settings["count"] == 1 else ("two",)
     if maker == "make_many_entry":
-        return "many", ("lanes",) if settings["balls"] == 1 else ()
+        return "many", ("lanes",) if settings["balls"] == 1 else ("two",)
     if maker == "make_observer_entry":
         return "observer", ("one", "two")
     if maker == "make_shake_entry":
@@ -128,7 +132,7 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     if maker in ("make_begin_entry", "make_allowed_entry"):
         return maker.removeprefix("make_").removesuffix("_entry"), ("one", "two")
     if maker == "make_prepare_entry":
-        return "prepare", ("lanes",)
+        return "prepare", ("two", "lanes")
     if maker == "make_lanes":
         return "lanes", ("lanes",)
     if maker in ("make_fly", "make_locate"):
@@ -142,8 +146,9 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
         found = [name for name in SHARED if settings[name]]
         return "_".join(["survey", *found]), ("lanes",) if found == [*SHARED] else ()
     occasion = settings.get("occasion")
-    how = maker.removeprefix("make_") if occasion is None else watch.OCCASIONS[occasion]
-    return hook_name(recipe.laws[0], how), ("lanes",)
+    if occasion is None:  # of all lanes at once
+        return hook_name(recipe.laws[0], maker.removeprefix("make_")), ("lanes",)
+    return hook_name(recipe.laws[0], watch.OCCASIONS[occasion]), ("two", "lanes")
 
 
 def hook_name(formula: Formula, how: str) -> str:
@@ -154,7 +159,7 @@ def hook_name(formula: Formula, how: str) -> str:
     return f"{formula.__module__.rpartition('.')[2]}.{formula.__name__.strip('_')}.{how}"
 
 
-def object_of(text: str, name: str) -> bytes:
+def object_of(text: str, name: str, features: Sequence[str]) -> bytes:
     """Return a piece as an object file.
 
     Parameters
@@ -163,13 +168,15 @@ def object_of(text: str, name: str) -> bytes:
         Its code before anything was optimised.
     name : str
         The function in it that has the types of a piece.
+    features : sequence of str
+        What browsers must know beyond the first WebAssembly.
     """
     module = llvm.parse_assembly(_with_instructions(text))
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration and each.name != name:
             each.linkage = "internal"
     # Engines gain 8 % by the third level; lanes gain nothing and are 2 % smaller without.
-    return _optimised(module, speed=3 if name == "engine" else 2)
+    return _optimised(module, features, speed=3 if name == "engine" else 2)
 
 
 def _with_instructions(text: str) -> str:
@@ -183,12 +190,12 @@ def _with_instructions(text: str) -> str:
     return text if intrinsic in text else f"{text}\n{intrinsic}\n"
 
 
-def _optimised(module: Any, speed: int = 2) -> bytes:
+def _optimised(module: Any, features: Sequence[str], speed: int = 2) -> bytes:
     """Return code as an object file; `speed` is LLVM's level of optimisation."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple("wasm32-unknown-unknown").create_target_machine(
-        features=_FEATURES, opt=speed
+        cpu="mvp", features=",".join(f"+{feature}" for feature in features), opt=speed
     )
     module.triple, module.data_layout = target.triple, str(target.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed)
@@ -199,18 +206,22 @@ def _optimised(module: Any, speed: int = 2) -> bytes:
     return code
 
 
-def linked(pieces: dict[str, Recipe], objects: dict[str, bytes]) -> bytes:
-    """Return a module of pieces, whose object files are given by the keys of their recipes."""
+def linked(pieces: dict[str, Recipe], objects: dict[str, bytes], features: Sequence[str]) -> bytes:
+    """Return a module of pieces, whose object files are given by the keys of their recipes.
+
+    The linker refuses objects that use other features.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder, files = Path(name), []
         codes = [objects[recipe.key] for recipe in pieces.values()]
-        for number, code in enumerate([_exports(pieces), *codes]):
+        for number, code in enumerate([_exports(pieces, features), *codes]):
             files.append(folder / f"{number}.o")
             files[-1].write_bytes(code)
         imported, made = folder / "imported.txt", folder / "module.wasm"
         imported.write_text("\n".join(_MATH))
         command = [
             *("--no-entry", "--gc-sections", "--strip-all", "-O2"),
+            f"--features={','.join(features)}",
             *("--export=pieces", "--export=__heap_base", f"--allow-undefined-file={imported}"),
             *("--stack-first", "-z", f"stack-size={_STACK}", "-o", str(made), *map(str, files)),
         ]
@@ -218,7 +229,7 @@ def linked(pieces: dict[str, Recipe], objects: dict[str, bytes]) -> bytes:
         return made.read_bytes()
 
 
-def _exports(pieces: dict[str, Recipe]) -> bytes:
+def _exports(pieces: dict[str, Recipe], features: Sequence[str]) -> bytes:
     """Return the object file that exports a list of all pieces, and those that pages call.
 
     In WebAssembly the address of a function is its place in the module's table of functions.
@@ -230,7 +241,7 @@ def _exports(pieces: dict[str, Recipe]) -> bytes:
         lines.append(f'declare {returned} @"{name}"({", ".join(taken)})')
         if name in _CALLED:
             lines += _for_pages(name, returned, taken)
-    return _optimised(llvm.parse_assembly("\n".join(lines)))
+    return _optimised(llvm.parse_assembly("\n".join(lines)), features)
 
 
 def _for_pages(name: str, returned: str, taken: Sequence[str]) -> Iterator[str]:
@@ -339,6 +350,9 @@ def _observable(kind: Any) -> dict[str, Any]:
         "marks": usual.marks,
         "slots": usual.slots,
         "needs": sorted(kind.needs),
+        "plain": sorted(kind.plain),
+        "joint": kind.is_joint,
+        "mirrored": kind.mirrored,
         "pieces": _hooks_of(kind),
     }
 
@@ -359,23 +373,23 @@ def write(
     folder: Path,
     about: dict[str, Any],
     modules: dict[str, dict[str, Recipe]],
-    objects: dict[str, bytes],
-) -> int:
-    """Write the modules and then their layout; return the size of the modules in bytes.
+    objects: dict[str, dict[str, bytes]],
+) -> dict[str, int]:
+    """Write the modules and then their layout; return the size of each variant in bytes.
 
     Parameters
     ----------
     about : dict
         What they were made of; it becomes a part of the layout.
     objects : dict
-        The pieces as object files, by the keys of their recipes.
+        The pieces as object files, by variants and by the keys of their recipes.
     """
     folder.mkdir(exist_ok=True)
     (folder / LAYOUT).unlink(missing_ok=True)
-    size = 0
-    for module, pieces in modules.items():
-        code = linked(pieces, objects)
-        (folder / f"{module}.wasm").write_bytes(code)
-        size += len(code)
+    sizes = dict.fromkeys(VARIANTS, 0)
+    for (module, pieces), (variant, features) in product(modules.items(), VARIANTS.items()):
+        code = linked(pieces, objects[variant], features)
+        (folder / f"{module}{variant}.wasm").write_bytes(code)
+        sizes[variant] += len(code)
     (folder / LAYOUT).write_text(json.dumps({**about, **layout_of(modules)}))
-    return size
+    return sizes

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from in_node import MODULES, described_array, read_layout, record_run
+from in_node import described_array, read_layout, record_run
 from latolato.app.pages import STATIC
 
 RUN = """
 async ({ arrays, how }) => {
   const { Kernels } = await import("/js/kernels/memory.js");
   const { integrate } = await import("/js/kernels/run.js");
-  const layout = await (await fetch("/wasm/layout.json")).json();
+  const layout = await (await fetch("/kernels/layout.json")).json();
   const started = {};
   for (const name of Object.keys(layout.modules)) {
-    const module = await WebAssembly.compileStreaming(fetch(`/wasm/${name}.wasm`));
+    const module = await WebAssembly.compileStreaming(fetch(`/kernels/${name}.wasm`));
     started[name] = await Kernels.start(module, name, layout);
   }
   const { one } = started;
@@ -38,6 +38,23 @@ async ({ arrays, how }) => {
 }
 """
 
+MAP = """
+async (plan) => {
+  const { Pool } = await import("/js/map/pool.js");
+  const pool = new Pool(2);
+  const rows = { status: [], angles: [] };
+  await new Promise((resolve, reject) => pool.start(plan, {
+    onCells: ({ cell, status, values }) => cell.forEach((at, k) => {
+      rows.status[at] = status[k];
+      rows.angles[at] = values[0][k];
+    }),
+    onDone: resolve, onError: reject,
+  }));
+  pool.close();
+  return rows;
+}
+"""
+
 
 @pytest.fixture
 def empty_page(browser):
@@ -45,7 +62,7 @@ def empty_page(browser):
 
     def answer(route):
         place = urlsplit(route.request.url).path
-        path = MODULES / place[6:] if place.startswith("/wasm/") else STATIC / place[1:]
+        path = STATIC / place[1:]
         kind = mimetypes.guess_type(place)[0]
         if place == "/":
             route.fulfill(body="<!doctype html>", content_type="text/html")
@@ -76,3 +93,24 @@ def test_a_page_computes_what_python_computes(empty_page):
     # The motion is regular: see `tests/numerics/test_wasm.py`.
     np.testing.assert_allclose(found["times"], case.expected["contact_times"], rtol=0, atol=1e-10)
     np.testing.assert_allclose(found["angles"], case.expected["samples"][0], rtol=0, atol=1e-12)
+
+
+def test_workers_of_a_page_compute_a_map(empty_page):
+    ball = {"length": 1.0, "mass": 0.8, "radius": 0.1, "damping": 0.02}
+    axes = {"restitution": [0.5, 0.7, 0.9], "drive_amplitude": [0.0, 0.01, 0.02, 0.03]}
+    system, drive = ll.LatoLato(**ball), ll.Harmonic(drive_amplitude=0.1, drive_frequency=3.0)
+    native = ll.sweep(
+        system, drive, axes=axes, observables=["largest_angle"], initial_angle=0.5, duration=5.0
+    )
+    y, x = ({"name": name, "values": values} for name, values in axes.items())
+    usual = {"gravity": 9.8, "meets": 1, "rest_speed": 1e-6, "tolerance": 1e-6}
+    plan = {
+        "drive": "harmonic", "x": x, "y": y, "duration": 5.0,
+        "parameters": {**ball, **usual, "drive_frequency": 3.0, "initial_angle": 0.5},
+        "observables": [{"name": "largest_angle"}],
+    }  # fmt: skip
+    page = empty_page.evaluate(MAP, plan)
+    assert page["status"] == native["status"].values.ravel().tolist()
+    np.testing.assert_allclose(
+        page["angles"], native["largest_angle"].values.ravel(), rtol=0, atol=1e-10
+    )

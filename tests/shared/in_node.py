@@ -20,8 +20,9 @@ from unittest import mock
 import numpy as np
 
 import latolato as ll
-from latolato.core.registry import describe
-from latolato.numerics import integrate, records, shipped
+from latolato.app import STATIC
+from latolato.core.registry import describe, number_fields
+from latolato.numerics import integrate, records
 from latolato.numerics.engine import record
 from latolato.numerics.many import Progress
 from latolato.numerics.pieces import SHARED
@@ -39,7 +40,7 @@ from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch
 
 NODE = Path(sys.executable).parent / "node"
-MODULES = shipped.ARCHIVE.with_name("wasm")
+MODULES = STATIC / "kernels"
 _SIMULATE = sys.modules["latolato.simulation.run"]
 _TYPES = {
     record.run_dtype(): "run",
@@ -213,19 +214,27 @@ def run_points_in_node(in_lanes: bool) -> RunPoints:
     return run
 
 
-def map_case(plan: Plan, expected: dict[str, Any]) -> Case:
+def map_case(plan: Plan, expected: dict[str, Any], variant: str = "") -> Case:
     """Return the points of a plan as Node.js begins them from their parameters by itself."""
     columns = points.columns_of(plan, np.arange(plan.size))
     numbers = dict(_columns(points._cases(plan, columns, None)))
-    own = "angles", "is_rough", "follows_tension"  # which the host finds out
+    own = "angles", "is_rough", "follows_tension", "mirrored"  # which the host finds out
     parameters = {
         path: column
         for path, column in numbers.items()
         if path not in own and not np.isnan(column).any()
     }
     kind = next(name for name, kind in WRITTEN.items() if type(plan.drive) is kind)
+    noises = [points._noise(plan, columns, k) for k in range(plan.size)]
+    noise = {
+        field.name: np.array([getattr(each, field.name) for each in noises], dtype=np.float64)
+        for field in (number_fields(plan.noise) if plan.noise else ())
+        if getattr(noises[0], field.name) is not None
+    }
     question = {
         "count": plan.size,
+        "angles": plan.system.angles,
+        "contact": plan.contact.motion,
         "parameters": {path: float(c[0]) for path, c in parameters.items() if c.dtype == np.int64},
         "drive": {"kind": kind},
         "observables": [
@@ -241,10 +250,12 @@ def map_case(plan: Plan, expected: dict[str, Any]) -> Case:
     arrays = {
         **{f"parameter:{path}": c.copy() for path, c in floats.items() if path != "duration"},
         **{f"drive:{name}": columns[name] for name in named},
+        **{f"noise:{name}": column for name, column in noise.items()},
         "question:transient": points.transient_of(plan, columns),
         "question:period": points._drive_period(columns),
     }
-    return Case({"module": "lanes", "question": question}, arrays, expected)
+    module = ("lanes" if plan.system.angles == 1 else "two") + variant
+    return Case({"module": module, "question": question}, arrays, expected)
 
 
 def read_layout() -> dict[str, Any]:

@@ -98,7 +98,6 @@ def make_fly(
         changes sign or where the ball turns round and may have been beyond in between.
         """
         L = r.LANES
-        count = 0.0
         for j in range(L):
             stays = 1.0 if w[r.N * L + j] >= w[r.HALT * L + j] else 0.0
             if walled:
@@ -118,7 +117,10 @@ def make_fly(
                 rises = (v0 > 0.0) & (v < 0.0) & (above <= max(v0, -v))
                 stays = 1.0 if beyond | bends | dips | rises else stays
             w[r.TAKEN * L + j] = 1.0 - stays
-            count += stays
+        # A sum in the loop above would keep it from becoming vector instructions.
+        count = 0.0
+        for j in range(L):
+            count += 1.0 - w[r.TAKEN * L + j]
         return count
 
     @part

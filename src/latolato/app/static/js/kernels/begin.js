@@ -12,12 +12,24 @@ const BELOW = -1;
 
 /**
  * Return the stretches of a drive's motion.
- * @param {Kernels} kernels of the module `one` or `two`
+ * @param {Kernels} kernels
  * @param {string} kind such as `harmonic`; a measured pivot has its stretches from Python
  * @param {Record<string, number | number[]>} parameters by the names that Python has, but `side`
  *   for a crank's guide: 1 above, -1 below
  */
 export function shake(kernels, kind, parameters) {
+  return shakeAll(kernels, kind, parameters, 1).stretches;
+}
+
+/**
+ * Return the stretches of several drives one after the other, and where those of each begin.
+ * @param {Kernels} kernels
+ * @param {string} kind
+ * @param {Record<string, number | number[] | Float64Array>} parameters as for `shake`; a
+ *   `Float64Array` has a number for each drive
+ * @param {number} count
+ */
+export function shakeAll(kernels, kind, parameters, count) {
   const { bundles, drives } = kernels.layout;
   if (!drives.includes(kind)) throw new Error(`no drive is called ${kind}`);
   const known = bundles.shaking.map(({ name }) => name.slice("drive.".length));
@@ -25,19 +37,38 @@ export function shake(kernels, kind, parameters) {
   if (wrong !== undefined) throw new Error(`no drive has the parameter ${wrong}`);
   const times = parameters.times ?? [];
   // A change takes two stretches; one more lies before all of them, and one behind.
-  const stretches = kernels.take("stretch", 2 * (Array.isArray(times) ? times.length : 1) + 2);
+  const room = 2 * (Array.isArray(times) ? times.length : 1) + 2;
+  const stretches = kernels.take("stretch", count * room);
+  const firsts = kernels.take("i8", count + 1);
   const number = kernels.take("i8", 1);
   /** @type {Record<string, Held | number>} */
   const values = { stretches, number };
+  /** @type {[number, Float64Array][]} */
+  const columns = [];
   for (const { name, dimensions } of bundles.shaking) {
     if (name in values) continue;
-    const value = parameters[name.slice("drive.".length)];
-    const usual = name === "drive.side" ? BELOW : 0;
-    values[name] = dimensions === undefined ? Number(value ?? usual) : kernels.copy(Array.isArray(value) ? value : []);
+    const value = parameters[name.slice("drive.".length)] ?? (name === "drive.side" ? BELOW : 0);
+    if (value instanceof Float64Array) columns.push([kernels.place("shaking", name), value]);
+    values[name] = dimensions === undefined ? Number(value instanceof Float64Array ? NaN : value)
+      : kernels.copy(Array.isArray(value) ? value : []);
   }
   values["drive.kind"] = drives.indexOf(kind);
-  kernels.call("shake", "shaking", values);
-  return { ...stretches, shape: [Number(kernels.numbers(number)[0])] };
+  const words = kernels.words("shaking");
+  kernels.fill(words, "shaking", values);
+  const integers = kernels.numbers(words);
+  const floats = kernels.numbers({ ...words, type: "f8" });
+  const begins = kernels.numbers(firsts);
+  const written = kernels.numbers(number);
+  const place = kernels.place("shaking", "stretches");
+  let size = 0;
+  for (let k = 0; k < count; k += 1) {
+    for (const [at, column] of columns) floats[at] = column[k];
+    integers[place] = BigInt(stretches.at + size * kernels.size("stretch"));
+    kernels.exports.shake(words.at);
+    size += Number(written[0]);
+    begins[k + 1] = BigInt(size);
+  }
+  return { stretches: { ...stretches, shape: [size] }, firsts };
 }
 
 /**

@@ -1,6 +1,7 @@
-/** Maps of one ball, from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
+/** Maps from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
 
-import { ABSENT, shake } from "./begin.js";
+import { ABSENT, shakeAll } from "./begin.js";
+import { drawKicks } from "./noise.js";
 import { runPoints } from "./points.js";
 
 /**
@@ -13,10 +14,14 @@ import { runPoints } from "./points.js";
  * Points of a map. Nothing is checked against the ranges that parameters have.
  * @typedef {object} Question
  * @property {number} count of points
+ * @property {1 | 2} [angles] of the state, 1 if it is left out
  * @property {Record<string, Column>} parameters fields of the record `case` by their paths, such as
  *   `balls.0.mass`; others are zero, an offset and bounds of the drive not given. `is_linear`,
  *   `meets` (whether there are walls) and other whole numbers are the same for all points.
  * @property {{kind: string, parameters: Record<string, Column | number[]>}} drive
+ * @property {{noise_strength: Column, noise_seed?: Column, noise_stream?: Column,
+ *   noise_interval?: Column}} [noise] velocity kicks; without an interval 50 in a natural period
+ * @property {"exact" | "clamp"} [contact] the law of contacts, exact if it is left out
  * @property {{name: string, parameters?: Record<string, number>}[]} observables only those that look
  *   at no drive periods take other parameters than the usual ones
  * @property {number} duration [s]
@@ -27,12 +32,13 @@ import { runPoints } from "./points.js";
  * @typedef {{about: import("./memory.js").Observable, numbers: number[], first: number}} Observer
  */
 
-// Lyapunov exponents of one ball; a pair has four.
-const EXPONENTS = 2;
-const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping"];
+const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping",
+  "balls.1.quadratic_damping", "balls.1.coulomb_damping"];
 // What is found out here, or is the same for all points.
-const OWN = ["angles", "is_rough", "follows_tension"];
+const OWN = ["angles", "is_rough", "follows_tension", "mirrored"];
 const FLAGS = ["is_linear", "meets"];
+// Both balls, and both as one body in lasting contact at the bottom and at the top.
+const BODIES_OF_PAIR = 4;
 
 /** @type {(column: Column, k: number) => number} */
 const at = (column, k) => (typeof column === "number" ? column : column[k]);
@@ -41,19 +47,93 @@ const at = (column, k) => (typeof column === "number" ? column : column[k]);
 const some = (column, holds) => (typeof column === "number" ? holds(column) : column.some(holds));
 
 /**
- * Return the values of all points by variable, point after point, NaN where a point has none, and
- * the points' statuses and problems, numbers of those in the layout.
- * @param {Kernels} kernels of the module `lanes`
+ * Return the name of the module that computes a map.
+ * @param {Pick<Question, "angles">} question
+ */
+export function moduleOf({ angles = 1 }) {
+  return angles === 1 ? "lanes" : "two";
+}
+
+/**
+ * Return the values of all points by variable, point after point and of each point ball after ball,
+ * NaN where a point has none, and the points' statuses and problems, numbers of those in the layout.
+ * @param {Kernels} kernels of the module `lanes`, for two angles of `two`
  * @param {Question} question
  * @returns {{status: Uint8Array, problems: Uint8Array, values: Record<string, Float64Array>}}
  */
 export function computeMap(kernels, question) {
+  return cleared(kernels, () => computed(kernels, question));
+}
+
+/**
+ * Return how many steps each point takes at least, NaN where its parameters make no sense, and
+ * whether points run in lanes; see `computeMap`.
+ * @param {Kernels} kernels
+ * @param {Question} question
+ * @returns {{steps: Float64Array, in_lanes: boolean}}
+ */
+export function countSteps(kernels, question) {
+  return cleared(kernels, () => {
+    const { points, problems, in_lanes } = prepared(kernels, question);
+    const { numbers, step } = kernels.column(points.settings, "step");
+    const steps = Float64Array.from(problems, (problem, k) =>
+      (problem ? NaN : question.duration / numbers[k * step]));
+    return { steps, in_lanes };
+  });
+}
+
+/**
+ * Return what a function returns, and give all memory back that it took.
+ * @template T
+ * @param {Kernels} kernels
+ * @param {() => T} compute
+ */
+function cleared(kernels, compute) {
   const first = kernels.take("f8", 0);
   try {
-    return computed(kernels, question);
+    return compute();
   } finally {
     kernels.release(first);
   }
+}
+
+/**
+ * Return points at their beginning.
+ * @param {Kernels} kernels
+ * @param {Question} question
+ */
+function prepared(kernels, question) {
+  const { layout } = kernels;
+  check(kernels, question);
+  const { count, angles = 1, drive, duration, contact, contact_limit = layout.contact_limit } = question;
+  const observers = observersOf(kernels, question.observables, angles);
+  const marks = Math.max(0, ...observers.map(({ about }) => about.marks));
+  const slots = observers.reduce((sum, { about }) => sum + about.slots, 0);
+  const needs = new Set(observers.flatMap(({ about }) => about.needs));
+  const isRough = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
+  const followsTension = needs.has("compression") && !question.parameters.is_linear;
+  const { stretches, firsts } = shakeAll(kernels, drive.kind, drive.parameters, count);
+  const cases = kernels.take("case", count);
+  const parameters = { ...ABSENT, ...question.parameters, duration, angles,
+    is_rough: Number(isRough), follows_tension: Number(followsTension),
+    mirrored: Number(observers.some(({ about }) => about.mirrored)) };
+  for (const [path, column] of Object.entries(parameters)) fill(kernels, cases, path, column);
+  const settings = kernels.take("settings", count);
+  const bodies = kernels.take("body", count, angles === 1 ? 1 : BODIES_OF_PAIR);
+  const stops = kernels.take("f8", count, 2 + marks);
+  const states = kernels.take("state", count);
+  const held = kernels.take("i8", count);
+  const impossible = BigInt(layout.problems.indexOf("out of range"));
+  writeStops(kernels, question, marks, stops, (k) => {
+    kernels.numbers(held)[k] = impossible;
+  });
+  kernels.call("prepare", "cases", { cases, stretches, firsts, settings, bodies, states,
+    problems: held });
+  const problems = Uint8Array.from(kernels.numbers(held), Number);
+  const in_lanes = angles === 1 && !question.noise && !isRough && contact !== "clamp"
+    && layout.rotating_drives.includes(drive.kind) && !needs.has("compression");
+  const points = { settings, bodies, stretches, firsts, stops, contact_limit };
+  return { points, states, problems, observers, slots, needs, isRough, in_lanes };
 }
 
 /**
@@ -62,52 +142,28 @@ export function computeMap(kernels, question) {
  */
 function computed(kernels, question) {
   const { layout } = kernels;
-  const { count, drive, duration, contact_limit = layout.contact_limit } = question;
-  check(question);
-  const observers = observersOf(kernels, question.observables);
-  const marks = Math.max(0, ...observers.map(({ about }) => about.marks));
-  const slots = observers.reduce((sum, { about }) => sum + about.slots, 0);
+  const { count, angles = 1 } = question;
   const { is_linear = 0, meets = 0 } = question.parameters;
-  const needs = new Set(observers.flatMap(({ about }) => about.needs));
-  const isRough = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
-  const followsTension = needs.has("compression") && !is_linear;
-  const { stretches, firsts } = stretchesOf(kernels, count, drive);
-  const cases = kernels.take("case", count);
-  const parameters = { ...ABSENT, ...question.parameters, duration, angles: 1,
-    is_rough: Number(isRough), follows_tension: Number(followsTension) };
-  for (const [path, column] of Object.entries(parameters)) fill(kernels, cases, path, column);
-  const points = {
-    settings: kernels.take("settings", count), bodies: kernels.take("body", count, 1), stretches,
-    firsts, kick_times: kernels.take("f8", 0), kick_sizes: kernels.take("f8", 1, 0),
-    kick_firsts: kernels.take("i8", count + 1), stops: kernels.take("f8", count, 2 + marks),
-    contact_limit,
-  };
-  const progress = {
-    states: kernels.take("state", count), begun: kernels.take("state", count),
-    status: kernels.take("i8", count), acc: kernels.take("f8", slots * count),
-  };
-  const held = kernels.take("i8", count);
-  const impossible = BigInt(layout.problems.indexOf("out of range"));
-  writeStops(kernels, question, marks, points.stops, (k) => {
-    kernels.numbers(held)[k] = impossible;
-  });
-  kernels.call("prepare", "cases", {
-    cases, stretches, firsts, settings: points.settings, bodies: points.bodies,
-    states: progress.states, problems: held,
-  });
-  const problems = Uint8Array.from(kernels.numbers(held), Number);
+  const { points, states, problems, observers, slots, needs, isRough, in_lanes } =
+    prepared(kernels, question);
+  const columns = angles * count;
+  const progress = { states, begun: kernels.take("state", count), status: kernels.take("i8", count),
+    acc: kernels.take("f8", slots * columns) };
   for (const { numbers, first } of observers) {
     const acc = kernels.numbers(progress.acc);
-    numbers.forEach((number, m) => acc.fill(number, (first + m) * count, (first + m + 1) * count));
+    numbers.forEach((number, m) =>
+      acc.fill(number, (first + m) * columns, (first + m + 1) * columns));
   }
   const order = longestFirst(kernels, points.settings, problems);
   if (order.shape[0]) {
-    const inLanes = layout.rotating_drives.includes(drive.kind) && !isRough && !needs.has("compression");
     const { kicks, drifts, nodes } = layout.steppers[isRough ? "rough" : "smooth"];
     const stepper = { kicks: kernels.copy(kicks), drifts: kernels.copy(drifts),
       nodes: kernels.copy(nodes) };
-    const all = { order, points, progress, stepper, slots, is_linear: Boolean(is_linear) };
-    runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), inLanes ? {
+    /** @type {import("./points.js").Points} */
+    const all = { order, points: { ...points, ...kicksOf(kernels, question, problems) }, progress,
+      stepper, slots, is_linear: Boolean(is_linear),
+      engine: question.contact === "clamp" ? "clamp" : "engine" };
+    runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), in_lanes ? {
       walled: Boolean(meets), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
       needs: layout.shared_needs.filter((need) => needs.has(need)),
     } : null);
@@ -115,14 +171,19 @@ function computed(kernels, question) {
   const invalid = layout.statuses.indexOf("invalid");
   const ended = kernels.numbers(progress.status);
   const status = problems.map((problem, k) => (problem ? invalid : Number(ended[k])));
-  return { status, problems, values: valuesOf(kernels, observers, progress.acc, status) };
+  return { status, problems, values: valuesOf(kernels, observers, progress.acc, status, angles) };
 }
 
 /**
  * Throw what a question contradicts.
+ * @param {Kernels} kernels
  * @param {Question} question
  */
-function check({ count, parameters, drive, transient = 0, period = 0 }) {
+function check(kernels, question) {
+  const { count, angles = 1, parameters, drive, noise, transient = 0, period = 0 } = question;
+  if ((angles === 1) !== "lanes" in kernels.pieces) {
+    throw new Error(`the module for maps of ${angles} angles is ${moduleOf(question)}`);
+  }
   for (const name of OWN) {
     if (name in parameters) throw new Error(`${name} is found out from the other parameters`);
   }
@@ -133,7 +194,7 @@ function check({ count, parameters, drive, transient = 0, period = 0 }) {
   if (parameters.is_linear && parameters.meets) {
     throw new Error("the linear restoring law knows no walls");
   }
-  const columns = { ...parameters, ...drive.parameters, transient, period };
+  const columns = { ...parameters, ...drive.parameters, ...noise, transient, period };
   for (const [name, column] of Object.entries(columns)) {
     if (column instanceof Float64Array && column.length !== count) {
       throw new Error(`${name} must have ${count} numbers, one for each point, got ${column.length}`);
@@ -145,16 +206,19 @@ function check({ count, parameters, drive, transient = 0, period = 0 }) {
 /**
  * Return observables with the numbers of their parameters and their first slots.
  * @param {Kernels} kernels
- * @param {Question["observables"]} asked
+ * @param {Question["observables"]} names
+ * @param {number} angles
  * @returns {Observer[]}
  */
-function observersOf(kernels, asked) {
+function observersOf(kernels, names, angles) {
   const { observables } = kernels.layout;
   let first = 0;
-  const observers = asked.map(({ name, parameters = {} }) => {
+  const observers = names.map(({ name, parameters = {} }) => {
     if (!Object.hasOwn(observables, name)) throw new Error(`no observable is called ${name}`);
     const about = observables[name];
-    if (about.angles > 1) throw new Error(`${name} belongs to systems of ${about.angles} angles`);
+    if (about.angles && about.angles !== angles) {
+      throw new Error(`${name} belongs to systems of ${about.angles} angles`);
+    }
     for (const key of Object.keys(parameters)) {
       if (!Object.hasOwn(about.parameters, key)) throw new Error(`${name} has no parameter ${key}`);
       if (about.marks) throw new Error(`${name} takes its usual parameters only`);
@@ -186,32 +250,40 @@ function piecesFor(observers, occasion) {
 }
 
 /**
- * Return the stretches of all points' drives one after the other, and where those of each begin.
+ * Return the kicks of all points one after the other, and where those of each begin.
  * @param {Kernels} kernels
- * @param {number} count
- * @param {Question["drive"]} drive
+ * @param {Question} question
+ * @param {Uint8Array} problems
  */
-function stretchesOf(kernels, count, { kind, parameters }) {
-  const firsts = kernels.take("i8", count + 1);
-  const parts = [];
-  for (let k = 0, size = 0; k < count; k += 1) {
-    const own = Object.entries(parameters).map(([name, value]) =>
-      [name, value instanceof Float64Array ? value[k] : value]);
-    const mark = kernels.take("f8", 0);
-    const found = shake(kernels, kind, Object.fromEntries(own));
-    parts.push(kernels.bytes(found).slice());
-    kernels.release(mark);
-    size += found.shape[0];
-    kernels.numbers(firsts)[k + 1] = BigInt(size);
+function kicksOf(kernels, { count, angles = 1, parameters, noise, duration }, problems) {
+  const kick_firsts = kernels.take("i8", count + 1);
+  const firsts = [0];
+  /** @type {{times: Float64Array, sizes: Float64Array}[]} */
+  const drawn = [];
+  for (let k = 0; k < count; k += 1) {
+    if (noise && !problems[k]) {
+      const own = Object.entries(noise).map(([name, column]) => [name, at(column, k)]);
+      const [gravity, length] = ["gravity", "balls.0.length"].map((name) => at(parameters[name], k));
+      drawn.push(drawKicks(/** @type {any} */ (Object.fromEntries(own)),
+        { duration, natural_frequency: Math.sqrt(gravity / length), angles }));
+    } else {
+      drawn.push({ times: new Float64Array(0), sizes: new Float64Array(0) });
+    }
+    firsts.push(firsts[k] + drawn[k].times.length);
   }
-  const stretches = kernels.take("stretch", Number(kernels.numbers(firsts)[count]));
-  const bytes = kernels.bytes(stretches);
-  let end = 0;
-  for (const part of parts) {
-    bytes.set(part, end);
-    end += part.length;
-  }
-  return { stretches, firsts };
+  const kick_times = kernels.take("f8", firsts[count]);
+  const kick_sizes = kernels.take("f8", angles, firsts[count]);
+  kernels.numbers(kick_firsts).set(firsts.map(BigInt));
+  const all = kernels.numbers(kick_times);
+  const rows = kernels.numbers(kick_sizes);
+  drawn.forEach(({ times, sizes }, k) => {
+    all.set(times, firsts[k]);
+    for (let i = 0; i < angles; i += 1) {
+      const row = sizes.subarray(i * times.length, (i + 1) * times.length);
+      rows.set(row, i * firsts[count] + firsts[k]);
+    }
+  });
+  return { kick_times, kick_sizes, kick_firsts };
 }
 
 /**
@@ -278,8 +350,9 @@ function longestFirst(kernels, settings, problems) {
  * @param {Observer[]} observers
  * @param {Held} acc
  * @param {Uint8Array} status
+ * @param {number} angles
  */
-function valuesOf(kernels, observers, acc, status) {
+function valuesOf(kernels, observers, acc, status, angles) {
   const bad = kernels.layout.statuses.indexOf("event_limit");
   const slots = kernels.numbers(acc);
   const count = status.length;
@@ -287,12 +360,17 @@ function valuesOf(kernels, observers, acc, status) {
   const values = {};
   for (const { about, first, numbers } of observers) {
     let slot = first + numbers.length;
+    const balls = about.joint ? 1 : angles;
     for (const [name, width] of Object.entries(about.widths)) {
-      const kept = about.dimension === "exponent" ? EXPONENTS : width;
-      const found = new Float64Array(count * kept);
-      for (let k = 0; k < count; k += 1) {
-        for (let m = 0; m < kept; m += 1) {
-          found[k * kept + m] = status[k] >= bad ? NaN : slots[(slot + m) * count + k];
+      const isExponent = about.dimension === "exponent" && !about.plain.includes(name);
+      const kept = isExponent ? 2 * angles : width;
+      const found = new Float64Array(count * balls * kept);
+      for (let k = 0, i = 0; k < count; k += 1) {
+        for (let ball = 0; ball < balls; ball += 1) {
+          for (let m = 0; m < kept; m += 1, i += 1) {
+            const place = ((slot + m) * count + k) * angles + ball;
+            found[i] = status[k] >= bad ? NaN : slots[place];
+          }
         }
       }
       values[name] = found;

@@ -1,9 +1,9 @@
 /**
  * The compiled code that Python calls, as WebAssembly: its memory, its records and its calls.
  *
- * There are three modules: `one` and `two` run one and two balls, `lanes` runs points of a map.
- * `make kernels` makes them and `layout.json`, which says which pieces they have and what lies
- * where in their memory. For what the names in it mean see `latolato.numerics`.
+ * There are three modules: `one` runs one ball, `two` runs two balls and points of their maps,
+ * `lanes` runs points of maps of one ball. `make kernels` makes them and `layout.json`, which says
+ * which pieces they have and what lies where in their memory. For what the names in it mean see `latolato.numerics`.
  */
 
 /**
@@ -22,9 +22,11 @@
  *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
  *
  * An observable with its usual parameters: how many slots each of its variables has, how many ends
- * of drive periods it looks at, all its slots, and the pieces that are called on each occasion.
+ * of drive periods it looks at, all its slots, which variables have no further dimension, whether
+ * it belongs to both balls together and to their mirrored motion, and its pieces by occasion.
  * @typedef {{parameters: Record<string, number>, dimension: string, angles: number,
- *   widths: Record<string, number>, marks: number, slots: number, needs: string[], pieces: Record<string, string>}} Observable
+ *   widths: Record<string, number>, marks: number, slots: number, needs: string[], plain: string[],
+ *   joint: boolean, mirrored: boolean, pieces: Record<string, string>}} Observable
  * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 
@@ -34,6 +36,8 @@ const PAGE = 65536;
 export const WORD = 8;
 const VIEWS = { f8: Float64Array, i8: BigInt64Array };
 
+/** @type {(words: number, next: Word) => number} */
+const ahead = (words, { dimensions = 0 }) => words + 1 + 2 * dimensions;
 /** @param {number[]} shape */
 const count = (shape) => shape.reduce((a, b) => a * b, 1);
 
@@ -220,14 +224,31 @@ export class Kernels {
   }
 
   /**
+   * Return room for the words of a bundle.
+   * @param {string} bundle
+   */
+  words(bundle) {
+    return this.take("i8", this.layout.bundles[bundle].reduce(ahead, 0));
+  }
+
+  /**
+   * Return which of the words of a bundle are the number, or the array, of this name.
+   * @param {string} bundle
+   * @param {string} name
+   */
+  place(bundle, name) {
+    const all = this.layout.bundles[bundle];
+    return all.slice(0, all.findIndex((word) => word.name === name)).reduce(ahead, 0);
+  }
+
+  /**
    * Call a piece with the words of a bundle.
    * @param {string} piece
    * @param {string} bundle
    * @param {Record<string, Held | number>} values
    */
   call(piece, bundle, values) {
-    const sizes = this.layout.bundles[bundle].map(({ dimensions = 0 }) => 1 + 2 * dimensions);
-    const words = this.take("i8", sizes.reduce((a, b) => a + b, 0));
+    const words = this.words(bundle);
     this.fill(words, bundle, values);
     this.exports[piece](words.at);
     this.release(words);

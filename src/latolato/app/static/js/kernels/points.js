@@ -9,13 +9,14 @@
  * Points of a map: what they are by the names of `many.Points`, with which of them run and in which
  * order; where their progress goes, by those of `many.Progress`; the stepper's weights.
  * @typedef {{order: Held, points: Record<string, Held | number>, progress: Record<string, Held>,
- *   stepper: {kicks: Held, drifts: Held, nodes: Held}, slots: number, is_linear: boolean}} Points
+ *   stepper: {kicks: Held, drifts: Held, nodes: Held}, slots: number, is_linear: boolean,
+ *   engine?: "engine" | "clamp"}} Points
  */
 
 /**
- * Run points of one ball.
+ * Run points.
  *
- * @param {Kernels} kernels of the module `lanes`
+ * @param {Kernels} kernels of the module `lanes`, or of `two` for points of two balls
  * @param {Points} given
  * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
  *   slot and piece
@@ -26,7 +27,7 @@
  */
 export function runPoints(kernels, given, hooks, lanes) {
   const { layout } = kernels;
-  const { order, stepper, slots, is_linear } = given;
+  const { order, stepper, slots, is_linear, engine = "engine" } = given;
   const size = layout.scratch_contacts;
   const runs = kernels.take("run", 1);
   const stages = stepper.drifts.shape[0];
@@ -35,7 +36,7 @@ export function runPoints(kernels, given, hooks, lanes) {
     kernels.set(runs, name, ...kernels.numbers(stepper[name]));
   }
   kernels.set(runs, "settings.is_linear", Number(is_linear));
-  kernels.set(runs, "engine", kernels.pieces.engine);
+  kernels.set(runs, "engine", kernels.pieces[engine]);
   kernels.set(runs, "hooks", kernels.hooks(hooks).at);
   const job = {
     order, cancel: kernels.take("i8", 1),
