@@ -10,19 +10,22 @@ import math
 import threading
 from collections.abc import Iterator
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
-from latolato.app.given import options_of
-from latolato.core.parameters import law_parameters
+from latolato.app.given import flat_options, options_of
+from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
+from latolato.numerics.integrate import TOLERANCES
 from latolato.observables import observables
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.scenario.options import law_options
-from latolato.scenario.scenario import Scenario, scenarios
-from latolato.scenario.units import to_si
+from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables, shipped
+from latolato.scenario.tables import RATIOS
+from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
 
 # Units offered for an SI unit, the first being the one that a form begins with.
@@ -51,10 +54,15 @@ def _registry() -> dict[str, Any]:
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
         "contacts": list(contact_laws),
+        "contact_laws": {name: _law(law, "run") for name, law in contact_laws.items()},
         "options": {name: _option(name) for name in law_options()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
         "observables": {name: _observable(law) for name, law in observables.items()},
-        "scenarios": {name: _scenario(s) for name, s in scenarios().items()},
+        "scenarios": {name: _scenario(path) for name, path in shipped().items()},
+        "ratios": RATIOS,
+        "alternatives": [sorted(group) for group in ALTERNATIVES],
+        **unit_table(),
+        "tolerances": TOLERANCES,
     }
     result: dict[str, Any] = plain(results)
     return result
@@ -100,6 +108,11 @@ def _option(name: str) -> dict[str, Any]:
         "usual": option.quantity.usual,
         "low": low if math.isfinite(low) else None,
         "high": high if math.isfinite(high) else None,
+        "open_low": option.allowed.open_low,
+        "open_high": option.allowed.open_high,
+        "for_each_ball": option.for_each_ball,
+        "owner": option.owner,
+        "path": option.path,
         "suggested": option.suggested,
     }
 
@@ -136,12 +149,27 @@ def _observable(law: Any) -> dict[str, Any]:
     }
 
 
-def _scenario(scenario: Scenario) -> dict[str, Any]:
-    """Return the title of a scenario, what it sets, and what varies if it is a sweep."""
+def _scenario(path: Path) -> dict[str, Any]:
+    """Return the title of a scenario, what it sets, and what varies if it is a sweep.
+
+    `given` are the options that its file sets, `options` those that follow from them.
+    """
+    scenario, tables = load_scenario(path), read_tables(path)
     return {
         "title": scenario.title,
         "description": scenario.description,
         "figure": scenario.figure,
+        "given": {
+            name: _in_si(law_options()[name], value) for name, value in flat_options(tables).items()
+        },
         "options": options_of(scenario),
         "sweep": scenario.to_dict().get("sweep"),
     }
+
+
+def _in_si(option: Parameter, value: Any) -> Any:
+    """Return a value of a scenario's file in SI units."""
+    if not option.unit:
+        return value
+    convert = to_si_list if option.several or isinstance(value, list) else to_si
+    return convert(option.name, value, option.unit)

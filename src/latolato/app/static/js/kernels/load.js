@@ -11,14 +11,13 @@ let layout = null;
 const modules = new Map();
 
 /**
- * Return the content of a file beside the modules.
- * @param {string} name
+ * Return the content of a file, also where no server has it: in Node.js.
+ * @param {URL} address
  */
-async function content(name) {
-  const address = new URL(name, FOLDER);
+export async function contentOf(address) {
   if (address.protocol !== "file:") {
     const response = await fetch(address);
-    if (!response.ok) throw new Error(`${name} cannot be loaded: ${response.status}`);
+    if (!response.ok) throw new Error(`${address} cannot be loaded: ${response.status}`);
     return response;
   }
   const { readFile } = await import(/** @type {any} */ ("node:fs/promises"));
@@ -27,7 +26,7 @@ async function content(name) {
 
 /** Return what the modules have and what lies where in their memory. */
 export function loadLayout() {
-  layout ??= content("layout.json").then((response) => response.json()).catch((error) => {
+  layout ??= contentOf(new URL("layout.json", FOLDER)).then((response) => response.json()).catch((error) => {
     layout = null; // to be tried again
     throw error;
   });
@@ -50,6 +49,6 @@ export function loadKernels(name) {
 /** @param {string} name */
 async function start(name) {
   const [about, code] = await Promise.all([
-    loadLayout(), content(`${name}.wasm`).then((response) => response.arrayBuffer())]);
+    loadLayout(), contentOf(new URL(`${name}.wasm`, FOLDER)).then((response) => response.arrayBuffer())]);
   return Kernels.start(await WebAssembly.compile(code), name, about);
 }

@@ -1,0 +1,179 @@
+/** From a preset and options, with units or without, to numbers in SI units. */
+
+import { checkedNumber, InputError, NON_NEGATIVE, suggest } from "./rules.js";
+
+/** @typedef {import("./registry.js").Registry} Registry */
+/** @typedef {import("./registry.js").Option} Option */
+/** @typedef {{scenario?: string | null, options?: Record<string, any>}} Request */
+
+const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*$/;
+// A power of ten is put behind the digits: the decimal number is then rounded once.
+const POWER = /^1e-?\d+$/;
+
+/**
+ * Return a quantity as a number in SI units; what is no text is returned as it is.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ * @param {string} unit
+ */
+export function toSi(registry, name, value, unit) {
+  if (typeof value !== "string") return value;
+  const match = NUMBER.exec(value.replace("\u2212", "-"));
+  const given = (match?.[2] ?? "").trim().replaceAll("²", "^2").replaceAll("³", "^3");
+  if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return Number(match[1]);
+  const size = registry.units[unit]?.[given];
+  if (!match || size === undefined) throw notInUnits(name, value, unit);
+  const power = size.toExponential();
+  if (!POWER.test(power.replace("e+", "e"))) return Number(match[1]) * size;
+  const [digits, own = "0"] = match[1].toLowerCase().split("e");
+  return Number(`${digits}e${Number(own) + Number(power.slice(2))}`);
+}
+
+/**
+ * @param {string} parameter
+ * @param {string} value
+ * @param {string} unit
+ */
+function notInUnits(parameter, value, unit) {
+  const rule = unit === "1" ? "as a plain number" : `in ${unit} (or a unit that converts to it)`;
+  return new InputError(`must be given ${rule}`, { parameter, value });
+}
+
+/**
+ * Return several quantities as numbers in SI units.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ * @param {string} unit
+ */
+function toSiList(registry, name, value, unit) {
+  if (typeof value !== "string") {
+    if (!Array.isArray(value) && !ArrayBuffer.isView(value)) return value;
+    return Array.from(/** @type {any} */ (value), (part, i) => toSi(registry, `${name}[${i}]`, part, unit));
+  }
+  const parts = value.split(",").map((part) => part.trim()).filter(Boolean);
+  const plain = parts.map((part) => part !== "" && Number.isFinite(Number(part)) ? Number(part) : null);
+  // A 0 needs no unit.
+  if (plain.includes(null) && plain.some((number) => number))
+    throw new InputError("must carry a unit on every value or on none", { parameter: name, value });
+  return parts.map((part) => toSi(registry, name, part, unit));
+}
+
+/**
+ * Return the value of an option: of a text the number, the numbers, the switch or the word.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ */
+function valueOf(registry, name, value) {
+  const option = registry.options[name];
+  const { unit } = option;
+  if (option.several) return toSiList(registry, name, value, unit);
+  if (option.switch) {
+    const read = { true: true, false: false }[String(value).trim().toLowerCase()];
+    if (read === undefined) throw new InputError("must be true or false", { parameter: name, value });
+    return read;
+  }
+  if (option.whole && typeof value === "string" && /^\s*[-+]?\d{1,15}\s*$/.test(value)) return Number(value);
+  if (!unit) return value;
+  const isList = Array.isArray(value) || (typeof value === "string" && value.includes(","));
+  return option.for_each_ball && isList
+    ? toSiList(registry, name, value, unit) : toSi(registry, name, value, unit);
+}
+
+/**
+ * Return all options that a request sets, in SI units: those of its preset and those that replace
+ * them, as `latolato.scenario.scenario.overridden` does.
+ * @param {Registry} registry
+ * @param {Request} request
+ * @returns {Record<string, any>}
+ */
+export function optionsOf(registry, { scenario = null, options = {} }) {
+  const known = Object.keys(registry.options);
+  /** @type {Record<string, any>} */
+  const given = {};
+  for (const [name, value] of Object.entries(options)) {
+    if (!known.includes(name)) throw new InputError(`unknown option '${name}': ${suggest(name, known)}`);
+    if (value !== null && value !== undefined) given[name] = valueOf(registry, name, value);
+  }
+  const presets = Object.keys(registry.scenarios);
+  if (scenario && !presets.includes(scenario))
+    throw new InputError(`there is no scenario '${scenario}': ${suggest(scenario, presets)}`);
+  if (!scenario && !("system" in given))
+    throw new InputError("name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
+      + `--from FILE or --system with one of ${Object.keys(registry.systems).join(", ")}`);
+  let kept = scenario ? registry.scenarios[scenario].given : {};
+  const owned = (/** @type {string} */ name) => registry.options[name].owner === "drive";
+  if (Object.keys(given).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
+    given.drive ??= "harmonic";
+  kept = withoutForeign(registry, kept, given);
+  for (const group of registry.alternatives) {
+    const isReplaced = group.some((name) => name in given);
+    if (isReplaced) kept = without(kept, (name) => group.includes(name));
+  }
+  return { ...kept, ...given };
+}
+
+/**
+ * @param {Record<string, any>} values
+ * @param {(name: string) => boolean} isLeftOut
+ */
+function without(values, isLeftOut) {
+  return Object.fromEntries(Object.entries(values).filter(([name]) => !isLeftOut(name)));
+}
+
+/**
+ * Return a preset's options without those that another kind of system, drive or contact law does
+ * not know.
+ * @param {Registry} registry
+ * @param {Record<string, any>} kept
+ * @param {Record<string, any>} given
+ */
+function withoutForeign(registry, kept, given) {
+  let values = kept;
+  for (const part of /** @type {const} */ (["system", "drive"])) {
+    const kind = given[part];
+    if (kind === undefined) continue;
+    const laws = registry[`${part}s`];
+    if (!Object.hasOwn(laws, kind))
+      throw new InputError(`unknown ${part} '${kind}': ${suggest(kind, Object.keys(laws))}`);
+    if (kind === kept[part]) continue;
+    const own = laws[kind].options;
+    values = without(values, (name) => registry.options[name].owner === part && name !== part
+      && !own.includes(registry.ratios[name] ?? name));
+  }
+  if ("contact" in given && given.contact !== kept.contact) {
+    const ofLaws = Object.values(registry.contact_laws).flatMap((law) => law.options);
+    values = without(values, (name) => ofLaws.includes(name));
+  }
+  return values;
+}
+
+/**
+ * Return the parts of all options by their owner; ratios of a drive have become frequencies.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options in SI units
+ * @param {(given: Record<string, any>) => number} naturalFrequency called with the system's options
+ */
+export function partsOf(registry, options, naturalFrequency) {
+  /** @type {Record<"system" | "drive" | "run" | "noise", Record<string, any>>} */
+  const parts = { system: {}, drive: {}, run: {}, noise: {} };
+  for (const [name, value] of Object.entries(options))
+    if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
+  const rate = naturalFrequency(parts.system);
+  for (const [ratio, name] of Object.entries(registry.ratios)) {
+    if (!(ratio in parts.drive)) continue;
+    if (name in parts.drive)
+      throw new InputError(`give either ${name} or {parameter}, got both`, { parameter: ratio });
+    const value = parts.drive[ratio];
+    delete parts.drive[ratio];
+    const several = registry.options[ratio].several;
+    if (several && !Array.isArray(value))
+      throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
+    const numbers = [value].flat().map((number) =>
+      checkedNumber(ratio, number, NON_NEGATIVE, "times the natural frequency") * rate);
+    parts.drive[name] = several ? numbers : numbers[0];
+  }
+  return parts;
+}
