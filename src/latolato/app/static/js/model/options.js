@@ -20,14 +20,45 @@ const POWER = /^1e-?\d+$/;
 export function toSi(registry, name, value, unit) {
   if (typeof value !== "string") return value;
   const match = NUMBER.exec(value.replace("\u2212", "-"));
-  const given = (match?.[2] ?? "").trim().replaceAll("²", "^2").replaceAll("³", "^3");
+  const given = (match?.[2] ?? "").trim();
   if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return Number(match[1]);
-  const size = registry.units[unit]?.[given];
-  if (!match || size === undefined) throw notInUnits(name, value, unit);
-  const power = size.toExponential();
-  if (!POWER.test(power.replace("e+", "e"))) return Number(match[1]) * size;
+  const [size, powers] = unitOf(registry, given) ?? [NaN, {}];
+  const [wanted, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
+  const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
+  if (!match || !isSame || Number.isNaN(size / wanted)) throw notInUnits(name, value, unit);
+  const power = (size / wanted).toExponential().replace("e+", "e");
+  if (!POWER.test(power)) return Number(match[1]) * (size / wanted);
   const [digits, own = "0"] = match[1].toLowerCase().split("e");
   return Number(`${digits}e${Number(own) + Number(power.slice(2))}`);
+}
+
+/**
+ * Return the size of a unit such as "g*m/s" and its powers of SI units, null if it is not known.
+ * @param {Registry} registry
+ * @param {string} text
+ * @returns {[number, Record<string, number>] | null}
+ */
+function unitOf({ units, prefixes }, text) {
+  let size = 1;
+  /** @type {Record<string, number>} */
+  const powers = {};
+  const plain = text.replaceAll("²", "^2").replaceAll("³", "^3").replaceAll("**", "^");
+  const parts = plain.matchAll(/\s*([*/]?)\s*([a-zA-Z_µμ°%]+|1)(?:\^(-?\d+))?/g);
+  let end = 0;
+  for (const part of parts) {
+    const [whole, sign, name, power = "1"] = part;
+    if (part.index !== end) return null;
+    end += whole.length;
+    if (name === "1") continue;
+    const prefix = name in units ? "" : Object.keys(prefixes).find((each) =>
+      name.startsWith(each) && name.slice(each.length) in units);
+    if (prefix === undefined) return null;
+    const [own, bases] = units[name.slice(prefix.length)];
+    const times = (sign === "/" ? -1 : 1) * Number(power);
+    size *= ((prefixes[prefix] ?? 1) * own) ** times;
+    for (const [base, each] of Object.entries(bases)) powers[base] = (powers[base] ?? 0) + times * each;
+  }
+  return end === plain.length ? [size, powers] : null;
 }
 
 /**
@@ -161,6 +192,9 @@ export function partsOf(registry, options, naturalFrequency) {
   const parts = { system: {}, drive: {}, run: {}, noise: {} };
   for (const [name, value] of Object.entries(options))
     if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
+  if (Object.keys(parts.noise).length)
+    throw new InputError("random kicks are not computed in a page: give this run to the installed "
+      + "program", { parameter: Object.keys(parts.noise)[0] });
   const rate = naturalFrequency(parts.system);
   for (const [ratio, name] of Object.entries(registry.ratios)) {
     if (!(ratio in parts.drive)) continue;

@@ -22,8 +22,8 @@
  *   quantities: Record<string, {unit: string, symbol: string, label: string}>,
  *   observables: Record<string, any>, scenarios: Record<string, Preset>,
  *   ratios: Record<string, string>, alternatives: string[][],
- *   units: Record<string, Record<string, number>>, tolerances: [number, number],
- *   defaults: Record<string, any>}} Registry
+ *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
+ *   tolerances: [number, number]}} Registry
  */
 
 import { contentOf } from "../kernels/load.js";

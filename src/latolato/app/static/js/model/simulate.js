@@ -49,8 +49,10 @@ const PHASED = [1, 2, 3];
 export async function specify(registry, request) {
   const options = optionsOf(registry, request);
   const preset = registry.scenarios[request.scenario ?? ""];
-  if (preset?.sweep && !request.options?.system)
-    throw new InputError(`${request.scenario} is a map, not one run: open it there`);
+  if (preset?.sweep)
+    throw new InputError(`is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, not one run: use `
+      + `\`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`,
+    { parameter: String(request.scenario) });
   const kind = String(options.system);
   if (!Object.hasOwn(registry.systems, kind))
     throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
