@@ -1,0 +1,88 @@
+/** A run as the views draw it: its columns and what is said of it. */
+
+import { commandLine, pythonLines } from "./lines.js";
+import { LEDGER } from "./simulate.js";
+
+/** @typedef {import("./simulate.js").Run} Run */
+/** @typedef {import("./simulate.js").Case} Case */
+/** @typedef {import("../block.js").Block} Block */
+
+const SIDES = ["right", "left"];
+
+/**
+ * Return a run as a block.
+ * @param {Run} run
+ * @returns {Block}
+ */
+export function blockOf(run) {
+  const { time, columns, contacts } = run;
+  /** @type {Block} */
+  const block = { about: aboutOf(run), arrays: {}, shapes: {} };
+  const put = (/** @type {string} */ name, /** @type {Float64Array[]} */ rows) => {
+    const [{ length }] = rows;
+    const whole = new Float64Array(rows.length * length);
+    rows.forEach((row, i) => whole.set(row, i * length));
+    block.arrays[name] = whole;
+    block.shapes[name] = [rows.length, length];
+  };
+  block.arrays.time = time;
+  block.arrays.strobe = run.strobes;
+  for (const [name, rows] of Object.entries(columns)) if (!LEDGER.includes(name)) put(name, rows);
+  block.arrays.contact_time = contacts.time;
+  block.arrays.contact_kind = contacts.kind;
+  put("angular_velocity_before", contacts.before);
+  put("angular_velocity_after", contacts.after);
+  for (const name of ["time", "strobe", "contact_time", "contact_kind"])
+    block.shapes[name] = [block.arrays[name].length];
+  return block;
+}
+
+/**
+ * Return what is said of a run beside its numbers.
+ * @param {Run} run
+ */
+function aboutOf({ columns, warnings, case: each }) {
+  const { registry, system, drive } = each;
+  const options = resolvedOf(each);
+  const last = (/** @type {string} */ name) => columns[name][0][columns[name][0].length - 1];
+  return {
+    options, warnings, duration: each.duration,
+    attributes: { system: system.kind, drive: drive.kind, natural_frequency: system.naturalFrequency,
+      ...(system.contacts && system.angles === 1
+        ? { contact_angle_low: system.low, contact_angle_high: system.high } : {}) },
+    balls: ballsOf(each),
+    ledger: Object.fromEntries(LEDGER.filter((name) => name in columns).map((name) => [name, last(name)])),
+    python: pythonLines(registry, options), command: commandLine(registry, options),
+  };
+}
+
+/**
+ * Return all options of a case, in SI units, with those of its laws that have a default.
+ * @param {Case} each
+ */
+export function resolvedOf({ registry, options, system, drive }) {
+  /** @type {Record<string, any>} */
+  const resolved = { ...options, system: system.kind, drive: drive.kind };
+  for (const [ratio, name] of Object.entries(registry.ratios)) {
+    if (!(ratio in resolved)) continue;
+    delete resolved[ratio];
+    resolved[name] = drive.parameters[registry.options[name].path[0]];
+  }
+  const known = [...registry.systems[system.kind].options, ...registry.drives[drive.kind].options];
+  for (const name of known) resolved[name] ??= registry.options[name].default;
+  return resolved;
+}
+
+/**
+ * Return name, length, radius, mass, row of the columns and sign of the angle of each ball on show.
+ * @param {Case} each
+ */
+function ballsOf({ system }) {
+  const names = system.contacts ? SIDES : ["ball"];
+  const mirrored = system.balls.length < names.length;
+  return names.map((name, i) => {
+    const row = mirrored ? 0 : i;
+    const { length, radius, mass } = system.balls[row];
+    return { name, row, sign: mirrored && name === "left" ? -1 : 1, length, radius, mass };
+  });
+}
