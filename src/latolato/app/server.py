@@ -91,11 +91,11 @@ def make_app(settings: Settings) -> Starlette:
     app = Starlette(
         routes=[
             Route("/", _index),
-            Route("/api/registry", _registry),
+            Route("/registry.json", _registry),
             Route("/api/compiling", _compiling),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
-            Route("/static/{path:path}", static),
+            Route("/{path:path}", static),
         ],
         middleware=[
             Middleware(
@@ -161,7 +161,7 @@ async def _index(request: Request) -> Response:
 async def _registry(request: Request) -> Response:
     from latolato.app.forms import registry
 
-    return await answered(request, lambda: JSONResponse(registry()))
+    return await answered(request, lambda: JSONResponse({**registry(), "server": True}))
 
 
 async def _compiling(request: Request) -> Response:

@@ -40,7 +40,7 @@ export class Downloads {
     this.asked = asked;
     const query = format({ view: "play", ...asked, extra: {} });
     for (const { kind, link } of this.links) {
-      link.href = `/download/run.${kind}${query}`;
+      link.href = `download/run.${kind}${query}`;
       const item = /** @type {HTMLElement} */ (link.parentElement);
       if (kind === "contacts.csv") item.hidden = !touching;
     }
@@ -49,7 +49,7 @@ export class Downloads {
   async film() {
     const given = { ...this.asked, speed: Number(this.speed.value) };
     this.make.disabled = true;
-    const block = await this.job.run("/ws/animation", given);
+    const block = await this.job.run("ws/animation", given);
     this.make.disabled = false;
     if (!block) return;
     saveFile(fileOf(block, "file", block.about.type), block.about.name);

@@ -1,7 +1,7 @@
 /** The page: its views, its colours and what they share. */
 
-import { askJson } from "./api.js";
 import { el, tell } from "./dom.js";
+import { loadRegistry } from "./model/registry.js";
 import { format, Store } from "./state.js";
 import { t } from "./strings.js";
 
@@ -111,4 +111,4 @@ startTheme();
 const store = new Store(window);
 // The first view's modules come while the server makes the registry.
 VIEWS[store.state.view]?.().catch(() => {});
-startViews({ registry: await askJson("/api/registry"), store });
+startViews({ registry: await loadRegistry(), store });

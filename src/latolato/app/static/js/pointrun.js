@@ -44,7 +44,7 @@ export class PointRun {
     const note = el("p", { class: "hint" });
     this.place.prepend(note);
     try {
-      const block = await waited(note, askBlock("/api/run", asked));
+      const block = await waited(note, askBlock("api/run", asked));
       if (turn !== this.turn) return;
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);

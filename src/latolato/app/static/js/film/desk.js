@@ -32,7 +32,7 @@ export class Desk {
   }
 
   connect() {
-    const socket = new WebSocket(socketAddress("/api/films/desk"));
+    const socket = new WebSocket(socketAddress("api/films/desk"));
     this.socket = socket;
     // The server closes a socket that sends nothing.
     socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
@@ -105,7 +105,7 @@ export class Desk {
           limit: this.hello.limits.upload / 1e6 })));
         return;
       }
-      request.open("POST", `/api/films?desk=${encodeURIComponent(this.hello.desk)}`);
+      request.open("POST", `api/films?desk=${encodeURIComponent(this.hello.desk)}`);
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
       request.upload.addEventListener("progress", (e) => tell("uploading", e.loaded / e.total));
@@ -128,7 +128,7 @@ export class Desk {
  * @param {string} file
  */
 export function filmAddress(film, file) {
-  return `/api/films/${encodeURIComponent(film)}/${file}`;
+  return `api/films/${encodeURIComponent(film)}/${file}`;
 }
 
 /**

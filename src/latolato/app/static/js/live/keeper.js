@@ -57,7 +57,7 @@ export class Keeper {
     const note = about.reproduces ? "recordedExact"
       : about.by_hand ? "recordedHand" : "recordedChaos";
     const file = (/** @type {string} */ suffix, /** @type {string} */ name) =>
-      el("a", { href: `/api/recording/${about.name}.${suffix}`, download: `live.${suffix}` }, name);
+      el("a", { href: `api/recording/${about.name}.${suffix}`, download: `live.${suffix}` }, name);
     this.result.replaceChildren(
       el("p", {}, t("recorded", { time }), " ", t(note)),
       el("div", { class: "actions" },
@@ -83,7 +83,7 @@ export class Keeper {
       return;
     }
     try {
-      const response = await ask(`/api/recording/${about.name}.block`);
+      const response = await ask(`api/recording/${about.name}.block`);
       const block = unpack(await response.arrayBuffer());
       this.page.recordings = { ...this.page.recordings, [about.name]: block };
       const extra = { ...store.state.extra, "play.recording": about.name };

@@ -34,7 +34,7 @@ export class Link {
   open() {
     this.close();
     this.closed = false;
-    const socket = new WebSocket(socketAddress("/ws/live"));
+    const socket = new WebSocket(socketAddress("ws/live"));
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     socket.onopen = () => {

@@ -108,10 +108,10 @@ export class AnalyseView {
     const { registry } = this.page;
     try {
       if (!Object.keys(this.forms).length) {
-        this.forms = await askJson("/api/analyses");
+        this.forms = await askJson("api/analyses");
         this.list.build(this.forms);
       }
-      this.about = await askJson("/api/asked", this.asked);
+      this.about = await askJson("api/asked", this.asked);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
@@ -237,7 +237,7 @@ export class AnalyseView {
     this.own.error(null);
     this.cost.textContent = "";
     try {
-      const { seconds, refused } = await askJson("/api/analyses/cost", given);
+      const { seconds, refused } = await askJson("api/analyses/cost", given);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
       else if (seconds <= QUICK || wanted) await this.ask(given, seconds, turn);
@@ -268,7 +268,7 @@ export class AnalyseView {
    */
   async ask(given, seconds, turn) {
     this.answer.classList.add("stale");
-    const block = await this.job.run("/ws/analyse", given, seconds);
+    const block = await this.job.run("ws/analyse", given, seconds);
     if (turn !== this.turn) return;
     if (!block) {
       const { error } = this.job;

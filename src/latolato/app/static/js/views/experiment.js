@@ -200,7 +200,7 @@ export class ExperimentView {
       el("p", { class: "hint" }, t("trialsHint")),
       trialTable(trials, named, (key) => this.open(films.find((film) => film.key === key))),
       trials.length > 0 && desk.hello ? el("a", { download: "trials.csv",
-        href: `/api/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
+        href: `api/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
       t("export_trials")) : ""]);
   }
 

@@ -53,7 +53,7 @@ export class PaperView {
 
   async load() {
     /** @type {Entry[]} */
-    const entries = await askJson("/api/paper");
+    const entries = await askJson("api/paper");
     this.plates = entries.map((entry) => new Plate(this, entry));
     this.list.replaceChildren(...this.plates.map((plate) => plate.item));
     this.main.replaceChildren(...this.plates.map((plate) => plate.root));
@@ -223,7 +223,7 @@ class Plate {
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
     this.filmed.disabled = true;
-    const block = await this.job.run("/ws/paper", { figure: this.entry.name });
+    const block = await this.job.run("ws/paper", { figure: this.entry.name });
     this.picture.classList.remove("waiting");
     if (!block) {
       this.release();

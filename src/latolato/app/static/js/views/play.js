@@ -1,24 +1,24 @@
 /** Play: parameters on one side, the motion that they make on the other. */
 
-import { askBlock, newest, Offline } from "../api.js";
 import { codeBlocks } from "../code.js";
 import { el, tell } from "../dom.js";
 import { Downloads } from "../downloads.js";
 import { Form } from "../form.js";
 import { followKeys } from "../keys.js";
 import { withLaws } from "../laws.js";
+import { Runner } from "../model/client.js";
+import { inPagesWords } from "../model/words.js";
 import { Motion } from "../motion.js";
 import { Player } from "../player.js";
 import { presetField } from "../presets.js";
 import { t } from "../strings.js";
-import { waited } from "../waiting.js";
 
 /** @typedef {import("../main.js").Page} Page */
 
 /** What is on show where the address says nothing. */
 export const FIRST = "toy";
-// A server that does not answer is asked again after this time.
-const RETRY = 1000; // ms
+// Beyond it, a run that is computed is announced.
+const PATIENCE = 700; // ms
 
 // Where the address names a recording of Live that this page still has.
 const RECORDING = "play.recording";
@@ -41,7 +41,8 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
-    this.run = newest(() => this.simulate());
+    this.runner = new Runner();
+    this.runner.start();
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }
@@ -65,14 +66,15 @@ export class PlayView {
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
         this.page.store.keep(RECORDING, null);
-      this.run(null);
+      void this.simulate();
     }));
-    this.run(null);
+    void this.simulate();
   }
 
   hide() {
     for (const release of this.releases.splice(0)) release();
     this.downloads.stop();
+    this.runner.stop();
     this.player.clock.pause();
   }
 
@@ -99,11 +101,12 @@ export class PlayView {
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
     this.presets.show(scenario);
-    // The form is made while the server computes.
-    const asked = this.recording() ?? askBlock("/api/run", { scenario, options });
+    // The form is made while the worker computes.
+    const waiting = setTimeout(() => { this.notes.textContent = t("computing"); }, PATIENCE);
+    const pending = this.recording() ?? this.runner.compute({ scenario, options });
     this.form.build();
     try {
-      const block = await waited(this.notes, Promise.resolve(asked));
+      const block = await pending;
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
@@ -114,13 +117,12 @@ export class PlayView {
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
+      if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
-      if (error instanceof Offline) {
-        this.notes.textContent = t("offline");
-        setTimeout(() => this.run(null), RETRY);
-        return;
-      }
-      this.form.error(error.message, /** @type {any} */ (error).field ?? null);
+      this.notes.textContent = "";
+      this.form.error(...inPagesWords(registry, error));
+    } finally {
+      clearTimeout(waiting);
     }
   }
 
