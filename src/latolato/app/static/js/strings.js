@@ -8,6 +8,11 @@ export const STRINGS = {
   themeLabel: "Colours: {name}. Change them.",
   warning: "Note: {text}",
   computed: "{samples} samples in {ms} ms",
+  program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
+    + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",
+  program_analyse: "Analyse asks one toy a question: does it return after each shake, how strongly does it "
+    + "feel small differences, which push decides? These analyses are computed by the installed program.",
+  programHow: "This site has no program behind it. Install latolato (its documentation says how) and start",
   view_play: "Play",
   view_map: "Map",
   view_live: "Live",

@@ -1,6 +1,6 @@
 /** Paper: what the paper says, figure by figure, beside what an accurate calculation gives. */
 
-import { askJson } from "../api.js";
+import { askBlock, askJson } from "../api.js";
 import { el, freshId } from "../dom.js";
 import { fileOf, JobLine, saveFile } from "../jobs.js";
 import { openLink, openState, textsOf } from "../links.js";
@@ -53,7 +53,7 @@ export class PaperView {
 
   async load() {
     /** @type {Entry[]} */
-    const entries = await askJson("api/paper");
+    const entries = await askJson(this.page.registry.server ? "api/paper" : "paper/contents.json");
     this.plates = entries.map((entry) => new Plate(this, entry));
     this.list.replaceChildren(...this.plates.map((plate) => plate.item));
     this.main.replaceChildren(...this.plates.map((plate) => plate.root));
@@ -223,7 +223,9 @@ class Plate {
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
     this.filmed.disabled = true;
-    const block = await this.job.run("ws/paper", { figure: this.entry.name });
+    const { name, stored } = this.entry;
+    const block = await (stored === undefined ? this.job.run("ws/paper", { figure: name })
+      : stored ? askBlock(`paper/${name}.block`) : null);
     this.picture.classList.remove("waiting");
     if (!block) {
       this.release();
