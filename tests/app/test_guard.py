@@ -198,9 +198,7 @@ def test_printed_links_work_for_this_machine_and_for_others():
         stop_server(server)
 
 
-@pytest.mark.parametrize(
-    "path", ["/../server.py", "/%2e%2e/server.py", "/..%2fserver.py", "/x"]
-)
+@pytest.mark.parametrize("path", ["/../server.py", "/%2e%2e/server.py", "/..%2fserver.py", "/x"])
 def test_nothing_but_the_pages_is_served(client, path):
     assert client.get(path).status_code == 404
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Callable
+from errno import ENOTDIR
 from pathlib import Path
 
 from latolato.app import STATIC
+from latolato.app.forms import registry
 from latolato.core.errors import InputError
 
 # What a browser keeps at the first visit; the report and the documentation as they are read.
@@ -20,13 +21,7 @@ OFFLINE = "offline.js"
 _LATER = ("report", "docs", "paper")
 
 
-def write_site(
-    folder: Path,
-    *,
-    report: Path | None = None,
-    docs: Path | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> list[Path]:
+def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = None) -> list[Path]:
     """Write the pages into a folder; return the files.
 
     Parameters
@@ -34,16 +29,16 @@ def write_site(
     folder : Path
         It may exist, also with an earlier site; other files in it stay.
     report : Path, optional
-        Folder of a report that `latolato reproduce` wrote; by default a quick one is made.
+        Folder of a report that `latolato reproduce` wrote; without it the claims are not judged.
     docs : Path, optional
         Folder of the built documentation.
-    progress : callable, optional
-        Called with the fraction of the report that is done.
 
     Raises
     ------
     InputError
         If `report` holds no report, or `docs` no pages.
+    NotADirectoryError
+        If `folder` is a file.
     FileNotFoundError
         If the code for pages has not been compiled.
     """
@@ -55,36 +50,29 @@ def write_site(
         raise InputError(f"'{docs}' holds no documentation", way_out="make it: make docs")
     if not (STATIC / "kernels" / "layout.json").is_file():
         raise FileNotFoundError(
-            "the compiled code for pages is missing; in a clone of the repository, run: make kernels"
+            "the pages' compiled code is missing; in a clone, run: make kernels"
         )
-    from latolato.app.forms import registry
-
     if folder.is_file():
-        raise NotADirectoryError(20, "the site needs a folder, and there is a file", str(folder))
+        raise NotADirectoryError(ENOTDIR, "a site needs a folder, and this is a file", str(folder))
     shutil.copytree(STATIC, folder, dirs_exist_ok=True)
-    if report is None:
-        from latolato.report import reproduce
-
-        report = reproduce(folder / "report", quick=True, progress=progress).index.parent
-    else:
-        shutil.copytree(report, folder / "report", dirs_exist_ok=True)
-    if docs is not None:
-        shutil.copytree(docs, folder / "docs", dirs_exist_ok=True)
-    _write_paper(folder / "paper", report)
-    about = {**registry(), "server": False, "docs": docs is not None}
+    about = registry() | {"server": False, "docs": docs is not None}
     (folder / "registry.json").write_text(json.dumps(about), encoding="utf-8")
+    for name, source in (("report", report), ("docs", docs)):
+        if source is not None and source.resolve() != (folder / name).resolve():
+            shutil.copytree(source, folder / name, dirs_exist_ok=True)
+    _write_paper(folder / "paper", report)
     _write_offline(folder)
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-def _write_paper(folder: Path, report: Path) -> None:
+def _write_paper(folder: Path, report: Path | None) -> None:
     """Write what the Paper view shows: the claims, and the block of each figure."""
     from latolato.app.report import contents, stored
 
     folder.mkdir(exist_ok=True)
     entries = contents(report)
     for entry in entries:
-        block = stored(entry["name"], report)
+        block = None if report is None else stored(entry["name"], report)
         entry["stored"] = block is not None
         if block is not None:
             (folder / f"{entry['name']}.block").write_bytes(block)

@@ -20,8 +20,8 @@ from latolato.cli import app as app_command
 from latolato.cli import compare as compare_command
 from latolato.cli import importing as import_command
 from latolato.cli import reproduce as reproduce_command
-from latolato.cli import site as site_command
 from latolato.cli import simulate as run_command
+from latolato.cli import site as site_command
 from latolato.cli import trials as trials_command
 from latolato.cli import videos as video_commands
 from latolato.cli.analyse import AnalysisGroup

@@ -30,8 +30,12 @@ def site(
 ) -> None:
     """Write Play, Live, Map, the report and the documentation as a site for any web space."""
     module = import_extra("latolato.app.site", "app", "the site")
-    with bar("making the report") as progress:
-        files = module.write_site(folder, report=report, docs=docs, progress=progress)
+    if report is None:
+        from latolato.report import reproduce
+
+        with bar("making the report") as progress:
+            report = reproduce(folder / "report", quick=True, progress=progress).index.parent
+    files = module.write_site(folder, report=report, docs=docs)
     size = sum(path.stat().st_size for path in files)
     address = f"http://127.0.0.1:8000, after python -m http.server --bind 127.0.0.1 -d {folder}"
     left_out = {} if docs else {"left out": "the documentation; give its folder with --docs"}

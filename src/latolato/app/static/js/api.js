@@ -55,7 +55,7 @@ export async function askJson(path, body) {
 /**
  * Return a block of arrays.
  * @param {string} path
- * @param {any} body
+ * @param {any} [body]
  * @param {AbortSignal} [signal]
  */
 export async function askBlock(path, body, signal) {

@@ -236,6 +236,7 @@ export const STRINGS = {
   job_progress: "{percent} % done, {seconds} s",
   stored: "Stored {name}.",
   // downloads
+  fileProgram: "The installed program also stores NetCDF files, figures and films of a run.",
   file_csv: "CSV",
   "file_contacts.csv": "CSV of contacts",
   file_nc: "NetCDF",

@@ -97,7 +97,7 @@ export class Kernels {
 
   /**
    * Return a copy of numbers in memory.
-   * @param {number[]} numbers
+   * @param {ArrayLike<number>} numbers
    */
   copy(numbers) {
     const held = this.take("f8", numbers.length);

@@ -1,5 +1,6 @@
 /** A run as the views draw it: its columns and what is said of it. */
 
+import { tablesOf } from "./files.js";
 import { commandLine, pythonLines } from "./lines.js";
 import { LEDGER } from "./simulate.js";
 
@@ -27,7 +28,7 @@ export function blockOf(run) {
   };
   block.arrays.time = time;
   block.arrays.strobe = run.strobes;
-  for (const [name, rows] of Object.entries(columns)) if (!LEDGER.includes(name)) put(name, rows);
+  for (const [name, rows] of Object.entries(columns)) put(name, rows);
   block.arrays.contact_time = contacts.time;
   block.arrays.contact_kind = contacts.kind;
   put("angular_velocity_before", contacts.before);
@@ -38,21 +39,46 @@ export function blockOf(run) {
 }
 
 /**
- * Return what is said of a run beside its numbers.
+ * Return what is said of a run beside its numbers; attributes are those of `latolato.simulate`.
  * @param {Run} run
  */
-function aboutOf({ columns, warnings, case: each }) {
-  const { registry, system, drive } = each;
+function aboutOf(run) {
+  const { columns, warnings, case: each } = run;
+  const { registry, system, kernels } = each;
   const options = resolvedOf(each);
   const last = (/** @type {string} */ name) => columns[name][0][columns[name][0].length - 1];
   return {
-    options, warnings, duration: each.duration,
-    attributes: { system: system.kind, drive: drive.kind, natural_frequency: system.naturalFrequency,
-      ...(system.contacts && system.angles === 1
-        ? { contact_angle_low: system.low, contact_angle_high: system.high } : {}) },
-    balls: ballsOf(each),
+    options, warnings, duration: each.duration, attributes: attributesOf(run, options),
+    contact_kinds: kernels.layout.contact_kinds, balls: ballsOf(system),
     ledger: Object.fromEntries(LEDGER.filter((name) => name in columns).map((name) => [name, last(name)])),
     python: pythonLines(registry, options), command: commandLine(registry, options),
+  };
+}
+
+/**
+ * @param {Run} run
+ * @param {Record<string, any>} options
+ */
+function attributesOf(run, options) {
+  const { registry, system, duration, contact, tolerance, restSpeed, frame, contactLimit, angles,
+    velocities } = run.case;
+  const single = (/** @type {number[]} */ numbers) => (numbers.length === 1 ? numbers[0] : numbers);
+  const whole = { ...options, initial_offset: null, initial_angle: single(angles), times: null, samples: null,
+    initial_angular_velocity: single(velocities), duration, contact, tolerance, rest_speed: restSpeed, frame,
+    contact_limit: contactLimit };
+  const flat = Object.entries(registry.options).map(([name]) => [name, /** @type {any} */ (whole)[name]])
+    .filter(([name, value]) => name !== "system" && name !== "drive" && value !== null && value !== undefined);
+  return {
+    title: `latolato run of ${system.kind}`, latolato_version: registry.version,
+    system: options.system, drive: options.drive, ...Object.fromEntries(flat),
+    natural_frequency: system.naturalFrequency,
+    ...(!system.contacts ? {} : system.angles === 2 ? { contact_separation: system.low }
+      : { contact_angle_low: system.low, contact_angle_high: system.high }),
+    scenario: JSON.stringify(tablesOf(registry, whole)),
+    energy_residual: run.energyResidual, status: run.status, step: run.step, step_halvings: run.halvings,
+    grazing_contacts: run.grazes, contacts: run.contacts.time.length,
+    ...(system.linear ? {} : { compression_time: single(run.compressionTime),
+      compression_fraction: single(run.compressionFraction) }),
   };
 }
 
@@ -75,9 +101,9 @@ export function resolvedOf({ registry, options, system, drive }) {
 
 /**
  * Return name, length, radius, mass, row of the columns and sign of the angle of each ball on show.
- * @param {Case} each
+ * @param {import("./laws.js").System} system
  */
-function ballsOf({ system }) {
+function ballsOf(system) {
   const names = system.contacts ? SIDES : ["ball"];
   const mirrored = system.balls.length < names.length;
   return names.map((name, i) => {

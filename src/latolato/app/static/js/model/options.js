@@ -182,32 +182,40 @@ function withoutForeign(registry, kept, given) {
 }
 
 /**
- * Return the parts of all options by their owner; ratios of a drive have become frequencies.
+ * Return the parts of all options by their owner.
  * @param {Registry} registry
  * @param {Record<string, any>} options in SI units
- * @param {(given: Record<string, any>) => number} naturalFrequency called with the system's options
  */
-export function partsOf(registry, options, naturalFrequency) {
+export function partsOf(registry, options) {
   /** @type {Record<"system" | "drive" | "run" | "noise", Record<string, any>>} */
   const parts = { system: {}, drive: {}, run: {}, noise: {} };
   for (const [name, value] of Object.entries(options))
     if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
-  if (Object.keys(parts.noise).length)
+  const [kicked] = Object.keys(parts.noise);
+  if (kicked)
     throw new InputError("random kicks are not computed in a page: give this run to the installed "
-      + "program", { parameter: Object.keys(parts.noise)[0] });
-  const rate = naturalFrequency(parts.system);
+      + "program", { parameter: kicked });
+  return parts;
+}
+
+/**
+ * Put frequencies in the place of a drive's frequency ratios.
+ * @param {Registry} registry
+ * @param {Record<string, any>} drive its options
+ * @param {number} naturalFrequency [rad/s]
+ */
+export function withoutRatios(registry, drive, naturalFrequency) {
   for (const [ratio, name] of Object.entries(registry.ratios)) {
-    if (!(ratio in parts.drive)) continue;
-    if (name in parts.drive)
+    if (!(ratio in drive)) continue;
+    if (name in drive)
       throw new InputError(`give either ${name} or {parameter}, got both`, { parameter: ratio });
-    const value = parts.drive[ratio];
-    delete parts.drive[ratio];
+    const value = drive[ratio];
+    delete drive[ratio];
     const several = registry.options[ratio].several;
     if (several && !Array.isArray(value))
       throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
     const numbers = [value].flat().map((number) =>
-      checkedNumber(ratio, number, NON_NEGATIVE, "times the natural frequency") * rate);
-    parts.drive[name] = several ? numbers : numbers[0];
+      checkedNumber(ratio, number, NON_NEGATIVE, "times the natural frequency") * naturalFrequency);
+    drive[name] = several ? numbers : numbers[0];
   }
-  return parts;
 }

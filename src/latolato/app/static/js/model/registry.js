@@ -23,7 +23,7 @@
  *   observables: Record<string, any>, scenarios: Record<string, Preset>,
  *   ratios: Record<string, string>, alternatives: string[][],
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
- *   tolerances: [number, number]}} Registry
+ *   tolerances: [number, number], server: boolean, docs?: boolean}} Registry
  */
 
 import { contentOf } from "../kernels/load.js";

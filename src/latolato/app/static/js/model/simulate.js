@@ -4,7 +4,7 @@ import { begin, shake } from "../kernels/begin.js";
 import { loadKernels } from "../kernels/load.js";
 import { integrate, observe } from "../kernels/run.js";
 import { checkIncreasing, driveOf, fieldsOf, systemOf } from "./laws.js";
-import { optionsOf, partsOf } from "./options.js";
+import { optionsOf, partsOf, withoutRatios } from "./options.js";
 import { ANY, checkedCount, checkedNumber, general, InputError, NON_NEGATIVE, POSITIVE, range,
   rangeOf, suggest } from "./rules.js";
 
@@ -57,15 +57,12 @@ export async function specify(registry, request) {
   if (!Object.hasOwn(registry.systems, kind))
     throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
   const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
-  /** @type {System} */
-  let system;
-  const parts = partsOf(registry, options, (given) => {
-    system = systemOf(registry, kernels, kind, given);
-    return system.naturalFrequency;
-  });
+  const parts = partsOf(registry, options);
+  const system = systemOf(registry, kernels, kind, parts.system);
+  withoutRatios(registry, parts.drive, system.naturalFrequency);
   const drive = driveOf(registry, options.drive ?? "fixed_pivot", parts.drive);
-  const law = contactOf(registry, /** @type {any} */ (system), parts.run);
-  return checkedRun(registry, kernels, options, /** @type {any} */ (system), drive, law, parts.run);
+  const law = contactOf(registry, system, parts.run);
+  return checkedRun(registry, kernels, options, system, drive, law, parts.run);
 }
 
 /**
@@ -360,7 +357,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     columns.kinetic_energy[i].map((value, k) => value + columns.potential_energy[i][k]));
   for (const name of LEDGER) {
     const [values] = rows(result.samples, [layout.sample_rows[name]]);
-    if (name !== "noise_work" || values.some((value) => Math.abs(value) > 0)) columns[name] = [values];
+    if (name !== "noise_work" || values.some((/** @type {number} */ value) => Math.abs(value) > 0)) columns[name] = [values];
   }
   const { times: contactTimes, kinds, values } = result.contacts;
   const status = statusOf(each, result);

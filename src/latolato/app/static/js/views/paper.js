@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
 /** @typedef {{name: string, label: string, title: string, caption: string,
- *   statements: {name: string, where: string, words: string}[], film: boolean, missing: string,
+ *   statements: {name: string, where: string, words: string}[], film: boolean, missing: string, stored?: boolean,
  *   scenarios: string[]}} Entry */
 /** @typedef {{name: string, where: string, words: string, finding: string,
  *   criteria: [string, boolean][], assumption: string, verdict: string, says: string,

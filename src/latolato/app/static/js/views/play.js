@@ -33,7 +33,7 @@ export class PlayView {
     const stage = el("div", { class: "player" });
     this.notes = el("p", { class: "notes", role: "status" });
     this.code = el("div", {});
-    this.downloads = new Downloads();
+    this.downloads = new Downloads(page);
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.presets.field, this.makeActions(),
         this.downloads.root, form),
