@@ -69,13 +69,17 @@ def _registry() -> dict[str, Any]:
 
 
 def _law(law: type, table: str) -> dict[str, Any]:
-    """Return the name, the options and the abilities of a system or a drive."""
+    """Return the name, the options and the abilities of a system, a drive or a contact law.
+
+    `compiled` says whether the modules for pages have it.
+    """
     return {
         "title": law.__name__,
         "description": (law.__doc__ or "").splitlines()[0].partition(":")[0],
         "options": list(_option_names(law, table)),
         "angles": getattr(law, "angles", 0),
         "contacts": getattr(law, "has_contacts", False),
+        "compiled": law.__module__.startswith("latolato.") and getattr(law, "write", ...) is not None,
     }
 
 

@@ -18,7 +18,7 @@ export class Downloads {
   /** @param {import("./main.js").Page} page */
   constructor(page) {
     this.page = page;
-    this.runner = new Runner();
+    this.runner = new Runner(page.registry);
     this.request = { scenario: /** @type {string | null} */ (null), options: {} };
     const entry = (/** @type {string} */ kind, /** @type {HTMLElement} */ control) => el("li", {}, control,
       el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`));

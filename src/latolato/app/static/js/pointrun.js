@@ -1,12 +1,11 @@
 /** The run that a point of a picture stands for: its motion, and the way to Play. */
 
-import { askBlock } from "./api.js";
 import { el } from "./dom.js";
 import { openLink } from "./links.js";
+import { Runner } from "./model/client.js";
 import { Motion } from "./motion.js";
 import { Preview } from "./preview.js";
 import { t } from "./strings.js";
-import { waited } from "./waiting.js";
 
 /** @typedef {{scenario: string | null, options: Record<string, string>}} Asked */
 
@@ -19,6 +18,7 @@ export class PointRun {
     this.page = page;
     this.use = use;
     this.turn = 0;
+    this.runner = new Runner(page.registry);
     /** @type {Preview | null} */
     this.preview = null;
     this.said = el("p", { role: "status" });
@@ -41,10 +41,8 @@ export class PointRun {
     this.actions.replaceChildren(
       openLink(this.page, { view: "play", ...asked }, t("openCase")),
       el("button", { type: "button", on: { click: () => this.use(asked) } }, t("pointUse")));
-    const note = el("p", { class: "hint" });
-    this.place.prepend(note);
     try {
-      const block = await waited(note, askBlock("api/run", asked));
+      const block = await this.runner.compute(asked);
       if (turn !== this.turn) return;
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);

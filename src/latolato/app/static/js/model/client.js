@@ -1,5 +1,6 @@
 /** Runs that the page asks for, computed in a worker. */
 
+import { askBlock } from "../api.js";
 import { InputError } from "./rules.js";
 
 /** @typedef {import("./options.js").Request} Request */
@@ -12,11 +13,13 @@ const PATIENCE = 200; // ms
 
 /** Computes runs one after the other; a newer request takes the place of an older one. */
 export class Runner {
-  constructor() {
+  /** @param {import("./registry.js").Registry} registry */
+  constructor(registry) {
+    this.registry = registry;
     /** @type {Worker | null} */
     this.worker = null;
     this.number = 0;
-    /** @type {{number: number, resolve: (block: Block) => void, reject: (error: Error) => void,
+    /** @type {{number: number, request: Request, resolve: (block: Block) => void, reject: (error: Error) => void,
      *   begun: number} | null} */
     this.pending = null;
   }
@@ -46,7 +49,7 @@ export class Runner {
     this.number += 1;
     const { number } = this;
     return new Promise((resolve, reject) => {
-      this.pending = { number, resolve, reject, begun: performance.now() };
+      this.pending = { number, request, resolve, reject, begun: performance.now() };
       this.start().postMessage({ number, request, mostSamples });
     });
   }
@@ -56,7 +59,7 @@ export class Runner {
     const { pending } = this;
     if (!pending) return;
     this.pending = null;
-    pending.reject(new DOMException("a newer run is wanted", "AbortError"));
+    pending.reject(aborted());
     if (performance.now() - pending.begun > PATIENCE) this.end();
   }
 
@@ -73,7 +76,17 @@ export class Runner {
     if (pending?.number !== number) return;
     this.pending = null;
     if (block) pending.resolve(block);
-    else pending.reject(fault.about ? new InputError(fault.about.rule, fault.about.about)
+    else if (fault.isBeyond && this.registry.server) {
+      askBlock("api/run", pending.request).then((answer) => {
+        if (number === this.number) pending.resolve(answer);
+        else pending.reject(aborted());
+      }, pending.reject);
+    } else pending.reject(fault.about ? new InputError(fault.about.rule, fault.about.about)
       : new Error(fault.message));
   }
+}
+
+/** Return what a run ends with that is no longer wanted. */
+function aborted() {
+  return new DOMException("a newer run is wanted", "AbortError");
 }

@@ -1,6 +1,6 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
-import { checkedNumber, InputError, NON_NEGATIVE, suggest } from "./rules.js";
+import { BeyondPageError, checkedNumber, InputError, NON_NEGATIVE, suggest } from "./rules.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("./registry.js").Option} Option */
@@ -192,9 +192,7 @@ export function partsOf(registry, options) {
   for (const [name, value] of Object.entries(options))
     if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
   const [kicked] = Object.keys(parts.noise);
-  if (kicked)
-    throw new InputError("random kicks are not computed in a page: give this run to the installed "
-      + "program", { parameter: kicked });
+  if (kicked) throw new BeyondPageError("the random kicks of {parameter} are", kicked);
   return parts;
 }
 

@@ -10,9 +10,10 @@
  *   suggested: [number, number] | null, owner: "system" | "drive" | "run" | "noise",
  *   path: string[]}} Option
  *
- * A system, a drive or a contact law: its options in the order of its fields.
+ * A system, a drive or a contact law: its options in the order of its fields, and whether the
+ * compiled modules have it.
  * @typedef {{title: string, description: string, options: string[], angles: number,
- *   contacts: boolean}} Law
+ *   contacts: boolean, compiled: boolean}} Law
  *
  * @typedef {{title: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset

@@ -26,6 +26,17 @@ export class InputError extends Error {
   }
 }
 
+/** What is right, and left to the installed program. */
+export class BeyondPageError extends InputError {
+  /**
+   * @param {string} what the subject of a sentence
+   * @param {string} parameter
+   */
+  constructor(what, parameter) {
+    super(`${what} computed by the installed program, not in a page`, { parameter });
+  }
+}
+
 /**
  * @param {string} rule
  * @param {{parameter?: string, value?: any, wayOut?: string}} about

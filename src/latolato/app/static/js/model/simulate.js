@@ -5,7 +5,7 @@ import { loadKernels } from "../kernels/load.js";
 import { integrate, observe } from "../kernels/run.js";
 import { checkIncreasing, driveOf, fieldsOf, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { ANY, checkedCount, checkedNumber, general, InputError, NON_NEGATIVE, POSITIVE, range,
+import { ANY, BeyondPageError, checkedCount, checkedNumber, general, InputError, NON_NEGATIVE, POSITIVE, range,
   rangeOf, suggest } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
@@ -56,13 +56,16 @@ export async function specify(registry, request) {
   const kind = String(options.system);
   if (!Object.hasOwn(registry.systems, kind))
     throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
+  const drive = options.drive ?? "fixed_pivot";
+  if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
+  if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
   const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
   withoutRatios(registry, parts.drive, system.naturalFrequency);
-  const drive = driveOf(registry, options.drive ?? "fixed_pivot", parts.drive);
+  const moved = driveOf(registry, drive, parts.drive);
   const law = contactOf(registry, system, parts.run);
-  return checkedRun(registry, kernels, options, system, drive, law, parts.run);
+  return checkedRun(registry, kernels, options, system, moved, law, parts.run);
 }
 
 /**
@@ -76,6 +79,7 @@ function contactOf(registry, system, run) {
   const name = run.contact ?? registry.options.contact.default;
   if (!Object.hasOwn(laws, name))
     throw new InputError(`unknown contact law '${name}': ${suggest(String(name), Object.keys(laws))}`);
+  if (!laws[name].compiled) throw new BeyondPageError(`the {parameter} law ${name} is`, "contact");
   const owners = (/** @type {string} */ option) =>
     Object.keys(laws).filter((law) => laws[law].options.includes(option));
   for (const option of Object.keys(run)) {

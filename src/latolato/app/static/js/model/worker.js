@@ -2,7 +2,7 @@
 
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
-import { InputError } from "./rules.js";
+import { BeyondPageError, InputError } from "./rules.js";
 import { run, specify } from "./simulate.js";
 
 self.addEventListener("message", async ({ data: { number, request, mostSamples } }) => {
@@ -11,8 +11,9 @@ self.addEventListener("message", async ({ data: { number, request, mostSamples }
     const buffers = new Set(Object.values(block.arrays).map((array) => array.buffer));
     self.postMessage({ number, block }, { transfer: [...buffers] });
   } catch (error) {
-    const { message, name } = /** @type {Error} */ (error);
+    const { message } = /** @type {Error} */ (error);
     const about = error instanceof InputError ? { rule: error.rule, about: error.about } : null;
-    self.postMessage({ number, fault: { message, name, about } });
+    const isBeyond = error instanceof BeyondPageError;
+    self.postMessage({ number, fault: { message, about, isBeyond } });
   }
 });

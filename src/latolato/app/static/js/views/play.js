@@ -41,7 +41,7 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
-    this.runner = new Runner();
+    this.runner = new Runner(page.registry);
     this.runner.start();
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
