@@ -33,7 +33,7 @@ def test_every_view_has_one_title(page, first):
 READY = {
     "play": "[data-runs] .ledger-row",
     "map": ".map-readout",
-    "live": "[data-connected=true]",
+    "live": "[data-ready]",
     "paper": ".plate",
     "experiment": ".dropzone",
     "analyse": ".question",

@@ -140,12 +140,12 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads, live, maps
+    from latolato.app import downloads, maps
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
     from latolato.app.experiment import routes as films
 
-    views = (maps, live, downloads, paper, analyses, films)
+    views = (maps, downloads, paper, analyses, films)
     return [route for view in views for route in view.routes()]
 
 

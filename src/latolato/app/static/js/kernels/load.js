@@ -38,7 +38,7 @@ export function loadLayout() {
  * @param {string} name `one`, `two` or `lanes`
  */
 export function loadKernels(name) {
-  const started = modules.get(name) ?? start(name).catch((error) => {
+  const started = modules.get(name) ?? startKernels(name).catch((error) => {
     modules.delete(name);
     throw error;
   });
@@ -46,8 +46,11 @@ export function loadKernels(name) {
   return started;
 }
 
-/** @param {string} name */
-async function start(name) {
+/**
+ * Return a module with a memory of its own.
+ * @param {string} name
+ */
+export async function startKernels(name) {
   const [about, code] = await Promise.all([
     loadLayout(), contentOf(new URL(`${name}.wasm`, FOLDER)).then((response) => response.arrayBuffer())]);
   return Kernels.start(await WebAssembly.compile(code), name, about);

@@ -102,8 +102,9 @@ export function resolvedOf({ registry, options, system, drive }) {
 /**
  * Return name, length, radius, mass, row of the columns and sign of the angle of each ball on show.
  * @param {import("./laws.js").System} system
+ * @returns {import("../motion.js").Ball[]}
  */
-function ballsOf(system) {
+export function ballsOf(system) {
   const names = system.contacts ? SIDES : ["ball"];
   const mirrored = system.balls.length < names.length;
   return names.map((name, i) => {

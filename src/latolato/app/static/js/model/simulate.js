@@ -239,7 +239,7 @@ function startOf(system, meets, run) {
  * @param {Case} each
  * @param {number} step 0 for the one that the tolerance asks for
  */
-function recordOf(each, step) {
+export function recordOf(each, step) {
   const { system } = each;
   const pair = (/** @type {number[]} */ numbers) => [numbers[0], numbers[1] ?? 0];
   return {
