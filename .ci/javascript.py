@@ -9,7 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1] / "src" / "latolato" / "app" / "static" / "js"
-SHARED = {"", "kernels", "shared"}
+SHARED = {"", "kernels", "model", "shared"}
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _IMPORT = re.compile(r'(?:\bfrom |\bimport\()"(\.[^"]+)"')
 

@@ -516,7 +516,7 @@ def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
 def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
     page.goto("/?view=analyse&scenario=fig02&drive_frequency=6 rad/s")
     found = page.evaluate(
-        """async () => { const { withOptions } = await import("/static/js/shared/links.js");
+        """async () => { const { withOptions } = await import("/js/shared/links.js");
           return withOptions({ drive_frequency: "6 rad/s", length: "1 m" },
             { frequency_ratio: "2" }); }"""
     )

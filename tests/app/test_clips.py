@@ -275,7 +275,7 @@ def test_a_bad_video_is_refused_in_one_line_and_the_server_goes_on(page, clip, t
             text = one_line(end_of(socket))
             assert re.search(said, text), (name, text)
             assert name in text
-    assert page.client.get("/api/registry").status_code == 200
+    assert page.client.get("/registry.json").status_code == 200
 
 
 def test_flipped_bits_break_nothing(page, clip):
@@ -288,7 +288,7 @@ def test_flipped_bits_break_nothing(page, clip):
         answer = page.do(do="look", clip=page.clip(bytes(broken)))
         if "done" not in answer:
             one_line(answer)
-    assert page.client.get("/api/registry").status_code == 200
+    assert page.client.get("/registry.json").status_code == 200
 
 
 @pytest.mark.parametrize("name", ["megabytes", "minutes"])

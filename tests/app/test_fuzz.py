@@ -51,7 +51,7 @@ SCHEMA = {
                 "responses": ANSWERS,
             }
         },
-        "/api/registry": {"get": {"responses": ANSWERS}},
+        "/registry.json": {"get": {"responses": ANSWERS}},
         "/api/compiling": {"get": {"responses": ANSWERS}},
     },
 }

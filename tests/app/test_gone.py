@@ -21,7 +21,6 @@ FIRST = {
     },
     "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
     "/ws/map": {"scenario": "fig04a"},
-    "/ws/live": {"hello": {"scenario": "fig02"}},
 }
 JOBS = ("/ws/paper", "/ws/analyse")
 
@@ -83,7 +82,7 @@ def test_work_ends_when_its_page_cannot_be_told(app, path):
         assert not app.state.jobs.limiter.borrowed_tokens
 
 
-@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map", "/ws/live"])
+@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map"])
 @pytest.mark.parametrize("given", ["{", "[3]", "{}"])
 def test_a_page_that_goes_before_it_is_refused_is_no_fault(app, path, given):
     for _ in speak(Unreachable(app, 0), path, given):

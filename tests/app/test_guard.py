@@ -66,7 +66,7 @@ def test_the_token_is_needed_and_then_kept_in_a_cookie(shared):
     assert not shared.cookies
     assert shared.get("/?token=secret").status_code == 200
     assert shared.cookies[COOKIE] == "secret"
-    assert shared.get("/api/registry").status_code == 200
+    assert shared.get("/registry.json").status_code == 200
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_any_other_origin_is_refused(client, origin):
     assert client.get("/", headers={"origin": origin}).status_code == 403
     with (
         pytest.raises(WebSocketDisconnect),
-        client.websocket_connect("/ws/live", headers={"origin": origin}),
+        client.websocket_connect("/ws/paper", headers={"origin": origin}),
     ):
         pass
 
@@ -198,14 +198,12 @@ def test_printed_links_work_for_this_machine_and_for_others():
         stop_server(server)
 
 
-@pytest.mark.parametrize(
-    "path", ["/static/../server.py", "/static/%2e%2e/server.py", "/static/..%2fserver.py", "/x"]
-)
+@pytest.mark.parametrize("path", ["/../server.py", "/%2e%2e/server.py", "/..%2fserver.py", "/x"])
 def test_nothing_but_the_pages_is_served(client, path):
     assert client.get(path).status_code == 404
 
 
-@pytest.mark.parametrize("path", ["/static/", "/static//etc/passwd", "/static/js", "/static/%00"])
+@pytest.mark.parametrize("path", ["//etc/passwd", "/js", "/%00"])
 def test_no_other_path_leads_to_a_file(client, path):
     assert client.get(path).status_code == 404
 
@@ -215,17 +213,17 @@ def test_every_file_of_the_pages_is_served_with_its_type(client):
     paths = [p for p in STATIC.rglob("*") if p.is_file()]
     assert len(paths) > 50
     for path in paths:
-        answer = client.get(f"/static/{path.relative_to(STATIC).as_posix()}")
+        answer = client.get(f"/{path.relative_to(STATIC).as_posix()}")
         assert answer.content == path.read_bytes()
         if path.suffix in types:
             assert answer.headers["content-type"].split(";")[0] == types[path.suffix]
 
 
 def test_what_a_page_has_already_is_not_sent_again(client):
-    first = client.get("/static/app.css")
-    again = client.get("/static/app.css", headers={"if-none-match": first.headers["etag"]})
+    first = client.get("/app.css")
+    again = client.get("/app.css", headers={"if-none-match": first.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
-    other = client.get("/static/icon.svg", headers={"if-none-match": first.headers["etag"]})
+    other = client.get("/icon.svg", headers={"if-none-match": first.headers["etag"]})
     assert other.status_code == 200
 
 

@@ -352,7 +352,7 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
     page.get_by_text("Out, and left").wait_for()
     sides = page.evaluate(
         """async () => {
-          const { ledgerRows } = await import("/static/js/shared/player.js");
+          const { ledgerRows } = await import("/js/shared/player.js");
           const rows = ledgerRows(window.latolato.views.play.player.motion);
           const sum = (sign) => rows.filter((r) => r.energy * sign > 0)
             .reduce((total, r) => total + r.share, 0);

@@ -23,7 +23,7 @@ def fail(*_, **__):
 
 def test_a_fault_is_a_500_with_one_sentence_and_its_traceback_in_a_file(client, monkeypatch):
     monkeypatch.setattr(forms, "registry", fail)
-    answer = client.get("/api/registry")
+    answer = client.get("/registry.json")
     assert answer.status_code == 500
     said = answer.json()
     assert said["field"] is None

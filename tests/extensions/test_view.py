@@ -40,7 +40,7 @@ def with_view(page):
         files[name] = text.replace(place, place + line)
 
     def serve(route, request):
-        body = files.get(request.url.partition("/static/js/")[2])
+        body = files.get(request.url.partition("/js/")[2])
         if body is None:
             route.continue_()
         else:

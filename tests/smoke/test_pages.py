@@ -60,7 +60,7 @@ def test_play(page, answer, scenario):
 
 @pytest.mark.parametrize("drive", TYPED_DRIVES)
 def test_drive(page, answer, drive):
-    registry = page.request.get("/api/registry").json()
+    registry = page.request.get("/registry.json").json()
     link = f"/?view=play&scenario=toy&drive={drive}&duration=10 s"
     for name in registry["drives"][drive]["options"]:
         option = registry["options"][name]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.drives.base import check_increasing, checked_array
@@ -69,7 +69,8 @@ def checked_values(
     """Return numbers along an axis, each of them checked; one number is an axis of one."""
     values = default if values is None else values
     several = values if np.ndim(values) else [values]
-    return np.array(checked_array(name, several, allowed, least, quantity=quantity))
+    unit = QUANTITIES[quantity or name].unit
+    return np.array(checked_array(name, several, allowed, least, unit=unit))
 
 
 def checked_increasing(

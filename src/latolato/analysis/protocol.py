@@ -41,9 +41,11 @@ class Protocol:
     """
 
     drive_frequencies: Sequence[float] = array_field(
-        "drive_frequencies", "angular frequency of each stage"
+        "drive_frequencies", POSITIVE, description="angular frequency of each stage"
     )
-    dwells: Sequence[float] = array_field("dwell_time", "how long each stage but the last is held")
+    dwells: Sequence[float] = array_field(
+        "dwell_time", POSITIVE, description="how long each stage but the last is held"
+    )
     ramp: float = quantity_field("ramp", NON_NEGATIVE, default=0.0, suggested=(0.0, 2.0))
 
     def __post_init__(self) -> None:

@@ -11,18 +11,21 @@ import threading
 from collections.abc import Iterator
 from dataclasses import asdict
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
-from latolato.app.given import options_of
+from latolato.app.given import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
 from latolato.observables import observables
+from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.scenario.options import law_options
-from latolato.scenario.scenario import Scenario, scenarios
-from latolato.scenario.units import to_si
+from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables, shipped
+from latolato.scenario.tables import RATIOS
+from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
 
 # Units offered for an SI unit, the first being the one that a form begins with.
@@ -50,24 +53,34 @@ def _registry() -> dict[str, Any]:
         "version": version_of(),
         "systems": {name: _law(law, "system") for name, law in systems.items()},
         "drives": {name: _law(law, "drive") for name, law in drives.items()},
+        "contact_laws": {name: _law(law, "run") for name, law in contact_laws.items()},
         "options": {name: shown_option(o) for name, o in law_options().items()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
         "observables": {name: _observable(law) for name, law in observables.items()},
-        "scenarios": {name: _scenario(s) for name, s in scenarios().items()},
+        "scenarios": {name: _scenario(path) for name, path in shipped().items()},
+        "ratios": RATIOS,
+        "alternatives": [sorted(group) for group in ALTERNATIVES],
+        **unit_table(),
     }
     result: dict[str, Any] = plain(results)
     return result
 
 
 def _law(law: type, table: str) -> dict[str, Any]:
-    """Return the name, the options and the abilities of a system or a drive."""
+    """Return the name, the options and the abilities of a system, a drive or a contact law."""
     return {
         "title": law.__name__,
         "description": (law.__doc__ or "").splitlines()[0].partition(":")[0],
         "options": list(_option_names(law, table)),
         "angles": getattr(law, "angles", 0),
         "contacts": getattr(law, "has_contacts", False),
+        "compiled": _is_compiled(law),
     }
+
+
+def _is_compiled(law: type) -> bool:
+    """Return whether the modules for pages have a law; a drive must be written by a formula."""
+    return law.__module__.startswith("latolato.") and getattr(law, "write", ...) is not None
 
 
 def _option_names(law: type, owner: str) -> Iterator[str]:
@@ -99,6 +112,9 @@ def shown_option(option: Parameter) -> dict[str, Any]:
         "low": low if math.isfinite(low) else None,
         "high": high if math.isfinite(high) else None,
         "limits": [asdict(limit) for limit in option.limits],
+        "for_each_ball": option.for_each_ball,
+        "owner": option.owner,
+        "path": option.path,
         "suggested": option.suggested,
     }
 
@@ -135,12 +151,27 @@ def _observable(law: Any) -> dict[str, Any]:
     }
 
 
-def _scenario(scenario: Scenario) -> dict[str, Any]:
-    """Return the title of a scenario, what it sets, and what varies if it is a sweep."""
+def _scenario(path: Path) -> dict[str, Any]:
+    """Return the title of a scenario, what it sets, and what varies if it is a sweep.
+
+    `given` are the options that its file sets, `options` those that follow from them.
+    """
+    scenario, tables = load_scenario(path), read_tables(path)
     return {
         "title": scenario.title,
         "description": scenario.description,
         "figure": scenario.figure,
+        "given": {
+            name: _in_si(law_options()[name], value) for name, value in flat_options(tables).items()
+        },
         "options": options_of(scenario),
         "sweep": scenario.to_dict().get("sweep"),
     }
+
+
+def _in_si(option: Parameter, value: Any) -> Any:
+    """Return a value of a scenario's file in SI units."""
+    if not option.unit:
+        return value
+    convert = to_si_list if option.several or isinstance(value, list) else to_si
+    return convert(option.name, value, option.unit)

@@ -105,7 +105,11 @@ def option_value(option: Parameter, value: Any) -> Any:
 
 def options_of(scenario: Scenario) -> dict[str, Any]:
     """Return every option that a scenario sets, in SI units."""
-    tables = scenario.to_dict()
+    return flat_options(scenario.to_dict())
+
+
+def flat_options(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return every option that the tables of a scenario set."""
     result = {}
     for name, option in law_options().items():
         place: Any = tables

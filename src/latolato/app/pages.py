@@ -15,7 +15,10 @@ from starlette.responses import Response
 from latolato.app import STATIC
 
 # Not asked of the system, whose registry may say otherwise.
-_TYPES = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+_TYPES = {
+    ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
+    ".wasm": "application/wasm",
+}  # fmt: skip
 
 
 class PageFile(NamedTuple):

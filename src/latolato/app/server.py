@@ -92,11 +92,11 @@ def make_app(settings: Settings) -> Starlette:
     app = Starlette(
         routes=[
             Route("/", _index),
-            Route("/api/registry", _registry),
+            Route("/registry.json", _registry),
             Route("/api/compiling", _compiling),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
-            Route("/static/{path:path}", static),
+            Route("/{path:path}", static),
         ],
         middleware=[
             Middleware(
@@ -140,12 +140,12 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads, live, maps
+    from latolato.app import downloads, maps
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
     from latolato.app.experiment import routes as clips
 
-    views = (maps, live, downloads, paper, analyses, clips)
+    views = (maps, downloads, paper, analyses, clips)
     return [route for view in views for route in view.routes()]
 
 
@@ -161,7 +161,7 @@ async def _index(request: Request) -> Response:
 async def _registry(request: Request) -> Response:
     from latolato.app.forms import registry
 
-    return await answered(request, lambda: JSONResponse(registry()))
+    return await answered(request, lambda: JSONResponse({**registry(), "server": True}))
 
 
 async def _compiling(request: Request) -> Response:

@@ -21,6 +21,7 @@ from latolato.cli import compare as compare_command
 from latolato.cli import importing as import_command
 from latolato.cli import reproduce as reproduce_command
 from latolato.cli import simulate as run_command
+from latolato.cli import site as site_command
 from latolato.cli import trials as trials_command
 from latolato.cli import videos as video_commands
 from latolato.cli.analyse import AnalysisGroup
@@ -74,6 +75,7 @@ app.command("track", cls=EachOptionOnce)(
 )
 app.command("reproduce", cls=EachOptionOnce)(reproduce_command.reproduce)
 app.command("app", cls=EachOptionOnce)(app_command.app)
+app.command("site", cls=EachOptionOnce)(site_command.site)
 
 
 @app.callback(invoke_without_command=True)

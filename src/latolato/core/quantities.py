@@ -319,6 +319,11 @@ def quantity_field(
     return field(metadata=metadata, **options)
 
 
-def array_field(name: str, description: str) -> Any:
+def array_field(name: str, allowed: Range = ANY, *, description: str) -> Any:
     """Return a required dataclass field that carries a list of one quantity of `QUANTITIES`."""
-    return field(metadata={"quantity": QUANTITIES[name], "array": True, "description": description})
+    quantity = QUANTITIES[name]
+    return field(
+        metadata={
+            "quantity": quantity, "range": allowed, "array": True, "description": description
+        }
+    )  # fmt: skip

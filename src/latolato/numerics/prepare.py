@@ -240,7 +240,10 @@ def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
 
 @formula
 def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -> int:
-    """Fill the settings, bodies and state of a case; return what is wrong with it."""
+    """Fill the settings, bodies and state of a case; return what is wrong with it.
+
+    Bounds of the drive that the case leaves open are written into it.
+    """
     touch, high, problem = _geometry(case)
     if problem != FINE:
         return problem
@@ -254,6 +257,7 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     if math.isnan(bound):
         bound = largest_acceleration(stretches, case.duration)
         frequency = fastest_frequency(stretches, case.duration)
+        case.pivot_bound, case.drive_rate = bound, frequency
     rate = _rate(case, bodies, bound, frequency)
     step = case.step if case.step > 0.0 else step_for(rate, case.tolerance, case.is_rough != 0)
     settings.gravity, settings.restitution = case.gravity, case.restitution

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 _OF_ONE_RUN = ("times", "frame")
 
 # A new value of one of these takes the place of the others.
-_ALTERNATIVES = (
+ALTERNATIVES = (
     *({ratio, plain} for ratio, plain in RATIOS.items()),
     {"initial_angle", "initial_offset"},
     {"times", "samples"},
@@ -314,7 +314,7 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
             old = {k: v for k, v in old.items() if RATIOS.get(k, k) in known}
         if part == "run" and new.get("contact", old.get("contact")) != old.get("contact"):
             old = {k: v for k, v in old.items() if k in RUN_OPTIONS}
-        for group in _ALTERNATIVES:
+        for group in ALTERNATIVES:
             if group & new.keys():
                 old = {k: v for k, v in old.items() if k not in group}
         for name, value in new.items():
@@ -327,7 +327,7 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
 def _replaced(given: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of `simulate` with some replaced, and those that exclude them gone."""
     kept = given
-    for group in _ALTERNATIVES:
+    for group in ALTERNATIVES:
         if group & overrides.keys():
             kept = {k: v for k, v in kept.items() if k not in group}
     return {**kept, **overrides}

@@ -177,8 +177,7 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         if not isinstance(ratios, list):
             raise InputError("must be a sequence of numbers", parameter=ratio, value=value)
         result = [
-            checked_number(ratio, number, NON_NEGATIVE, "times the natural frequency")
-            * system.natural_frequency
+            checked_number(ratio, number, NON_NEGATIVE, "1") * system.natural_frequency
             for number in ratios
         ]
         plain[name] = result if several else result[0]

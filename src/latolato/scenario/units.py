@@ -81,6 +81,24 @@ def _registry() -> Any:
     return registry
 
 
+def unit_table() -> dict[str, Any]:
+    """Return all units and prefixes as plain values, for pages that read quantities themselves.
+
+    A unit has its size in SI units and the powers of these, such as
+    ``"N": [1.0, {"kg": 1, "m": 1, "s": -2}]``.
+    """
+    registry = _registry()
+    bases = {"meter": "m", "second": "s", "gram": "kg", "radian": "rad", "pixel": "pixel"}
+    units: dict[str, Any] = {}
+    for name in registry._units:
+        quantity = registry.Quantity(Decimal(1), registry.parse_units(name)).to_base_units()
+        powers = {bases[base]: int(power) for base, power in quantity._units.items()}
+        size = quantity.magnitude * Decimal("1e-3") ** powers.get("kg", 0)
+        units[name] = [float(size), powers]
+    prefixes = {name: float(each.value) for name, each in registry._prefixes.items() if name}
+    return {"units": units, "prefixes": prefixes}
+
+
 def to_si(name: str, value: Any, unit: str) -> Any:
     """Return a quantity as a number in its SI unit; what is not text is returned as it is.
 

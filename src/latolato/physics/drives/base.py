@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES, Range, quantity_field
+from latolato.core.quantities import ANY, NON_NEGATIVE, Range, quantity_field
 from latolato.core.registry import Registry, check_fields, checked_number
 from latolato.physics.drives.stretch import (
     Stretch,
@@ -118,10 +118,9 @@ class PeriodicDrive(Drive):
 
 
 def checked_array(
-    name: str, values: Any, allowed: Range, at_least: int = 1, *, quantity: str = ""
+    name: str, values: Any, allowed: Range, at_least: int = 1, *, unit: str
 ) -> tuple[float, ...]:
     """Return a tuple of checked floats."""
-    unit = QUANTITIES[quantity or name].unit
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
         raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
     numbers = tuple(checked_number(name, v, allowed, unit) for v in values)
@@ -130,6 +129,20 @@ def checked_array(
             f"must hold at least {at_least} values, got {len(numbers)}", parameter=name
         )
     return numbers
+
+
+def checked_lists(drive: Drive) -> dict[str, tuple[float, ...]]:
+    """Check every list of a drive, store it as a tuple and return them by name."""
+    lists = {
+        f.name: checked_array(
+            f.name, getattr(drive, f.name), f.metadata["range"], unit=f.metadata["quantity"].unit
+        )
+        for f in fields(drive)
+        if f.metadata.get("array")
+    }
+    for name, values in lists.items():
+        object.__setattr__(drive, name, values)
+    return lists
 
 
 def check_increasing(name: str, values: tuple[float, ...]) -> None:

@@ -40,9 +40,9 @@ class MeasuredPivot(Drive):
         ``UnivariateSpline``).
     """
 
-    times: Sequence[float] = array_field("times", "sample instants")
+    times: Sequence[float] = array_field("times", description="sample instants")
     pivot_heights: Sequence[float] = array_field(
-        "pivot_height", "height of the pivot at each instant"
+        "pivot_height", description="height of the pivot at each instant"
     )
     height_sigma: float = quantity_field(
         "pivot_height", NON_NEGATIVE, description="standard deviation of the heights", default=0.0
@@ -51,10 +51,8 @@ class MeasuredPivot(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        times = checked_array("times", self.times, ANY, 6)
-        heights = checked_array(
-            "pivot_heights", self.pivot_heights, ANY, 6, quantity="pivot_height"
-        )
+        times = checked_array("times", self.times, ANY, 6, unit="s")
+        heights = checked_array("pivot_heights", self.pivot_heights, ANY, 6, unit="m")
         if len(times) != len(heights):
             raise InputError(
                 "{parameter} and pivot_heights must be of one length, got "

@@ -14,7 +14,7 @@ from latolato.core.scalar import formula, sine
 from latolato.physics.drives.base import (
     Drive,
     check_stage_times,
-    checked_array,
+    checked_lists,
     drives,
 )
 from latolato.physics.drives.stretch import COSINE, SWEPT, write_next, write_stretch
@@ -74,9 +74,9 @@ class FrequencySchedule(Drive):
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
-    times: Sequence[float] = array_field("times", "stage starts")
+    times: Sequence[float] = array_field("times", description="stage starts")
     drive_frequencies: Sequence[float] = array_field(
-        "drive_frequencies", "angular frequency of each stage"
+        "drive_frequencies", NON_NEGATIVE, description="angular frequency of each stage"
     )
     ramp: float = quantity_field("ramp", NON_NEGATIVE, default=0.0, suggested=(0.0, 2.0))
     step_impulse: bool = field(
@@ -85,8 +85,7 @@ class FrequencySchedule(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        times = checked_array("times", self.times, ANY, 1)
-        rates = checked_array("drive_frequencies", self.drive_frequencies, NON_NEGATIVE, 1)
+        times, rates = checked_lists(self).values()
         if len(times) != len(rates):
             raise InputError(
                 "{parameter} and drive_frequencies must be of one length, got "
@@ -105,8 +104,6 @@ class FrequencySchedule(Drive):
                 parameter="ramp",
                 value=self.ramp,
             )
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "drive_frequencies", rates)
 
 
 @drives.register("chirp")

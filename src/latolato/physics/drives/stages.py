@@ -12,7 +12,7 @@ from latolato.core.scalar import formula
 from latolato.physics.drives.base import (
     Drive,
     check_stage_times,
-    checked_array,
+    checked_lists,
     drives,
 )
 from latolato.physics.drives.stretch import COSINE, write_change, write_stretch
@@ -52,26 +52,21 @@ class StagedHarmonic(Drive):
 
     write: ClassVar[Any] = staticmethod(write_stages)
 
-    times: Sequence[float] = array_field("times", "stage starts")
+    times: Sequence[float] = array_field("times", description="stage starts")
     drive_amplitudes: Sequence[float] = array_field(
-        "drive_amplitudes", "driving amplitude of each stage"
+        "drive_amplitudes", description="driving amplitude of each stage"
     )
     drive_frequencies: Sequence[float] = array_field(
-        "drive_frequencies", "angular frequency of each stage"
+        "drive_frequencies", NON_NEGATIVE, description="angular frequency of each stage"
     )
-    ramps: Sequence[float] = array_field("ramps", "time of the change into each stage")
+    ramps: Sequence[float] = array_field(
+        "ramps", POSITIVE, description="time of the change into each stage"
+    )
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        columns = {
-            "times": checked_array("times", self.times, ANY, 1),
-            "drive_amplitudes": checked_array("drive_amplitudes", self.drive_amplitudes, ANY, 1),
-            "drive_frequencies": checked_array(
-                "drive_frequencies", self.drive_frequencies, NON_NEGATIVE, 1
-            ),
-            "ramps": checked_array("ramps", self.ramps, POSITIVE, 1),
-        }
+        columns = checked_lists(self)
         if len({len(column) for column in columns.values()}) > 1:
             result = ", ".join(str(len(column)) for column in columns.values())
             others = ", ".join(name for name in columns if name != "times")
@@ -79,5 +74,3 @@ class StagedHarmonic(Drive):
                 f"{{parameter}}, {others} must be of one length, got {result}", parameter="times"
             )
         check_stage_times(columns["times"])
-        for name, column in columns.items():
-            object.__setattr__(self, name, column)

@@ -39,10 +39,6 @@ class Stretch(NamedTuple):
     side: float = 0.0  # +1 for a crank's guide above, -1 for one below
     jump: float = 0.0  # of the pivot's velocity at the start that the balls are given [m/s]
 
-    def at(self, time: float) -> Stretch:
-        """Return the same cosine with another start [s]."""
-        return written(write_later, 1, self, time)[0]
-
 
 def written(write: Any, room: int, *given: Any) -> list[Stretch]:
     """Return the stretches, at most `room`, that ``number = write(out, *given)`` writes."""

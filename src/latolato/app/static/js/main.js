@@ -1,6 +1,6 @@
 /** The page: its views, its colours and what they share. */
 
-import { askJson } from "./shared/api.js";
+import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
 import { format, Store } from "./shared/state.js";
 import { t } from "./strings.js";
@@ -18,6 +18,8 @@ const VIEWS = {
   experiment: async () => (await import("./experiment/view.js")).ExperimentView,
   analyse: async () => (await import("./analyse/view.js")).AnalyseView,
 };
+// Views that need Python beside the page.
+const NEED_PROGRAM = ["experiment", "analyse"];
 const THEMES = ["auto", "light", "dark"];
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms
@@ -79,7 +81,9 @@ function startViews(page) {
     }
     if (current) made[current].hide();
     current = null;
-    if (!made[view]) {
+    if (!made[view] && !page.registry.server && NEED_PROGRAM.includes(view)) {
+      made[view] = new ProgramView(view);
+    } else if (!made[view]) {
       const View = await VIEWS[view]().catch((error) => {
         if (error instanceof TypeError) return null; // not fetched
         throw error;
@@ -107,8 +111,31 @@ function startViews(page) {
   void show();
 }
 
+/** A view of the installed program, where there is only the page. */
+class ProgramView {
+  /** @param {string} view */
+  constructor(view) {
+    this.root = el("div", { class: "view" }, el("section", { class: "card" },
+      el("h1", {}, t(`view_${view}`)), el("p", {}, t(`program_${view}`)),
+      el("p", {}, t("programHow"), " ", el("code", {}, "latolato app"))));
+  }
+
+  show() {}
+
+  hide() {}
+}
+
+/** Keep the site in the browser, so that it opens without a network. */
+function keepOffline() {
+  // A site that is embedded leaves that to the page around it; pages of the program change with it.
+  if (window.top !== window || !("serviceWorker" in navigator)) return;
+  void navigator.serviceWorker.register("offline.js").catch(() => {});
+}
+
 startTheme();
 const store = new Store(window);
 // The first view's modules come while the server makes the registry.
 VIEWS[store.state.view]?.().catch(() => {});
-startViews({ registry: await askJson("/api/registry"), store });
+const registry = await loadRegistry();
+startViews({ registry, store });
+if (!registry.server) keepOffline();

@@ -1,11 +1,10 @@
 /** The run that a point of a picture stands for: its motion, and the way to Play. */
 
-import { askBlock } from "../shared/api.js";
 import { el } from "../shared/dom.js";
 import { openLink } from "../shared/links.js";
+import { Runner } from "../model/client.js";
 import { Motion } from "../shared/motion.js";
 import { Preview } from "../shared/preview.js";
-import { waited } from "../shared/waiting.js";
 import { t } from "../strings.js";
 
 /** @typedef {{scenario: string | null, options: Record<string, string>}} RunRequest */
@@ -19,6 +18,7 @@ export class PointRun {
     this.page = page;
     this.use = use;
     this.turn = 0;
+    this.runner = new Runner(page.registry);
     /** @type {Preview | null} */
     this.preview = null;
     this.label = el("p", { role: "status" });
@@ -41,10 +41,8 @@ export class PointRun {
     this.actions.replaceChildren(
       openLink(this.page, { view: "play", ...request }, t("openCase")),
       el("button", { type: "button", on: { click: () => this.use(request) } }, t("pointUse")));
-    const note = el("p", { class: "hint" });
-    this.place.prepend(note);
     try {
-      const block = await waited(note, askBlock("/api/run", request));
+      const block = await this.runner.compute(request);
       if (turn !== this.turn) return;
       this.preview ??= new Preview();
       this.place.replaceChildren(this.preview.root);

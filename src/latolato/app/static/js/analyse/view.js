@@ -109,10 +109,10 @@ export class AnalyseView {
     const { registry } = this.page;
     try {
       if (!Object.keys(this.forms).length) {
-        this.forms = await askJson("/api/analyses");
+        this.forms = await askJson("api/analyses");
         this.list.build(this.forms);
       }
-      this.about = await askJson("/api/analyses/about", this.request);
+      this.about = await askJson("api/analyses/about", this.request);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
@@ -238,7 +238,7 @@ export class AnalyseView {
     this.own.error(null);
     this.cost.textContent = "";
     try {
-      const { seconds, refused } = await askJson("/api/analyses/cost", question);
+      const { seconds, refused } = await askJson("api/analyses/cost", question);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
       else if (seconds <= QUICK || wanted) await this.ask(question, seconds, turn);
@@ -269,7 +269,7 @@ export class AnalyseView {
    */
   async ask(question, seconds, turn) {
     this.answer.classList.add("stale");
-    const block = await this.job.run("/ws/analyse", question, seconds);
+    const block = await this.job.run("ws/analyse", question, seconds);
     if (turn !== this.turn) return;
     if (!block) {
       const { error } = this.job;

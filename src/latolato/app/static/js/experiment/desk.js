@@ -28,7 +28,7 @@ export class Desk {
   }
 
   connect() {
-    const socket = new WebSocket(socketAddress("/ws/experiment/desk"));
+    const socket = new WebSocket(socketAddress("ws/experiment/desk"));
     this.socket = socket;
     // The server closes a socket that sends nothing.
     socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
@@ -52,7 +52,7 @@ export class Desk {
    * @param {Follow} follow
    */
   job(request, follow) {
-    return doJob("/ws/experiment", { desk: this.hello?.desk, ...request }, follow);
+    return doJob("ws/experiment", { desk: this.hello?.desk, ...request }, follow);
   }
 
   /**
@@ -70,7 +70,7 @@ export class Desk {
         throw new Refusal(t("uploadTooLarge", { name: file.name, limit: limit / 1e6 }));
       const request = new XMLHttpRequest();
       signal.addEventListener("abort", () => request.abort());
-      request.open("POST", `/api/experiment?desk=${encodeURIComponent(hello.desk)}`);
+      request.open("POST", `api/experiment?desk=${encodeURIComponent(hello.desk)}`);
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
       const show = (/** @type {number} */ progress) =>
@@ -94,7 +94,7 @@ export class Desk {
  * @param {string} file
  */
 export function clipAddress(clip, file) {
-  return `/api/experiment/${encodeURIComponent(clip)}/${file}`;
+  return `api/experiment/${encodeURIComponent(clip)}/${file}`;
 }
 
 /**

@@ -243,7 +243,7 @@ export class Session {
     if (clip.url) URL.revokeObjectURL(clip.url);
     this.changed();
     if (!this.isKept(clip)) return;
-    const rest = await askJson("/api/experiment/remove",
+    const rest = await askJson("api/experiment/remove",
       { desk: this.desk.hello?.desk, clip: clip.key }).catch(() => null);
     if (rest) this.trials = rest.trials;
     this.changed();

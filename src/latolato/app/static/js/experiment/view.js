@@ -200,7 +200,7 @@ export class ExperimentView {
       el("p", { class: "hint" }, t("trialsHint")),
       trialTable(trials, named, (key) => this.open(clips.find((clip) => clip.key === key))),
       trials.length > 0 && desk.hello ? el("a", { download: "trials.csv",
-        href: `/api/experiment/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
+        href: `api/experiment/trials?desk=${encodeURIComponent(desk.hello.desk)}` },
       t("export_trials")) : ""]);
   }
 

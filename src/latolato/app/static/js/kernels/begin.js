@@ -72,8 +72,8 @@ export function shakeAll(kernels, kind, parameters, count) {
 }
 
 /**
- * Return the record of a run at time zero; it throws what is wrong with the parameters, one of the
- * layout's problems.
+ * Return the record of a run at time zero, the fastest angular frequency of its drive [rad/s], and
+ * what is wrong with its parameters: one of the layout's problems, "fine" if nothing is.
  * @param {Kernels} kernels of the module `one` or `two`
  * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
  *   such as `balls.0.mass`; others are zero, an offset and bounds of the drive not given
@@ -81,13 +81,12 @@ export function shakeAll(kernels, kind, parameters, count) {
  */
 export function begin(kernels, parameters, stretches) {
   const run = kernels.take("run", 1);
-  const problem = kernels.take("i8", 1);
-  const held = kernels.take("case", 1);
+  const number = kernels.take("i8", 1);
+  const record = kernels.take("case", 1);
   for (const [path, value] of Object.entries({ ...ABSENT, ...parameters })) {
-    kernels.set(held, path, ...[value].flat());
+    kernels.set(record, path, ...[value].flat());
   }
-  kernels.call("begin", "beginning", { case: held, stretches, run, problem });
-  const found = Number(kernels.numbers(problem)[0]);
-  if (found !== 0) throw new Error(kernels.layout.problems[found]);
-  return run;
+  kernels.call("begin", "beginning", { case: record, stretches, run, problem: number });
+  const problem = kernels.layout.problems[Number(kernels.numbers(number)[0])];
+  return { run, problem, driveRate: kernels.get(record, "drive_rate") };
 }

@@ -28,14 +28,13 @@ function once(name, load) {
 }
 
 /**
- * Return the content of a file beside the modules.
- * @param {string} name
+ * Return the content of a file, also where no server has it: in Node.js.
+ * @param {URL} address
  */
-async function content(name) {
-  const address = new URL(name, FOLDER);
+async function contentOf(address) {
   if (address.protocol !== "file:") {
     const response = await fetch(address);
-    if (!response.ok) throw new Error(`${name} cannot be loaded: ${response.status}`);
+    if (!response.ok) throw new Error(`${address} cannot be loaded: ${response.status}`);
     return response;
   }
   const { readFile } = await import(/** @type {any} */ ("node:fs/promises"));
@@ -43,11 +42,20 @@ async function content(name) {
 }
 
 /**
+ * Return what a file of JSON says; it is loaded once.
+ * @param {URL} address
+ * @returns {Promise<any>}
+ */
+export function loadJson(address) {
+  return once(address.href, async () => (await contentOf(address)).json());
+}
+
+/**
  * Return what the modules have and what lies where in their memory.
  * @returns {Promise<Layout>}
  */
 export function loadLayout() {
-  return once("layout.json", async () => (await content("layout.json")).json());
+  return loadJson(new URL("layout.json", FOLDER));
 }
 
 /**
@@ -56,16 +64,23 @@ export function loadLayout() {
  */
 export function loadModule(name) {
   const file = `${name}${WebAssembly.validate(SIMD) ? "" : "-scalar"}.wasm`;
-  return once(file, async () => WebAssembly.compile(await (await content(file)).arrayBuffer()));
+  const address = new URL(file, FOLDER);
+  return once(file, async () => WebAssembly.compile(await (await contentOf(address)).arrayBuffer()));
 }
 
 /**
- * Return a module that is ready to be called.
+ * Return a module that is ready to be called; all who ask share its memory.
  * @param {string} name `one`, `two` or `lanes`
  */
 export function loadKernels(name) {
-  return once(name, async () => {
-    const [layout, module] = await Promise.all([loadLayout(), loadModule(name)]);
-    return Kernels.start(module, name, layout);
-  });
+  return once(name, () => startKernels(name));
+}
+
+/**
+ * Return a module with a memory of its own.
+ * @param {string} name
+ */
+export async function startKernels(name) {
+  const [layout, module] = await Promise.all([loadLayout(), loadModule(name)]);
+  return Kernels.start(module, name, layout);
 }

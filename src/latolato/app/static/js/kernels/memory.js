@@ -67,8 +67,9 @@ export class Kernels {
   constructor(exports, names, layout) {
     this.exports = exports;
     this.layout = layout;
-    const { memory, pieces, __heap_base: heap } = exports;
-    this.top = heap.value;
+    const { memory, pieces } = exports;
+    this.top = 0;
+    this.clear();
     const places = new Uint32Array(memory.buffer, pieces.value, names.length);
     /** @type {Record<string, number>} What compiled code calls pieces by. */
     this.pieces = Object.fromEntries(names.map((name, i) => [name, places[i]]));
@@ -101,7 +102,7 @@ export class Kernels {
 
   /**
    * Return a copy of numbers in memory.
-   * @param {number[]} numbers
+   * @param {ArrayLike<number>} numbers
    */
   copy(numbers) {
     const held = this.take("f8", numbers.length);
@@ -115,6 +116,11 @@ export class Kernels {
    */
   release(held) {
     this.top = held.at;
+  }
+
+  /** Give all arrays back. */
+  clear() {
+    this.top = this.exports.__heap_base.value;
   }
 
   /**

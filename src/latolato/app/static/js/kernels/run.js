@@ -109,7 +109,8 @@ export function simulate(kernels, parameters, given, how) {
   const { most_halvings, most_steps_to_repeat } = kernels.layout;
   let step = Number(parameters.step ?? 0);
   for (let halvings = 0; ; halvings += 1) {
-    const run = begin(kernels, { ...parameters, step }, given.stretches);
+    const { run, problem } = begin(kernels, { ...parameters, step }, given.stretches);
+    if (problem !== "fine") throw new Error(problem);
     const found = integrate(kernels, { ...given, run }, how);
     const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
     const closes = kernels.get(run, "state.ledger_error") <= allowed;

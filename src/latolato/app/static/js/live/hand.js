@@ -41,7 +41,7 @@ export function followHand(canvas, scene, motion, drag) {
     if (held === null || !now) return;
     const ball = now.balls[held];
     const [x, y] = point(event);
-    const [px, py] = scene.place(0, now.frame.pivot_height);
+    const [px, py] = scene.place(0, now.toy.pivot.height);
     const shown = Math.atan2(x - px, y - py);
     // Of all turns the one that is next to where the ball is.
     const before = now.angle(ball);

@@ -1,12 +1,14 @@
 /** The recording of a live motion: its button, and what becomes of it. */
 
-import { ask } from "../shared/api.js";
-import { unpack } from "../shared/block.js";
-import { el, tell } from "../shared/dom.js";
+import { el } from "../shared/dom.js";
+import { saveFile } from "../shared/jobs.js";
 import { textOf } from "../shared/laws.js";
+import { columnsTable, contactsTable } from "../model/files.js";
 import { t } from "../strings.js";
+import { SAME } from "./recording.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("./recording.js").Recording} Recording */
 
 // A longer address is not understood by every server.
 const LONGEST_ADDRESS = 6000;
@@ -14,82 +16,84 @@ const LONGEST_ADDRESS = 6000;
 export class Keeper {
   /**
    * @param {Page} page
-   * @param {(record: boolean) => void} send
+   * @param {() => import("./toy.js").Toy | null} toy
    */
-  constructor(page, send) {
+  constructor(page, toy) {
     this.page = page;
-    this.send = send;
+    this.toy = toy;
     this.running = false;
+    this.kept = 0;
     this.button = el("button", { type: "button", "aria-pressed": "false", class: "record", on: {
       click: () => this.toggle() } });
     this.result = el("div", { class: "recorded", role: "status" });
-    this.show(-1);
+    this.show();
   }
 
   toggle() {
-    this.running = !this.running;
-    if (this.running) this.result.replaceChildren();
-    this.send(this.running);
-    this.show(this.running ? 0 : -1);
+    if (this.running) this.finish();
+    else if (this.toy()) {
+      this.running = true;
+      this.result.replaceChildren();
+      this.toy()?.record();
+      this.show();
+    }
   }
 
-  /** Give up a recording whose server is gone. */
-  lose() {
-    this.running = false;
-    this.show(-1);
-    this.result.replaceChildren(el("p", {}, t("recordingLost")));
-  }
-
-  /** @param {number} seconds since the recording began; negative without one */
-  show(seconds) {
-    const label = this.running
-      ? t("stopRecording", { time: Math.max(seconds, 0).toFixed(1) }) : t("record");
+  /** Follow the recording, which ends by itself when it is as long as it may be. */
+  show() {
+    const recording = this.toy()?.recording;
+    if (recording?.isFull) {
+      this.finish();
+      return;
+    }
+    const time = (recording?.duration ?? 0).toFixed(1);
+    const label = this.running ? t("stopRecording", { time }) : t("record");
     if (this.button.textContent === label) return;
     this.button.textContent = label;
     this.button.setAttribute("aria-pressed", String(this.running));
   }
 
-  /** @param {any} about what the server says of a finished recording */
-  finish(about) {
+  /** End the recording, if there is one, and offer it. */
+  finish() {
+    const toy = this.toy();
+    const recording = toy?.finish();
     this.running = false;
-    this.show(-1);
-    const time = about.duration.toFixed(1);
-    const note = about.reproduces ? "recordedExact"
-      : about.by_hand ? "recordedHand" : "recordedChaos";
-    const file = (/** @type {string} */ suffix, /** @type {string} */ name) =>
-      el("a", { href: `/api/recording/${about.name}.${suffix}`, download: `live.${suffix}` }, name);
+    this.show();
+    if (!toy || !recording) return;
+    const again = recording.again();
+    const reproduces = !recording.byHand && recording.deviation(again) <= SAME;
+    const note = reproduces ? "recordedExact" : recording.byHand ? "recordedHand" : "recordedChaos";
+    const { registry } = this.page;
+    const file = (/** @type {string} */ kind, /** @type {typeof columnsTable} */ table) =>
+      el("button", { type: "button", on: { click: () => saveFile(
+        new Blob([table(registry, recording.block(again))], { type: "text/csv" }), `live.${kind}`) } },
+      t(`file_${kind}`));
     this.result.replaceChildren(
-      el("p", {}, t("recorded", { time }), " ", t(note)),
+      el("p", {}, t("recorded", { time: recording.duration.toFixed(1) }), " ", t(note)),
       el("div", { class: "actions" },
-        el("button", { type: "button", class: "play", on: { click: () => void this.open(about) } },
-          t("openInPlay")),
-        file("nc", "NetCDF"), file("csv", "CSV")));
+        el("button", { type: "button", class: "play",
+          on: { click: () => this.open(recording, again, reproduces) } }, t("openInPlay")),
+        file("csv", columnsTable),
+        toy.system.contacts && file("contacts.csv", contactsTable)));
   }
 
   /**
    * Show a recording in Play: by its parameters if they make it again, else as it was kept.
-   * @param {any} about
+   * @param {Recording} recording
+   * @param {import("../model/simulate.js").Run} again
+   * @param {boolean} reproduces
    */
-  async open(about) {
+  open(recording, again, reproduces) {
     const { store, registry } = this.page;
-    /** @type {Record<string, string>} */
-    const options = {};
-    for (const [name, value] of Object.entries(about.options))
-      if (registry.options[name] || name === "system" || name === "drive")
-        options[name] = textOf(registry.options[name] ?? { unit: "" }, value);
-    const length = new URLSearchParams(options).toString().length;
-    if (about.reproduces && length < LONGEST_ADDRESS) {
+    const options = Object.fromEntries(Object.entries(recording.options())
+      .map(([name, value]) => [name, textOf(registry.options[name], value)]));
+    if (reproduces && new URLSearchParams(options).toString().length < LONGEST_ADDRESS) {
       store.set({ view: "play", scenario: null, options }, "view");
       return;
     }
-    try {
-      const response = await ask(`/api/recording/${about.name}.block`);
-      const block = unpack(await response.arrayBuffer());
-      this.page.recordings = { ...this.page.recordings, [about.name]: block };
-      const extra = { ...store.state.extra, "play.recording": about.name };
-      store.set({ view: "play", extra }, "view");
-    } catch (error) {
-      tell(error instanceof Error ? error.message : String(error));
-    }
+    this.kept += 1;
+    const name = String(this.kept);
+    this.page.recordings = { ...this.page.recordings, [name]: recording.block(again) };
+    store.set({ view: "play", extra: { ...store.state.extra, "play.recording": name } }, "view");
   }
 }

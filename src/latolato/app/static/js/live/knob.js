@@ -26,7 +26,7 @@ export class Knob {
     this.changed = changed;
     this.unit = option.units[0] ?? { name: "", size: 1 };
     this.value = 0;
-    /** What the server takes, and what the slider spans. */
+    /** What a toy takes, and what the slider spans. */
     this.limits = [0, 1];
     this.span = [0, 1];
     const id = freshId();
@@ -86,7 +86,7 @@ export class Knob {
     this.changed(this.value);
   }
 
-  /** Take what was typed; the server tells if it is out of range. */
+  /** Take what was typed, if it lies within the limits. */
   read() {
     const { units, unit } = this.option;
     const text = this.input.value.trim().replace(",", ".");

@@ -1,19 +1,21 @@
 /** A motion that is still happening, with what the scene asks of a run, and its last seconds. */
 
+import { ballsOf } from "../model/block.js";
 import { SHOWN_RADIUS } from "../shared/motion.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
-/** @typedef {import("./link.js").Frame} Frame */
+/** @typedef {import("./toy.js").Toy} Toy */
 
 /** How far back the curves reach [s]. */
 export const SPAN = 15;
-const PER_SECOND = 60;
+// Instants that are closer to the one before are left out.
+const SPACING = 1 / 64; // s
 // Room above the pivot that is always shown, in reaches of the balls.
 const ABOVE = 0.3;
 // How much of the way the picture's upper end goes in a frame.
 const GROW = 0.25;
 const SHRINK = 0.02;
-const ROOM = SPAN * PER_SECOND + 2;
+const ROOM = Math.ceil(SPAN / SPACING) + 2;
 
 /** The last seconds of some quantities, in the order of time. */
 export class History {
@@ -31,7 +33,9 @@ export class History {
    * @param {Record<string, number>} values
    */
   add(time, values) {
-    if (this.count && time < this.time[(this.next + ROOM - 1) % ROOM]) this.count = 0;
+    const since = time - this.time[(this.next + ROOM - 1) % ROOM];
+    if (since < 0) this.count = 0;
+    if (this.count && since < SPACING) return;
     this.time[this.next] = time;
     for (const name of Object.keys(this.values)) this.values[name][this.next] = values[name];
     this.next = (this.next + 1) % ROOM;
@@ -63,21 +67,17 @@ export class History {
   }
 }
 
-/** What `Scene` draws, from the newest frame. */
+/** What `Scene` draws of a toy. */
 export class LiveMotion {
-  /** @param {any} about what the server said when the toy was ready */
-  constructor(about) {
-    this.about = { options: { drive: "harmonic", gravity: about.gravity } };
-    /** @type {Ball[]} */
-    this.balls = about.balls;
-    this.angles = about.angles;
+  /** @param {Toy} toy */
+  constructor(toy) {
+    this.toy = toy;
+    this.about = { options: { drive: "harmonic", gravity: toy.system.gravity } };
+    this.balls = ballsOf(toy.system);
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
     this.end = Infinity;
-    /** @type {Frame} */
-    this.frame = { time: 0, angle_1: 0, angle_2: 0, velocity_1: 0, velocity_2: 0,
-      pivot_height: 0, pivot_velocity: 0, drive_amplitude: about.controls.drive_amplitude };
-    this.reach = about.controls.drive_amplitude;
+    this.reach = toy.controls.drive_amplitude;
     this.top = 0;
   }
 
@@ -91,7 +91,7 @@ export class LiveMotion {
    * @param {Ball} ball
    */
   angle(ball) {
-    return ball.sign * (ball.row === 0 ? this.frame.angle_1 : this.frame.angle_2);
+    return ball.sign * this.toy.angles[ball.row];
   }
 
   /**
@@ -101,11 +101,10 @@ export class LiveMotion {
    * @param {number} [row]
    */
   at(name, time, row = 0) {
-    const { frame } = this;
+    const { toy } = this;
     if (name === "pivot_height")
-      return frame.pivot_height + frame.pivot_velocity * (time - frame.time);
-    if (name === "angular_velocity") return row === 0 ? frame.velocity_1 : frame.velocity_2;
-    return frame[name] ?? NaN;
+      return toy.pivot.height + toy.pivot.velocity * (time - toy.time);
+    return name === "angular_velocity" ? toy.velocities[row] : NaN;
   }
 
   /** Return the heights that the pivot reaches, as far as is known. */
@@ -136,7 +135,7 @@ export class LiveMotion {
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */
   pose() {
-    const height = this.frame.pivot_height;
+    const { height } = this.toy.pivot;
     return {
       height,
       balls: this.balls.map((ball) => {

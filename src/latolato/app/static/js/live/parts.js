@@ -1,12 +1,14 @@
 /** What stands on the page of a live toy. */
 
-import { el } from "../shared/dom.js";
+import { el, freshId } from "../shared/dom.js";
 import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, sound: (on: boolean) => void}} Actions
+ *   low: () => void, speed: (times: number) => void, sound: (on: boolean) => void}} Actions
  */
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 /**
  * Return the elements of the view by name.
@@ -29,6 +31,10 @@ export function makeParts(ratios, actions) {
     restart: button(t("restart"), "R", actions.restart),
     high: button(t("highFrequency", { ratio: ratios.high }), "1", actions.high),
     low: button(t("lowFrequency", { ratio: ratios.low }), "2", actions.low),
+    speed: el("select", { id: freshId(), on: { change: (/** @type {Event} */ event) =>
+      actions.speed(Number(/** @type {HTMLSelectElement} */ (event.target).value)) } },
+    ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 },
+      t("speedText", { speed })))),
     sound: el("input", { type: "checkbox", on: { change: (/** @type {Event} */ event) =>
       actions.sound(/** @type {HTMLInputElement} */ (event.target).checked) } }),
     notice: el("p", { class: "notes", role: "status" }),
@@ -50,6 +56,7 @@ export function layOut(parts, record, recorded, preset) {
   return el("div", { class: "view live" },
     el("section", { class: "stage" }, parts.canvas, parts.status,
       el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
+        el("label", { for: parts.speed.id }, t("speed")), parts.speed,
         el("label", { class: "check" }, parts.sound, t("sound"))),
       recorded, parts.notice),
     el("div", { class: "side" },

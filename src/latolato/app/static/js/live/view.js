@@ -2,23 +2,26 @@
 
 import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
+import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
 import { withLaws } from "../shared/laws.js";
+import { withControls } from "../live/address.js";
+import { cosineOf, isByCosine } from "../live/drive.js";
+import { followHand } from "../live/hand.js";
+import { Keeper } from "../live/keeper.js";
+import { KEYS, Knob } from "../live/knob.js";
+import { LiveMotion } from "../live/motion.js";
+import { Pace } from "../live/pace.js";
+import { layOut, makeParts } from "../live/parts.js";
+import { Toy } from "../live/toy.js";
+import { Watch } from "../live/watch.js";
+import { specify } from "../model/simulate.js";
+import { inPagesWords } from "../model/words.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
-import { waited } from "../shared/waiting.js";
 import { t } from "../strings.js";
-import { withControls } from "./address.js";
-import { followHand } from "./hand.js";
-import { Keeper } from "./keeper.js";
-import { KEYS, Knob } from "./knob.js";
-import { Link, stateOf } from "./link.js";
-import { LiveMotion } from "./motion.js";
-import { layOut, makeParts } from "./parts.js";
-import { Watch } from "./watch.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
-/** @typedef {import("./link.js").Frame} Frame */
+/** @typedef {import("../main.js").Page} Page */
 
 // What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
@@ -34,8 +37,9 @@ const PUSH = 0.4;
 const SOFTEST = 0.1;
 // Balls that meet this fast are as loud as it gets, in natural angular frequencies.
 const LOUDEST = 3;
-const FLAG_PAUSED = 1;
-// How far the sliders go: lengths, natural frequencies, and a share of what the server takes.
+// A smaller share of real time is shown.
+const SLOW = 0.95;
+// How far the sliders go: lengths, natural frequencies, and a share of what a toy takes.
 const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
 
 export class LiveView {
@@ -45,29 +49,16 @@ export class LiveView {
     this.shown = false;
     this.paused = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.calm = this.paused;
-    /** @type {any} */
-    this.about = null;
+    /** @type {Toy | null} */
+    this.toy = null;
     /** @type {LiveMotion | null} */
     this.motion = null;
-    /** What the server is asked to go on from after a break. @type {any} */
-    this.last = null;
-    /** @type {Record<string, number> | null} */
-    this.controls = null;
+    this.pace = new Pace();
     this.signature = "";
     this.dirty = false;
     this.readAt = 0;
-    /** Called when the toy moves, or cannot. @type {() => void} */
-    this.arrived = () => {};
     this.preset = presetField(page);
-    this.link = new Link({
-      hello: () => this.hello(),
-      ready: (about) => this.ready(about),
-      frame: (frame) => this.see(frame),
-      error: (text, field) => this.refuse(text, field),
-      recorded: (about) => this.keeper.finish(about),
-      connected: (is) => this.connected(is),
-    });
-    this.keeper = new Keeper(page, (record) => this.link.send({ record }));
+    this.keeper = new Keeper(page, () => this.toy);
     /** @type {Record<string, Knob>} */
     this.knobs = {};
     this.clack = new Clack();
@@ -75,17 +66,19 @@ export class LiveView {
       sound: (on) => { this.clack.on = on; },
       pause: () => this.pause(),
       push: () => this.push(),
-      restart: () => this.link.send({ reset: true }),
+      restart: () => this.restart(),
       high: () => this.ratio(RATIOS.high),
       low: () => this.ratio(RATIOS.low),
+      speed: (times) => { this.pace.speed = times; },
     });
+    this.showPause();
     this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     followHand(this.parts.canvas, this.scene, () => this.motion,
-      (drag) => this.link.send({ drag }));
+      (aim) => this.toy?.hold(aim));
     followKeys(this.root, this.actions());
-    document.addEventListener("visibilitychange", () => this.holdOrGoOn());
+    document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);
     /** @type {() => void} */
     this.unsubscribe = () => {};
@@ -94,10 +87,11 @@ export class LiveView {
   show() {
     this.shown = true;
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
-      if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature) this.begin();
+      if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
+        void this.begin();
     });
-    if (this.wish() !== this.signature || !this.link.socket) this.begin();
-    else this.holdOrGoOn();
+    if (this.wish() !== this.signature || !this.toy) void this.begin();
+    this.pace.rest();
     this.parts.canvas.focus({ preventScroll: true });
     requestAnimationFrame(this.draw);
   }
@@ -105,8 +99,7 @@ export class LiveView {
   hide() {
     this.shown = false;
     this.unsubscribe();
-    if (this.keeper.running) this.keeper.toggle();
-    this.holdOrGoOn();
+    this.keeper.finish();
   }
 
   /** Return what the address asks for, as a text to compare. */
@@ -116,19 +109,26 @@ export class LiveView {
   }
 
   /** Begin with what the address asks for. */
-  begin() {
+  async begin() {
     this.signature = this.wish();
-    this.last = null;
-    this.controls = null;
-    this.link.open();
-    this.arrived();
-    /** @type {Promise<void>} */
-    const ready = new Promise((resolve) => { this.arrived = resolve; });
-    void waited(this.parts.notice, ready);
+    const { signature } = this;
+    this.keeper.finish();
+    this.toy = null;
+    this.parts.notice.textContent = t("loading");
+    try {
+      const each = await specify(this.page.registry, this.request());
+      const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
+      if (signature !== this.signature) return;
+      this.start(new Toy(kernels, each, cosineOf(each)));
+      this.parts.notice.textContent = isByCosine(each.drive.kind) ? "" : t("liveCosine");
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (signature === this.signature) this.refuse(error);
+    }
   }
 
-  /** Return the greeting: what to run and, after a break, where it was. */
-  hello() {
+  /** Return what to run. */
+  request() {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
     if (!scenario && !options.system) {
@@ -138,36 +138,39 @@ export class LiveView {
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     this.preset.show(scenario);
-    return { scenario, options, controls: this.controls, state: this.last };
+    return { scenario, options };
   }
 
-  /** @param {any} about */
-  ready(about) {
-    this.arrived();
-    this.about = about;
-    this.motion = new LiveMotion(about);
-    this.controls = about.controls;
-    const names = Object.keys(about.controls);
+  /** @param {Toy} toy */
+  start(toy) {
+    const { controls, limits, system } = toy;
+    this.toy = toy;
+    this.motion = new LiveMotion(toy);
+    const names = Object.keys(controls);
     if (names.join() !== Object.keys(this.knobs).join()) this.makeKnobs(names);
-    const longest = this.motion.longest;
     for (const name of names) {
-      const limits = about.limits[name];
       const ends = /** @type {Record<string, number>} */ ({
-        drive_amplitude: SLIDER.drive_amplitude * longest,
-        drive_frequency: SLIDER.drive_frequency * about.natural_frequency,
-        damping: Math.max(SLIDER.damping * limits[1], 4 * about.controls.damping),
+        drive_amplitude: SLIDER.drive_amplitude * this.motion.longest,
+        drive_frequency: SLIDER.drive_frequency * system.naturalFrequency,
+        damping: Math.max(SLIDER.damping * limits[name][1], 4 * controls.damping),
       });
-      this.knobs[name].allow(limits, ends[name] ?? limits[1]);
-      this.knobs[name].show(about.controls[name]);
+      this.knobs[name].allow(limits[name], ends[name] ?? limits[name][1]);
+      this.knobs[name].show(controls[name]);
       this.knobs[name].error(null);
     }
     const single = this.motion.balls.length < 2;
     this.root.classList.toggle("single", single);
-    this.watch.begin(!this.last, single);
+    this.watch.begin(single);
     this.rescale();
-    this.parts.notice.textContent = about.by_cosine ? "" : t("liveCosine");
-    this.holdOrGoOn();
+    this.pace.rest();
+    this.dirty = true;
     this.root.dataset.ready = "true";
+  }
+
+  /** Begin again, with the controls as they are. */
+  restart() {
+    this.keeper.finish();
+    if (this.toy) this.start(this.toy.restarted());
   }
 
   /** @param {string[]} names */
@@ -184,65 +187,77 @@ export class LiveView {
    * @param {number} value in SI units
    */
   set(name, value) {
-    if (!this.controls) return;
-    this.controls[name] = value;
-    this.link.send({ set: { [name]: value } });
+    if (!this.toy) return;
+    this.toy.set({ [name]: value });
+    this.dirty = true;
     if (name === "drive_amplitude") this.rescale();
     const { registry, store } = this.page;
-    const options = withControls(registry, store.state.options, this.about.options.system,
-      this.controls, name);
+    const options = withControls(registry, store.state.options, this.toy.system.kind,
+      this.toy.controls, name);
     const scenario = store.state.scenario ?? (options.system ? null : FIRST);
     this.signature = JSON.stringify([scenario, options]);
     store.set({ scenario, options });
   }
 
   rescale() {
-    if (!this.motion || !this.controls) return;
-    this.motion.reach = this.controls.drive_amplitude;
+    if (!this.motion || !this.toy) return;
+    this.motion.reach = this.toy.controls.drive_amplitude;
     this.scene.show(/** @type {any} */ (this.motion));
   }
 
-  /** @param {Frame} frame */
-  see(frame) {
-    const { motion, about } = this;
-    if (!motion) return;
-    motion.frame = frame;
-    this.last = stateOf(frame, about.angles);
-    const clacks = frame.clack > SOFTEST;
-    this.watch.add(frame, motion, clacks);
-    if (clacks) {
-      this.clack.sound(frame.clack / (LOUDEST * about.natural_frequency));
-      if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
+  /**
+   * Move the toy on, unless it is paused.
+   * @param {number} now in ms
+   */
+  move(now) {
+    const { toy, motion } = this;
+    if (this.paused || !toy || !motion) return;
+    try {
+      this.pace.move(toy, now, () => {
+        const clacks = toy.clack > SOFTEST;
+        this.watch.add(motion, clacks);
+        if (clacks) {
+          this.clack.sound(toy.clack / (LOUDEST * toy.system.naturalFrequency));
+          if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
+        }
+        toy.clack = 0;
+        this.dirty = true;
+      });
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      this.restart();
+      this.parts.notice.textContent = t("liveFault", { text: error.message });
     }
-    this.dirty = true;
   }
 
-  /** Draw the newest frame, once for each picture of the screen. */
-  draw() {
+  /**
+   * Move the toy on and draw it, once for each picture of the screen.
+   * @param {number} now in ms
+   */
+  draw(now) {
     if (!this.shown) return;
     requestAnimationFrame(this.draw);
-    if (!this.dirty || !this.motion) return;
+    this.move(now);
+    if (!this.dirty || !this.motion || !this.toy) return;
     this.dirty = false;
-    if (this.motion.rise(this.watch.largest())) this.scene.box = this.motion.box();
-    this.scene.time = this.motion.frame.time;
+    const { toy, motion, pace } = this;
+    if (motion.rise(this.watch.largest())) this.scene.box = motion.box();
+    this.scene.time = toy.time;
     this.scene.draw();
-    this.watch.draw();
-    const now = performance.now();
+    this.watch.draw(this.paused);
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
-    const { frame } = this.motion;
-    const text = this.motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
+    const text = motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
+    const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
     this.parts.status.textContent = t(text, {
-      time: frame.time.toFixed(1), count: frame.contacts,
-      ratio: (frame.drive_frequency / this.about.natural_frequency).toFixed(3) });
-    this.showRatio();
-    this.keeper.show(frame.recorded);
-    this.showPause(Boolean(frame.flags & FLAG_PAUSED));
+      time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
+    }) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
+    this.showRatio(ratio);
+    this.keeper.show();
   }
 
-  showRatio() {
-    if (!this.controls) return;
-    const ratio = this.controls.drive_frequency / this.about.natural_frequency;
+  /** @param {number} ratio of the driving frequency to the natural one */
+  showRatio(ratio) {
     this.knobs.drive_frequency.also.textContent = t("ratioText", { ratio: ratio.toFixed(3) });
     for (const name of /** @type {("high" | "low")[]} */ (["high", "low"]))
       this.parts[name].setAttribute("aria-pressed", String(Math.abs(ratio - RATIOS[name]) < 2e-3));
@@ -250,29 +265,27 @@ export class LiveView {
 
   pause() {
     this.paused = !this.paused;
-    this.holdOrGoOn();
+    this.pace.rest();
+    this.showPause();
   }
 
-  /** Let the toy move if it is seen and not paused. */
-  holdOrGoOn() {
-    this.link.send({ pause: this.paused || !this.shown || document.hidden });
-    this.showPause(this.paused);
+  showPause() {
+    this.parts.toggle.textContent = t(this.paused ? "play" : "pause");
   }
 
-  /** @param {boolean} is */
-  showPause(is) {
-    const label = t(is ? "play" : "pause");
-    if (this.parts.toggle.textContent !== label) this.parts.toggle.textContent = label;
+  /** Tell that the toy stood still while its tab was in the background. */
+  returnToView() {
+    this.pace.rest();
+    if (this.shown && !this.paused && !document.hidden) tell(t("liveHidden"));
   }
 
   push() {
-    if (this.about) this.link.send({ push: PUSH * this.about.natural_frequency });
+    this.toy?.push(PUSH * this.toy.system.naturalFrequency);
   }
 
   /** @param {number} ratio */
   ratio(ratio) {
-    if (!this.about) return;
-    this.knobs.drive_frequency.give(ratio * this.about.natural_frequency);
+    if (this.toy) this.knobs.drive_frequency.give(ratio * this.toy.system.naturalFrequency);
   }
 
   /** Return what each key does. @returns {Record<string, () => void>} */
@@ -284,35 +297,19 @@ export class LiveView {
       ArrowLeft: () => this.knobs.drive_frequency?.turn(-1),
       d: () => this.knobs.damping?.turn(1), D: () => this.knobs.damping?.turn(-1),
       e: () => this.knobs.restitution?.turn(1), E: () => this.knobs.restitution?.turn(-1),
-      p: () => this.push(), r: () => this.link.send({ reset: true }), c: () => this.keeper.toggle(),
+      p: () => this.push(), r: () => this.restart(), c: () => this.keeper.toggle(),
       1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
     };
   }
 
   /**
-   * @param {string} text
-   * @param {string | null} field
+   * Show why there is no toy.
+   * @param {Error} error
    */
-  refuse(text, field) {
-    this.arrived();
-    if (this.last && !this.link.isReady) {
-      // The server no longer takes what it was asked to go on from: begin anew.
-      this.last = this.controls = null;
-      this.link.open();
-    }
-    if (field && this.knobs[field]) this.knobs[field].error(text);
-    else this.parts.notice.textContent = text;
-  }
-
-  /** @param {boolean} is */
-  connected(is) {
-    this.root.dataset.connected = String(is);
-    if (!is) {
-      this.parts.notice.textContent = t("offline");
-      if (this.keeper.running) this.keeper.lose();
-    } else if (this.last) {
-      this.parts.notice.textContent = "";
-      tell(t("liveBack"));
-    }
+  refuse(error) {
+    const [message, field] = inPagesWords(this.page.registry, error);
+    const knob = this.knobs[field ?? ""];
+    if (knob) knob.error(message);
+    this.parts.notice.textContent = knob ? "" : message;
   }
 }

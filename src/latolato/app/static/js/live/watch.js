@@ -3,7 +3,6 @@
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
-/** @typedef {import("./link.js").Frame} Frame */
 /** @typedef {import("./motion.js").LiveMotion} LiveMotion */
 
 const DEGREES = 180 / Math.PI;
@@ -22,44 +21,37 @@ export class Watch {
     this.angle = new Strip(angle, { least: [-15, 15], curves: [LEFT, RIGHT] });
     this.energy = new Strip(energy, { least: [0, 1e-6], curves: ENERGIES });
     this.angle.history = this.energy.history = this.history;
-    this.contacts = 0;
+    this.turn = false;
   }
 
   /**
    * Begin with a toy.
-   * @param {boolean} fresh whether nothing goes on from before
    * @param {boolean} single whether it has one ball
    */
-  begin(fresh, single) {
+  begin(single) {
     this.angle.marks = [];
     this.angle.curves = single ? [RIGHT] : [LEFT, RIGHT];
-    if (!fresh) return;
     this.history.count = 0;
-    this.contacts = 0;
     this.angle.limits = [...this.angle.least];
   }
 
   /**
-   * Keep a frame.
-   * @param {Frame} frame
+   * Keep what a toy does now.
    * @param {LiveMotion} motion
-   * @param {boolean} clacks whether balls met audibly since the last one
+   * @param {boolean} clacks whether balls met audibly since the last time
    */
-  add(frame, motion, clacks) {
+  add(motion, clacks) {
     const [first, second] = motion.balls;
-    this.history.add(frame.time, {
+    const { time, energies: { kinetic, potential } } = motion.toy;
+    this.history.add(time, {
       right: motion.angle(first) * DEGREES,
       left: second ? motion.angle(second) * DEGREES : 0,
-      kinetic: frame.kinetic_energy,
-      potential: frame.potential_energy,
-      total: frame.kinetic_energy + frame.potential_energy,
+      kinetic, potential, total: kinetic + potential,
     });
-    const { marks } = this.angle;
-    if (frame.contacts < this.contacts) marks.length = 0;
-    this.contacts = frame.contacts;
     if (!clacks) return;
-    marks.push(frame.time);
-    while (marks[0] < frame.time - SPAN) marks.shift();
+    const { marks } = this.angle;
+    marks.push(time);
+    while (marks[0] < time - SPAN) marks.shift();
   }
 
   /** Return the largest angle of the last seconds, either way [rad]. */
@@ -68,8 +60,13 @@ export class Watch {
     return Math.max(-lowest, highest) / DEGREES;
   }
 
-  draw() {
-    this.angle.draw();
-    this.energy.draw();
+  /**
+   * Draw the curves: of a toy that moves one strip with each picture, in turn, which is half the work.
+   * @param {boolean} both
+   */
+  draw(both) {
+    this.turn = !this.turn;
+    if (both || this.turn) this.angle.draw();
+    if (both || !this.turn) this.energy.draw();
   }
 }

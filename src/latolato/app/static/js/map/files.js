@@ -34,7 +34,7 @@ export class MapFiles {
     this.error.hidden = true;
     for (const button of this.buttons) button.disabled = true;
     try {
-      const response = await ask(`/download/map.${kind}`, body);
+      const response = await ask(`download/map.${kind}`, body);
       const missing = Number(response.headers.get("X-Points-Missing"));
       const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition") ?? "");
       saveFile(await response.blob(), name?.[1] ?? `latolato_map.${kind}`);

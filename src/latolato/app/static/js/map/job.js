@@ -17,7 +17,7 @@ export class MapJob {
     this.request = request;
     this.listener = listener;
     this.ended = false;
-    this.socket = new WebSocket(socketAddress("/ws/map"));
+    this.socket = new WebSocket(socketAddress("ws/map"));
     this.socket.binaryType = "arraybuffer";
     this.socket.addEventListener("open", () => {
       if (!this.ended) this.socket.send(JSON.stringify(request));

@@ -107,7 +107,7 @@ export class Over {
     let note = null;
     try {
       if (body && variable) {
-        const { about, arrays } = await askBlock("/api/map/contours", body);
+        const { about, arrays } = await askBlock("api/map/contours", body);
         found = unpacked(arrays, about.levels, (level) => withUnit(variable, level));
         note = about;
       }
@@ -157,7 +157,7 @@ function unpacked({ x, y, first, level }, levels, write) {
  * @returns {Promise<Found>}
  */
 async function askOver(asked) {
-  const { about, arrays } = await askBlock("/api/map/overlays", asked);
+  const { about, arrays } = await askBlock("api/map/overlays", asked);
   return {
     lines: LINES.filter((name) => `${name}_x` in arrays).map((name) => ({ name,
       xs: arrays[`${name}_x`], ys: arrays[`${name}_y`], dashed: name === "lift_off" })),

@@ -43,7 +43,7 @@ export class PointPanel {
     const { turn } = this;
     this.title.textContent = t("computing");
     try {
-      const block = await waited(this.title, askBlock("/api/map/point", asked));
+      const block = await waited(this.title, askBlock("api/map/point", asked));
       if (turn !== this.turn) return;
       this.options = block.about.options;
       this.preview.root.hidden = false;

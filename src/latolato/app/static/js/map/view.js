@@ -119,7 +119,7 @@ export class MapView {
   }
 
   async findStored() {
-    this.controls.stored = await askJson("/api/map/stored");
+    this.controls.stored = await askJson("api/map/stored");
     this.controls.showSource(sourceOf(this.page.registry, this.page.store.state));
   }
 

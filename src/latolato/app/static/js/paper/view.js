@@ -1,6 +1,6 @@
 /** Paper: what the paper says, figure by figure, beside what an accurate calculation gives. */
 
-import { askJson } from "../shared/api.js";
+import { askBlock, askJson } from "../shared/api.js";
 import { el, freshId } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { openLink, openState, textsOf } from "../shared/links.js";
@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {{name: string, label: string, title: string, caption: string,
- *   statements: {name: string, where: string, words: string}[], video: boolean, missing: string,
+ *   statements: {name: string, where: string, words: string}[], video: boolean, missing: string, stored?: boolean,
  *   scenarios: string[]}} Entry */
 /** @typedef {{name: string, where: string, words: string, finding: string,
  *   criteria: [string, boolean][], assumption: string, verdict: string, says: string,
@@ -53,7 +53,7 @@ export class PaperView {
 
   async load() {
     /** @type {Entry[]} */
-    const entries = await askJson("/api/paper");
+    const entries = await askJson(this.page.registry.server ? "api/paper" : "paper/contents.json");
     this.plates = entries.map((entry) => new Plate(this, entry));
     this.list.replaceChildren(...this.plates.map((plate) => plate.item));
     this.main.replaceChildren(...this.plates.map((plate) => plate.root));
@@ -223,7 +223,9 @@ class Plate {
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
     this.start.disabled = true;
-    const block = await this.job.run("/ws/paper", { figure: this.entry.name });
+    const { name, stored } = this.entry;
+    const block = await (stored === undefined ? this.job.run("ws/paper", { figure: name })
+      : stored ? askBlock(`paper/${name}.block`) : null);
     this.picture.classList.remove("waiting");
     if (!block) {
       this.release();

@@ -2,17 +2,30 @@
 
 import { el, freshId, tell } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
+import { Runner } from "../model/client.js";
+import { columnsTable, contactsTable, tomlOf } from "../model/files.js";
 import { format } from "../shared/state.js";
 import { t } from "../strings.js";
 
-const KINDS = ["csv", "contacts.csv", "nc", "png", "svg", "toml"];
+// What the page writes by itself, and what the installed program writes.
+const OWN = /** @type {const} */ (["csv", "contacts.csv", "toml"]);
+const OF_PROGRAM = ["nc", "png", "svg"];
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
+// Samples of a run that is stored; as many as its default has, up to this number.
+const MOST_SAMPLES = 200_000;
 
 export class Downloads {
-  constructor() {
+  /** @param {import("../main.js").Page} page */
+  constructor(page) {
+    this.page = page;
+    this.runner = new Runner(page.registry);
     this.request = { scenario: /** @type {string | null} */ (null), options: {} };
-    this.links = KINDS.map((kind) =>
-      ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
+    const entry = (/** @type {string} */ kind, /** @type {HTMLElement} */ control) => el("li", {}, control,
+      el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`));
+    const own = OWN.map((kind) => ({ kind, item: entry(kind, el("button", { type: "button", class: "plain link",
+      on: { click: () => void this.write(kind) } }, t(`file_${kind}`))) }));
+    this.contacts = own[1].item;
+    this.links = OF_PROGRAM.map((kind) => ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
     const id = freshId();
     this.speed = el("select", { id }, ...SPEEDS.map((s) =>
       el("option", { value: String(s), selected: s === 1 }, t("speedText", { speed: s }))));
@@ -24,11 +37,12 @@ export class Downloads {
         if (event.key === "Escape") this.root.open = false;
       } } },
       el("summary", {}, t("download")),
-      el("ul", {}, ...this.links.map(({ kind, link }) =>
-        el("li", {}, link, el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`)))),
-      el("div", { class: "row" }, this.make, el("label", { for: id }, t("speed")), this.speed),
-      el("p", { class: "hint" }, t("fileHint_mp4")),
-      this.job.root);
+      el("ul", {}, ...own.map(({ item }) => item),
+        ...(page.registry.server ? this.links.map(({ kind, link }) => entry(kind, link)) : [])),
+      ...(page.registry.server ? [
+        el("div", { class: "row" }, this.make, el("label", { for: id }, t("speed")), this.speed),
+        el("p", { class: "hint" }, t("fileHint_mp4")), this.job.root]
+        : [el("p", { class: "hint" }, t("fileProgram"))]));
   }
 
   /**
@@ -39,16 +53,29 @@ export class Downloads {
   show(request, touching) {
     this.request = request;
     const query = format({ view: "play", ...request, extra: {} });
-    for (const { kind, link } of this.links) {
-      link.href = `/download/run.${kind}${query}`;
-      const item = /** @type {HTMLElement} */ (link.parentElement);
-      if (kind === "contacts.csv") item.hidden = !touching;
-    }
+    for (const { kind, link } of this.links) link.href = `download/run.${kind}${query}`;
+    this.contacts.hidden = !touching;
+  }
+
+  /**
+   * Compute the run once more, with all its samples, and store it.
+   * @param {typeof OWN[number]} kind
+   */
+  async write(kind) {
+    const { registry } = this.page;
+    const { scenario } = this.request;
+    const block = await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES });
+    const { system, drive } = block.about.options;
+    const name = `latolato_${scenario ?? `${system}_${drive}`}.${kind}`;
+    const text = kind === "toml" ? tomlOf(registry, block, name)
+      : kind === "csv" ? columnsTable(registry, block) : contactsTable(registry, block);
+    saveFile(new Blob([text], { type: kind === "toml" ? "application/toml" : "text/csv" }), name);
+    tell(t("stored", { name }));
   }
 
   async animate() {
     this.make.disabled = true;
-    const block = await this.job.run("/ws/animation",
+    const block = await this.job.run("ws/animation",
       { ...this.request, speed: Number(this.speed.value) });
     this.make.disabled = false;
     if (!block) return;

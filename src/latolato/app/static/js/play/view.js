@@ -1,23 +1,23 @@
 /** Play: parameters on one side, the motion that they make on the other. */
 
-import { askBlock, newest, Offline } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
 import { el, tell } from "../shared/dom.js";
+import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
 import { withLaws } from "../shared/laws.js";
+import { Runner } from "../model/client.js";
+import { inPagesWords } from "../model/words.js";
+import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
 import { presetField } from "../shared/presets.js";
-import { FIRST } from "../shared/state.js";
-import { waited } from "../shared/waiting.js";
 import { t } from "../strings.js";
-import { Downloads } from "./downloads.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 
-// A server that does not answer is asked again after this time.
-const RETRY = 1000; // ms
+// Beyond it, a run that is computed is announced.
+const PATIENCE = 700; // ms
 // Where the address names a recording of Live that this page still has.
 const RECORDING = "play.recording";
 
@@ -31,7 +31,7 @@ export class PlayView {
     const stage = el("div", { class: "player" });
     this.notes = el("p", { class: "notes", role: "status" });
     this.code = el("div", {});
-    this.downloads = new Downloads();
+    this.downloads = new Downloads(page);
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.presets.field, this.makeActions(),
         this.downloads.root, form),
@@ -39,7 +39,8 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
-    this.run = newest(() => this.simulate());
+    this.runner = new Runner(page.registry);
+    this.runner.start();
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }
@@ -63,14 +64,15 @@ export class PlayView {
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
         this.page.store.keep(RECORDING, null);
-      this.run(null);
+      void this.simulate();
     }));
-    this.run(null);
+    void this.simulate();
   }
 
   hide() {
     for (const release of this.releases.splice(0)) release();
     this.downloads.stop();
+    this.runner.stop();
     this.player.clock.pause();
   }
 
@@ -97,11 +99,12 @@ export class PlayView {
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
     this.presets.show(scenario);
-    // The form is made while the server computes.
-    const asked = this.recording() ?? askBlock("/api/run", { scenario, options });
+    // The form is made while the worker computes.
+    const waiting = setTimeout(() => { this.notes.textContent = t("computing"); }, PATIENCE);
+    const pending = this.recording() ?? this.runner.compute({ scenario, options });
     this.form.build();
     try {
-      const block = await waited(this.notes, Promise.resolve(asked));
+      const block = await pending;
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
@@ -112,13 +115,12 @@ export class PlayView {
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
+      if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
-      if (error instanceof Offline) {
-        this.notes.textContent = t("offline");
-        setTimeout(() => this.run(null), RETRY);
-        return;
-      }
-      this.form.error(error.message, /** @type {any} */ (error).field ?? null);
+      this.notes.textContent = "";
+      this.form.error(...inPagesWords(registry, error));
+    } finally {
+      clearTimeout(waiting);
     }
   }
 

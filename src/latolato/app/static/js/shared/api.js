@@ -55,7 +55,7 @@ export async function askJson(path, body) {
 /**
  * Return a block of arrays.
  * @param {string} path
- * @param {any} body
+ * @param {any} [body]
  * @param {AbortSignal} [signal]
  */
 export async function askBlock(path, body, signal) {
@@ -95,7 +95,9 @@ export function newest(work) {
  * @param {string} path
  */
 export function socketAddress(path) {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+  const address = new URL(path, document.baseURI);
+  address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
+  return address.href;
 }
 
 /**

@@ -20,7 +20,7 @@ export async function waited(place, answer) {
   let timer;
   const say = async () => {
     // A server that says nothing is the answer's own affair.
-    const state = await askJson("/api/compiling").catch(() => null);
+    const state = await askJson("api/compiling").catch(() => null);
     if (over) return;
     if (state) {
       message = t(state.compiling ? "preparing" : "computing");

@@ -1,0 +1,94 @@
+"""`latolato site`: the pages as files that any web space can serve, without a server that computes.
+
+Play, Live and Map compute in the page. What the server of `latolato app` answers once is written to
+files: what there is (``registry.json``) and the figures of the paper with their claims.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from errno import ENOTDIR
+from pathlib import Path
+
+from latolato.app import STATIC
+from latolato.app.forms import registry
+from latolato.core.errors import InputError
+
+# What a browser keeps at the first visit; the report and the documentation as they are read.
+OFFLINE = "offline.js"
+_LATER = ("report", "docs", "paper")
+
+
+def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = None) -> list[Path]:
+    """Write the pages into a folder; return the files.
+
+    Parameters
+    ----------
+    folder : Path
+        It may exist, also with an earlier site; other files in it stay.
+    report : Path, optional
+        Folder of a report that `latolato reproduce` wrote; without it the claims are not judged.
+    docs : Path, optional
+        Folder of the built documentation.
+
+    Raises
+    ------
+    InputError
+        If `report` holds no report, or `docs` no pages.
+    NotADirectoryError
+        If `folder` is a file.
+    FileNotFoundError
+        If the code for pages has not been compiled.
+    """
+    if report is not None and not (report / "index.html").is_file():
+        raise InputError(
+            f"'{report}' holds no report", way_out=f"make one: latolato reproduce --output {report}"
+        )
+    if docs is not None and not (docs / "index.html").is_file():
+        raise InputError(f"'{docs}' holds no documentation", way_out="make it: make docs")
+    if not (STATIC / "kernels" / "layout.json").is_file():
+        raise FileNotFoundError(
+            "the pages' compiled code is missing; in a clone, run: make kernels"
+        )
+    if folder.is_file():
+        raise NotADirectoryError(ENOTDIR, "a site needs a folder, and this is a file", str(folder))
+    shutil.copytree(STATIC, folder, dirs_exist_ok=True)
+    about = registry() | {"server": False, "docs": docs is not None}
+    (folder / "registry.json").write_text(json.dumps(about), encoding="utf-8")
+    for name, source in (("report", report), ("docs", docs)):
+        if source is not None and source.resolve() != (folder / name).resolve():
+            shutil.copytree(source, folder / name, dirs_exist_ok=True)
+    _write_paper(folder / "paper", report)
+    _write_offline(folder)
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def _write_paper(folder: Path, report: Path | None) -> None:
+    """Write what the Paper view shows: the claims, and the block of each figure."""
+    from latolato.app.report import contents, stored
+
+    folder.mkdir(exist_ok=True)
+    entries = contents(report)
+    for entry in entries:
+        block = None if report is None else stored(entry["name"], report)
+        entry["stored"] = block is not None
+        if block is not None:
+            (folder / f"{entry['name']}.block").write_bytes(block)
+    (folder / "contents.json").write_text(json.dumps(entries), encoding="utf-8")
+
+
+def _write_offline(folder: Path) -> None:
+    """Write the list of files that a browser keeps, under a name that changes with them."""
+    paths = [path.relative_to(folder) for path in folder.rglob("*") if path.is_file()]
+    kept = sorted(
+        path.as_posix()
+        for path in paths
+        if path.parts[0] not in _LATER and path.name not in (OFFLINE, "files.js")
+    )
+    digest = hashlib.sha256()
+    for name in kept:
+        digest.update(name.encode() + (folder / name).read_bytes())
+    about = {"version": digest.hexdigest()[:16], "paths": kept}
+    (folder / "files.js").write_text(f"self.SITE = {json.dumps(about)};\n", encoding="utf-8")

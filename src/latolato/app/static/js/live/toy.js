@@ -1,0 +1,365 @@
+/** A toy that moves while its parameters change: the exact integrator, a frame of time at a go. */
+
+import { begin } from "../kernels/begin.js";
+import { observe, time } from "../kernels/run.js";
+import { LEDGER, recordOf } from "../model/simulate.js";
+import { SteeredDrive } from "./drive.js";
+import { Recording } from "./recording.js";
+
+/**
+ * @typedef {import("../kernels/memory.js").Held} Held
+ * @typedef {import("../kernels/memory.js").Kernels} Kernels
+ * @typedef {import("../model/simulate.js").Case} Case
+ * @typedef {import("../model/laws.js").System} System
+ *
+ * What is seen at one instant: angles and velocities, pivot and energies, in the layout's rows.
+ * @typedef {{samples: Float64Array, pivot: Float64Array, out: Float64Array}} View
+ */
+
+// Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
+const TOLERANCE = 1e-10;
+// Samples of a recording in a second.
+export const SAMPLES_PER_SECOND = 240;
+// A toy moves on by no more than this at a go: a hand corrects its aim as often.
+export const LONGEST = 1 / 60; // s
+// A hand moves no faster than this, and by this share of its way each time the toy moves on.
+const HAND_SPEED = 8; // m/s
+const HAND_GAIN = 0.6;
+const HELD_STILL = 1e-4; // rad
+// What may be set: up to so many lengths and natural frequencies.
+const MOST_AMPLITUDE = 0.5;
+const MOST_FREQUENCY = 40;
+const MOST_DAMPING_RATIO = 2;
+// Of the table of contacts; an event may need some more.
+const ROOM = 256 + 4;
+// Calls of the engine, and steps in one: more means that the motion cannot be followed.
+const MOST_CALLS = 20;
+const STEPS_PER_CALL = 10_000;
+// A mode above this is lasting contact, a kind of contact below that an impact.
+const FLIGHT = 0;
+const REST = 2;
+
+/** @param {number[]} values */
+const largest = (values) => Math.max(...values.map(Math.abs));
+
+/**
+ * Return the least and the largest value of each control, in SI units.
+ * @param {System} system
+ * @returns {Record<string, [number, number]>}
+ */
+export function limitsOf({ balls, naturalFrequency, contacts }) {
+  const longest = Math.max(...balls.map((ball) => ball.length));
+  const moment = Math.min(...balls.map((ball) => ball.mass * ball.length));
+  return {
+    drive_amplitude: [0, MOST_AMPLITUDE * longest],
+    drive_frequency: [0, MOST_FREQUENCY * naturalFrequency],
+    damping: [0, MOST_DAMPING_RATIO * naturalFrequency * moment],
+    ...(contacts ? { restitution: [0, 1] } : {}),
+  };
+}
+
+export class Toy {
+  /**
+   * Throws if a control begins beyond its limits.
+   * @param {Kernels} kernels of the module `one` or `two`, for this toy alone
+   * @param {Case} each
+   * @param {import("./drive.js").Cosine} cosine how the pivot moves
+   */
+  constructor(kernels, each, cosine) {
+    kernels.clear();
+    this.kernels = kernels;
+    // Contact is always exact.
+    this.case = { ...each, tolerance: TOLERANCE, clampStep: 0 };
+    this.begun = cosine;
+    /** As it is now. */
+    this.system = { ...each.system, balls: each.system.balls.map((ball) => ({ ...ball })) };
+    const { balls, restitution, contacts } = this.system;
+    /** What was asked for last, in SI units. @type {Record<string, number>} */
+    this.controls = { drive_amplitude: cosine.amplitude, drive_frequency: cosine.frequency,
+      damping: balls[0].damping, ...(contacts ? { restitution } : {}) };
+    this.limits = limitsOf(this.system);
+    this.check(this.controls);
+    this.time = 0;
+    /** Contacts since the start, and the hardest since this was last set to zero [rad/s]. */
+    this.contacts = 0;
+    this.clack = 0;
+    /** @type {Recording | null} */
+    this.recording = null;
+    this.awaitsRecording = false;
+    /** @type {{ball: number, angle: number} | null} */
+    this.held = null;
+    this.pushed = 0;
+    this.speed = 0;
+    this.drive = new SteeredDrive(kernels, cosine);
+    this.balls = kernels.take("ball", balls.length);
+    const blind = kernels.hooks(kernels.layout.occasions.map(() => []));
+    this.run = this.begin({}).run;
+    kernels.set(this.run, "hooks", blind.at);
+    /** Where balls touch [rad]: of one ball the angle, of two the separation. */
+    this.walls = ["low", "high"].map((name) => kernels.get(this.run, `settings.${name}`));
+    this.prepare();
+    const now = kernels.copy([0]);
+    const samples = kernels.take("f8", kernels.layout.sample_rows_count, 1);
+    kernels.numbers(samples).set(this.angles.flatMap((angle, i) => [angle, this.velocities[i]]));
+    /** @type {View} */
+    this.present = this.look(now, samples)(0);
+    kernels.release(now);
+  }
+
+  /** The angles [rad], right ball first. */
+  get angles() {
+    return this.state("angle");
+  }
+
+  /** The angular velocities [rad/s], right ball first. */
+  get velocities() {
+    return this.state("velocity");
+  }
+
+  /**
+   * @param {string} name
+   * @returns {number[]}
+   */
+  state(name) {
+    const { kernels, run, system } = this;
+    return [...kernels.numbers(kernels.field(run, `state.${name}`)).subarray(0, system.angles)];
+  }
+
+  /** Height [m], velocity and acceleration of the pivot. */
+  get pivot() {
+    const [height, velocity, acceleration] = this.present.pivot;
+    return { height, velocity, acceleration };
+  }
+
+  /** The kinetic and the potential energy of all balls on show [J]. */
+  get energies() {
+    const { ball_rows } = this.kernels.layout;
+    const { balls, contacts } = this.system;
+    const twins = contacts && balls.length === 1 ? 2 : 1;
+    const [kinetic, potential] = ["kinetic_energy", "potential_energy"].map((name) =>
+      balls.reduce((sum, _, i) =>
+        sum + twins * this.present.out[i * ball_rows.length + ball_rows.indexOf(name)], 0));
+    return { kinetic, potential };
+  }
+
+  /** Return a toy that begins as this one did, with the controls as they are; this one ends. */
+  restarted() {
+    const { drive_amplitude: amplitude, drive_frequency: frequency } = this.controls;
+    return new Toy(this.kernels, { ...this.case, system: this.system },
+      { ...this.begun, amplitude, frequency });
+  }
+
+  /**
+   * Take new values of controls, from now on; if one is wrong none is taken.
+   * @param {Record<string, number>} values in SI units
+   */
+  set(values) {
+    this.check(values);
+    const { controls, system, drive, recording } = this;
+    Object.assign(controls, values);
+    if ("damping" in values) for (const ball of system.balls) ball.damping = values.damping;
+    system.restitution = values.restitution ?? system.restitution;
+    if (recording && ("damping" in values || "restitution" in values)) recording.byHand = true;
+    if ("drive_amplitude" in values || "drive_frequency" in values) {
+      drive.settle(this.time);
+      const change = drive.steer(this.time, controls.drive_amplitude, controls.drive_frequency);
+      recording?.steer(change);
+    }
+    this.prepare();
+  }
+
+  /**
+   * Throw if a control is unknown or beyond its limits.
+   * @param {Record<string, number>} values
+   */
+  check(values) {
+    for (const [name, value] of Object.entries(values)) {
+      if (!(name in this.limits)) throw new RangeError(`unknown control '${name}'`);
+      const [low, high] = this.limits[name];
+      if (!(typeof value === "number" && value >= low && value <= high))
+        throw new RangeError(`${name} must lie in [${low}, ${high}], got ${value}`);
+    }
+  }
+
+  /**
+   * Give the ball, or both apart, an angular velocity when the toy moves on.
+   * @param {number} speed in rad/s
+   */
+  push(speed) {
+    this.pushed += speed;
+  }
+
+  /**
+   * Lead a ball to an angle from now on, as a hand would; null lets go, and the ball keeps its
+   * velocity.
+   * @param {{ball: number, angle: number} | null} aim angle in rad
+   */
+  hold(aim) {
+    const [low, high] = this.walls;
+    this.held = aim && this.system.angles === 1
+      ? { ...aim, angle: Math.min(Math.max(aim.angle, low), high) } : aim;
+  }
+
+  /** Begin a recording as soon as the drive is steady and no ball is held. */
+  record() {
+    this.awaitsRecording = true;
+  }
+
+  /** Return the recording that ends here, null if none had begun. */
+  finish() {
+    const { recording } = this;
+    this.recording = null;
+    this.awaitsRecording = false;
+    return recording;
+  }
+
+  /**
+   * Move on; throws if the motion left the range of numbers or cannot be followed.
+   * @param {number} stop in s, at most `LONGEST` from now
+   */
+  advance(stop) {
+    const { kernels, run } = this;
+    if (this.drive.settle(this.time)) this.prepare();
+    if (this.awaitsRecording && this.drive.isSteady && !this.held) this.beginRecording();
+    const kick = this.kick(stop - this.time);
+    const speed = largest(this.velocities) + largest(kick);
+    if (speed > this.speed) this.prepare(speed);
+    const isKicked = kick.some((each) => each !== 0);
+    if (isKicked && this.recording) this.recording.byHand = true;
+    /** @type {number[]} */
+    const recorded = [];
+    for (let k = Math.floor(this.time * SAMPLES_PER_SECOND); k / SAMPLES_PER_SECOND <= stop; k += 1)
+      if (k / SAMPLES_PER_SECOND > this.time) recorded.push(k / SAMPLES_PER_SECOND);
+    const instants = kernels.copy(recorded.at(-1) === stop ? recorded : [...recorded, stop]);
+    const count = instants.shape[0];
+    const samples = kernels.take("f8", kernels.layout.sample_rows_count, count);
+    const contacts = { times: kernels.take("f8", ROOM), kinds: kernels.take("i8", ROOM),
+      values: kernels.take("f8", 4, ROOM) };
+    kernels.set(run, "state.sample", 0);
+    kernels.set(run, "state.kick", 0);
+    kernels.fill(kernels.field(run, "words"), "arguments", {
+      "timetable.stretches": this.drive.stretches,
+      "timetable.kick_times": kernels.copy(isKicked ? [this.time] : []),
+      "timetable.kick_sizes": { ...kernels.copy(kick), shape: [kick.length, Number(isKicked)] },
+      "output.sample_times": instants, "output.samples": samples,
+      "output.contact_times": contacts.times, "output.contact_kinds": contacts.kinds,
+      "output.contact_values": contacts.values,
+      "eyes.acc": kernels.take("f8", 1), "eyes.column": 0, "eyes.columns": this.system.angles,
+    });
+    for (let calls = 1; ; calls += 1) {
+      this.noteContacts(kernels.exports.engine(run.at, stop, STEPS_PER_CALL), contacts);
+      if (time(kernels, run) >= stop) break;
+      if (calls === MOST_CALLS) throw new Error("the motion cannot be followed in real time");
+    }
+    if (![...this.angles, ...this.velocities].every(Number.isFinite))
+      throw new Error("the motion left the range of numbers");
+    kernels.set(run, "state.t_base", stop);
+    kernels.set(run, "state.steps", 0);
+    this.time = stop;
+    const viewAt = this.look(instants, samples);
+    recorded.forEach((instant, i) => this.recording?.add(instant, viewAt(i)));
+    this.present = viewAt(count - 1);
+    kernels.release(instants);
+  }
+
+  /**
+   * Return the function that returns what is seen at one of some instants.
+   * @param {Held} times
+   * @param {Held} samples
+   * @returns {(i: number) => View}
+   */
+  look(times, samples) {
+    const { kernels, system, balls } = this;
+    const { stretches } = this.drive;
+    const { pivot, out } = observe(kernels, /** @type {any} */ ({ times, stretches }), samples,
+      { balls, gravity: system.gravity, is_linear: system.linear, with_lab: false });
+    const count = times.shape[0];
+    const column = (/** @type {Held} */ table, /** @type {number} */ i) => kernels.numbers(table)
+      .filter((/** @type {number} */ _, /** @type {number} */ k) => k % count === i);
+    return (i) => ({ samples: column(samples, i), pivot: column(pivot, i), out: column(out, i) });
+  }
+
+  /**
+   * Return the record of a run that begins as the toy did, with the parameters as they are.
+   * @param {Record<string, number>} more fields of the case
+   */
+  begin(more) {
+    const fields = recordOf({ ...this.case, system: this.system }, 0);
+    return begin(this.kernels, { ...fields, follows_ledger: 0, follows_tension: 0, ...more },
+      this.drive.stretches);
+  }
+
+  /**
+   * Write what the engine reads and moving on does not change.
+   * @param {number} [speed] which the step must allow for [rad/s]
+   */
+  prepare(speed = 0) {
+    const { kernels, run, system, balls } = this;
+    system.balls.forEach((ball, i) => {
+      for (const [name, value] of Object.entries(ball)) kernels.numbers(kernels.field(balls, name, i))[0] = value;
+    });
+    this.speed = 1.5 * Math.max(largest(this.velocities), speed, system.naturalFrequency);
+    const { run: fresh } = this.begin({ speed: this.speed, is_exact: 1 });
+    for (const part of ["settings", "bodies"])
+      kernels.bytes(kernels.field(run, part)).set(kernels.bytes(kernels.field(fresh, part)));
+    kernels.set(run, "state.stretch", 0);
+    kernels.release(fresh);
+  }
+
+  /**
+   * Return the change of each velocity that pushes and the hand make now [rad/s].
+   * @param {number} span until they can change it again [s]
+   */
+  kick(span) {
+    const kick = [this.pushed, -this.pushed].slice(0, this.system.angles);
+    this.pushed = 0;
+    if (!this.held) return kick;
+    const { ball, angle: target } = this.held;
+    const [angle, velocity] = [this.angles[ball], this.velocities[ball]];
+    const away = target - angle;
+    const rests = this.kernels.get(this.run, "state.mode") > FLIGHT;
+    if (rests && Math.abs(away) < HELD_STILL) return kick;
+    const { gravity, linear, balls, angles } = this.system;
+    const { length } = balls[ball];
+    let fall = -((gravity + this.pivot.acceleration) / length) * (linear ? angle : Math.sin(angle));
+    // It presses the ball where it is wanted.
+    if (angles === 1 && this.walls.includes(target) && fall * (target - Math.PI / 2) > 0) fall = 0;
+    const fastest = HAND_SPEED / length;
+    const wanted = Math.min(Math.max((HAND_GAIN * away) / span, -fastest), fastest);
+    kick[ball] += wanted - 0.5 * fall * span - velocity;
+    return kick;
+  }
+
+  /**
+   * Count contacts and remember the hardest, for the flash; keep them if recording.
+   * @param {number} rows
+   * @param {Record<"times" | "kinds" | "values", Held>} contacts
+   */
+  noteContacts(rows, { times, kinds, values }) {
+    const { kernels, recording, system } = this;
+    const table = kernels.numbers(values);
+    for (let i = 0; i < rows; i += 1) {
+      const speeds = [0, 1, 2, 3].map((row) => table[row * ROOM + i]);
+      const kind = Number(kernels.numbers(kinds)[i]);
+      recording?.addContact(kernels.numbers(times)[i], kind, speeds);
+      if (kind >= REST) continue;
+      this.contacts += 1;
+      const closing = system.angles === 2 ? speeds[0] - speeds[1] : 2 * speeds[0];
+      this.clack = Math.max(this.clack, Math.abs(closing));
+    }
+  }
+
+  /** Begin a recording at this instant. */
+  beginRecording() {
+    this.awaitsRecording = false;
+    const { kernels, system, present } = this;
+    const balls = system.balls.map((ball) => ({ ...ball }));
+    this.recording = new Recording(kernels.layout, this.drive.from(this.time),
+      { ...this.case, system: { ...system, balls }, angles: this.angles, velocities: this.velocities });
+    for (const name of LEDGER) {
+      kernels.set(this.run, `state.${name}`, 0);
+      present.samples[kernels.layout.sample_rows[name]] = 0;
+    }
+    this.recording.add(this.time, present);
+  }
+}

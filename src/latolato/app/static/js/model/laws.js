@@ -1,0 +1,266 @@
+/** Systems, drives and contact laws from their parameters, checked as Python checks them. */
+
+import { begin, shake } from "../kernels/begin.js";
+import { checkedNumber, general, InputError } from "./rules.js";
+
+/** @typedef {import("../kernels/memory.js").Kernels} Kernels */
+/** @typedef {import("./registry.js").Registry} Registry */
+/** @typedef {Record<string, any>} Values by the names of options */
+
+/**
+ * One ball of a system.
+ * @typedef {{length: number, mass: number, damping: number, quadratic_damping: number,
+ *   coulomb_damping: number, radius: number}} Ball
+ *
+ * A system: its balls whose angles are the state, the right one first, and where balls touch
+ * [rad]: of one ball the angle, of two the separation.
+ * @typedef {{kind: string, angles: number, contacts: boolean, linear: boolean, gravity: number,
+ *   restitution: number, balls: Ball[], naturalFrequency: number, low: number, high: number}} System
+ *
+ * A drive: its parameters by the names that compiled code has.
+ * @typedef {{kind: string, moves: boolean, parameters: Record<string, number | number[]>}} Drive
+ */
+
+const PARTS = ["length", "mass", "damping", "quadratic_damping", "coulomb_damping", "radius"];
+const SIDES = ["right", "left"];
+// Differences of decimal times are rounded by so much, relatively.
+const ROUNDING = 1e-12;
+
+/**
+ * Return the law's numbers: what is given, and defaults; words and switches as they are.
+ * @param {Registry} registry
+ * @param {"system" | "drive"} part
+ * @param {string} kind
+ * @param {Values} given of this part only
+ * @returns {Values}
+ */
+function numbersOf(registry, part, kind, given) {
+  const law = registry[`${part}s`][kind];
+  const own = law.options;
+  for (const name of Object.keys(given))
+    if (!own.includes(name)) throw foreign(registry, part, kind, name);
+  /** @type {Values} */
+  const values = {};
+  for (const name of own) {
+    const option = registry.options[name];
+    const value = given[name] ?? option.default;
+    if (value === null && !(name in given)) throw missing(registry, law.title, name, own, given);
+    values[name] = value;
+  }
+  for (const name of own) {
+    const option = registry.options[name];
+    if (!option.unit || option.several) continue;
+    values[name] = checkedNumber(option, name, values[name]);
+  }
+  return values;
+}
+
+/**
+ * Return the error of an option that belongs to other laws.
+ * @param {Registry} registry
+ * @param {"system" | "drive"} part
+ * @param {string} kind
+ * @param {string} name
+ */
+function foreign(registry, part, kind, name) {
+  const { path } = registry.options[name];
+  const laws = registry[`${part}s`];
+  const owns = (/** @type {string} */ each) => laws[each].options.some((own) =>
+    registry.options[own].path[0] === path[0]);
+  const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
+  if (inside.length) {
+    const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
+    return new InputError(`${laws[kind].title} has no '{parameter}' of its own: give ${each}`,
+      { parameter: path[0] });
+  }
+  const inner = path[1] ?? "";
+  const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
+  return new InputError(
+    `belongs to ${part} ${Object.keys(laws).filter(owns).join(" or ")}, not to ${kind}`,
+    { parameter: name, wayOut: `${knows ? `use ${inner}` : "leave it out"} or change the ${part}` });
+}
+
+/**
+ * Return the error of a parameter that is not given.
+ * @param {Registry} registry
+ * @param {string} title of the law
+ * @param {string} name
+ * @param {string[]} own
+ * @param {Values} given
+ */
+function missing(registry, title, name, own, given) {
+  const { path, unit } = registry.options[name];
+  const inUnit = unit ? ` [${unit}]` : "";
+  if (path.length === 1) return new InputError(`${title} needs '{parameter}'${inUnit}`, { parameter: name });
+  const isWhole = !own.some((each) => each in given && registry.options[each].path[0] === path[0]);
+  if (isWhole) return new InputError(`${title} needs '{parameter}'`, { parameter: path[0] });
+  return new InputError(`Ball needs '{parameter}'${inUnit}`, { parameter: name });
+}
+
+/**
+ * Return a system.
+ * @param {Registry} registry
+ * @param {Kernels} kernels of the module that has so many balls
+ * @param {string} kind
+ * @param {Values} given
+ * @returns {System}
+ */
+export function systemOf(registry, kernels, kind, given) {
+  const { angles, contacts } = registry.systems[kind];
+  const values = numbersOf(registry, "system", kind, given);
+  const prefixes = angles === 2 ? SIDES.map((side) => `${side}_`) : [""];
+  const balls = prefixes.map((prefix) => {
+    const ball = /** @type {Ball} */ (Object.fromEntries(PARTS.map((part) =>
+      [part, values[prefix + part] ?? 0])));
+    if (!(ball.radius < ball.length))
+      throw new InputError(
+        `must lie in [0, length), got ${general(ball.radius)} for length ${general(ball.length)}`,
+        { parameter: `${prefix}radius` });
+    return ball;
+  });
+  const { gravity, restitution = 1 } = values;
+  const system = { kind, angles, contacts, linear: kind === "mathieu", gravity, restitution, balls,
+    naturalFrequency: Math.sqrt(gravity / balls[0].length), low: -Infinity, high: Infinity };
+  return contacts ? { ...system, ...wallsOf(kernels, system) } : system;
+}
+
+/**
+ * Return the fields of a case that say what a system is.
+ * @param {System} system
+ * @returns {Record<string, number>}
+ */
+export function fieldsOf({ gravity, restitution, angles, linear, balls }) {
+  const parts = balls.flatMap((ball, i) =>
+    Object.entries(ball).map(([name, value]) => [`balls.${i}.${name}`, value]));
+  return { gravity, restitution, angles, is_linear: Number(linear), ...Object.fromEntries(parts) };
+}
+
+/**
+ * Return where the balls of a system touch [rad].
+ * @param {Kernels} kernels
+ * @param {System} system
+ */
+function wallsOf(kernels, system) {
+  const stretches = shake(kernels, "fixed_pivot", {});
+  const { run, problem } = begin(kernels,
+    { ...fieldsOf(system), meets: 1, is_exact: 1, tolerance: 1, duration: 1 }, stretches);
+  const walls = { low: kernels.get(run, "settings.low"), high: kernels.get(run, "settings.high") };
+  kernels.release(stretches);
+  const [right, left] = system.balls;
+  const radii = (/** @type {string} */ name) =>
+    system.balls.map((ball) => general(/** @type {any} */ (ball)[name])).join(" and ");
+  if (problem === "never meet")
+    throw new InputError(
+      "the balls never meet: the lengths must differ by less than the sum of the radii, got "
+      + `lengths ${radii("length")} with radii ${radii("radius")}`);
+  if (problem === "too large")
+    throw new InputError("the balls are too large to hang side by side: radii "
+      + `${radii("radius")} for lengths ${radii("length")}`);
+  if (problem === "left rod hits") throw hitBy(right, left);
+  if (problem === "right rod hits") throw hitBy(left, right);
+  return walls;
+}
+
+/**
+ * Return the error of a ball that the other one's rod would hit.
+ * @param {Ball} ball
+ * @param {Ball} other
+ */
+function hitBy(ball, other) {
+  let [one, hit] = ["smaller ball's", "larger"];
+  if (other.length !== ball.length) [one, hit] = ["longer", "shorter"];
+  if (other.length < ball.length) [one, hit] = [hit, one];
+  const half = Math.asin(ball.radius / ball.length);
+  const reach = ball.radius + other.radius;
+  const separation = 2 * Math.asin(Math.sqrt(
+    (reach * reach - (ball.length - other.length) ** 2) / (4 * ball.length * other.length)));
+  return new InputError(
+    `the ${one} rod would hit the ${hit} ball before the balls meet: asin(radius/length) = `
+    + `${general(half)} rad of the ${hit} one exceeds the contact separation ${general(separation)} `
+    + "rad; make the other ball larger");
+}
+
+/**
+ * Return a drive.
+ * @param {Registry} registry
+ * @param {string} kind
+ * @param {Values} given
+ * @returns {Drive}
+ */
+export function driveOf(registry, kind, given) {
+  const values = numbersOf(registry, "drive", kind, given);
+  const lists = Object.keys(values).filter((name) => registry.options[name].several);
+  for (const name of lists) values[name] = checkedList(registry, name, values[name]);
+  if (kind === "crank_slider") {
+    const { guide, drive_amplitude, connecting_rod_length } = values;
+    if (!["below", "above"].includes(guide))
+      throw new InputError("must be 'below' or 'above'", { parameter: "guide", value: guide });
+    if (!(drive_amplitude < connecting_rod_length))
+      throw new InputError(
+        `must be less than connecting_rod_length ${general(connecting_rod_length)}, got `
+        + `${general(drive_amplitude)}: the crank would jam`, { parameter: "drive_amplitude" });
+    values.side = guide === "above" ? 1 : -1;
+    delete values.guide;
+  }
+  if (lists.length) checkStages(values, lists);
+  const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) =>
+    [registry.options[name]?.path[0] ?? name, typeof value === "boolean" ? Number(value) : value]));
+  return { kind, moves: kind !== "fixed_pivot", parameters };
+}
+
+/**
+ * Return a list of numbers.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} values
+ */
+function checkedList(registry, name, values) {
+  const option = registry.options[name];
+  const parameter = name;
+  if (!Array.isArray(values))
+    throw new InputError(`must be a sequence of numbers in ${option.unit}`, { parameter, value: values });
+  const numbers = values.map((value) => checkedNumber(option, name, value));
+  if (numbers.length < 1)
+    throw new InputError("must hold at least 1 values, got 0", { parameter });
+  return numbers;
+}
+
+/**
+ * Throw what is wrong with the stages of a drive.
+ * @param {Values} values
+ * @param {string[]} lists
+ */
+function checkStages(values, lists) {
+  const parameter = "drive_times";
+  const [times, ...others] = [values[parameter], ...lists.filter((name) => name !== parameter)];
+  const lengths = [parameter, ...others].map((name) => values[name].length);
+  if (new Set(lengths).size > 1) {
+    const isPair = others.length === 1;
+    throw new InputError(`{parameter}${isPair ? " and " : ", "}${others.join(", ")} must be of one length, `
+      + `got ${lengths.join(isPair ? " and " : ", ")}`, { parameter });
+  }
+  if (times[0] !== 0)
+    throw new InputError(`must begin with 0, got ${general(times[0])}`,
+      { parameter, wayOut: "the first stage is there" });
+  checkIncreasing(parameter, times);
+  const gaps = times.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - times[i]);
+  const shortest = Math.min(...gaps);
+  if (gaps.length && values.ramp > shortest * (1 + ROUNDING))
+    throw new InputError(
+      `must not exceed the shortest stage ${general(shortest)} s, got ${general(values.ramp)}`,
+      { parameter: "ramp" });
+}
+
+/**
+ * Throw unless each value is larger than the one before.
+ * @param {string} parameter
+ * @param {ArrayLike<number>} values
+ */
+export function checkIncreasing(parameter, values) {
+  for (let i = 1; i < values.length; i += 1) {
+    if (values[i] > values[i - 1]) continue;
+    throw new InputError(`must increase strictly, got ${general(values[i])} after `
+      + `${general(values[i - 1])} at position ${i}`,
+    { parameter, wayOut: "sort them and remove repeats" });
+  }
+}

@@ -1,0 +1,97 @@
+/** The lines of Python and of the command line that compute a run again. */
+
+/** @typedef {import("./registry.js").Registry} Registry */
+/** @typedef {import("./registry.js").Option} Option */
+
+// What is inherited stands last.
+const LAST = "gravity";
+
+/**
+ * Return a Python program that makes the run of these options.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options in SI units
+ */
+export function pythonLines(registry, options) {
+  const { systems, drives, contact_laws: laws } = registry;
+  const { system, drive = "fixed_pivot", contact } = options;
+  const lines = ["import latolato as ll", "", `system = ${constructor(registry, systems[system], options)}`];
+  const parts = ["system"];
+  if (drive !== "fixed_pivot") {
+    lines.push(`drive = ${constructor(registry, drives[drive], options)}`);
+    parts.push("drive");
+  }
+  for (const [name, option] of Object.entries(registry.options)) {
+    const value = options[name];
+    const ofLaw = Object.values(laws).some((law) => law.options.includes(name));
+    if (option.owner !== "run" || ofLaw || isUsual(option, value)) continue;
+    const own = name === "contact" && laws[contact].options.length;
+    parts.push(`${name}=${own ? constructor(registry, laws[contact], options) : literal(option, value)}`);
+  }
+  lines.push(`run = ll.simulate(${parts.join(", ")})`);
+  return lines.join("\n");
+}
+
+/**
+ * Return the call that makes a law; what has its default is left out.
+ * @param {Registry} registry
+ * @param {import("./registry.js").Law} law
+ * @param {Record<string, any>} options
+ */
+function constructor(registry, law, options) {
+  /** @type {Map<string, string[]>} the parameters of each part of the law, "" for its own */
+  const parts = new Map();
+  const names = [...law.options.filter((name) => name !== LAST), ...law.options.filter((name) => name === LAST)];
+  for (const name of names) {
+    const option = registry.options[name];
+    if (isUsual(option, options[name])) continue;
+    const [outer, inner] = option.path;
+    const key = inner === undefined ? "" : outer;
+    parts.set(key, [...parts.get(key) ?? [], `${inner ?? outer}=${literal(option, options[name])}`]);
+  }
+  const own = parts.get("") ?? [];
+  const balls = [...parts].filter(([key]) => key).map(([key, each]) => `${key}=ll.Ball(${each.join(", ")})`);
+  return `ll.${law.title}(${[...balls, ...own].join(", ")})`;
+}
+
+/** @type {(option: Option, value: any) => boolean} */
+const isUsual = (option, value) => value === undefined || value === null || value === option.default;
+
+/**
+ * @param {Option} option
+ * @param {any} value
+ * @returns {string}
+ */
+function literal(option, value) {
+  if (Array.isArray(value)) return `[${value.map((each) => literal(option, each)).join(", ")}]`;
+  if (typeof value === "boolean") return value ? "True" : "False";
+  if (typeof value === "string") return `'${value}'`;
+  return number(option, value);
+}
+
+/**
+ * Return a number as Python writes it.
+ * @param {Option} option
+ * @param {number} value
+ */
+function number(option, value) {
+  const text = String(value).replace(/e([+-])(\d)$/, "e$10$2");
+  return option.unit && !/[.e]/.test(text) ? `${text}.0` : text;
+}
+
+/**
+ * Return the command that makes the run of these options.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options in SI units
+ */
+export function commandLine(registry, options) {
+  const words = ["latolato", "simulate"];
+  for (const [name, option] of Object.entries(registry.options)) {
+    const value = options[name];
+    if (isUsual(option, value)) continue;
+    words.push(`--${name.replaceAll("_", "-")}`);
+    if (typeof value === "boolean") continue;
+    const text = [value].flat().map((each) => (typeof each === "number" ? number(option, each) : each)).join(", ");
+    words.push(/^[\w.+-]+$/.test(text) ? text : `'${text}'`);
+  }
+  return words.join(" ");
+}

@@ -1,0 +1,219 @@
+/** From a preset and options, with units or without, to numbers in SI units. */
+
+import { BeyondPageError, checkedNumber, InputError, suggest } from "./rules.js";
+
+/** @typedef {import("./registry.js").Registry} Registry */
+/** @typedef {import("./registry.js").Option} Option */
+/** @typedef {{scenario?: string | null, options?: Record<string, any>}} Request */
+
+const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*$/;
+// A power of ten is put behind the digits: the decimal number is then rounded once.
+const POWER = /^1e-?\d+$/;
+
+/**
+ * Return a quantity as a number in SI units; what is no text is returned as it is.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ * @param {string} unit
+ */
+export function toSi(registry, name, value, unit) {
+  if (typeof value !== "string") return value;
+  const match = NUMBER.exec(value.replace("\u2212", "-"));
+  const given = (match?.[2] ?? "").trim();
+  if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return Number(match[1]);
+  const [size, powers] = unitOf(registry, given) ?? [NaN, {}];
+  const [wanted, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
+  const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
+  if (!match || !isSame || Number.isNaN(size / wanted)) throw notInUnits(name, value, unit);
+  const power = (size / wanted).toExponential().replace("e+", "e");
+  if (!POWER.test(power)) return Number(match[1]) * (size / wanted);
+  const [digits, own = "0"] = match[1].toLowerCase().split("e");
+  return Number(`${digits}e${Number(own) + Number(power.slice(2))}`);
+}
+
+/**
+ * Return the size of a unit such as "g*m/s" and its powers of SI units, null if it is not known.
+ * @param {Registry} registry
+ * @param {string} text
+ * @returns {[number, Record<string, number>] | null}
+ */
+function unitOf({ units, prefixes }, text) {
+  let size = 1;
+  /** @type {Record<string, number>} */
+  const powers = {};
+  const plain = text.replaceAll("²", "^2").replaceAll("³", "^3").replaceAll("**", "^");
+  const parts = plain.matchAll(/\s*([*/]?)\s*([a-zA-Z_µμ°%]+|1)(?:\^(-?\d+))?/g);
+  let end = 0;
+  for (const part of parts) {
+    const [whole, sign, name, power = "1"] = part;
+    if (part.index !== end) return null;
+    end += whole.length;
+    if (name === "1") continue;
+    const prefix = name in units ? "" : Object.keys(prefixes).find((each) =>
+      name.startsWith(each) && name.slice(each.length) in units);
+    if (prefix === undefined) return null;
+    const [own, bases] = units[name.slice(prefix.length)];
+    const times = (sign === "/" ? -1 : 1) * Number(power);
+    size *= ((prefixes[prefix] ?? 1) * own) ** times;
+    for (const [base, each] of Object.entries(bases)) powers[base] = (powers[base] ?? 0) + times * each;
+  }
+  return end === plain.length ? [size, powers] : null;
+}
+
+/**
+ * @param {string} parameter
+ * @param {string} value
+ * @param {string} unit
+ */
+function notInUnits(parameter, value, unit) {
+  const rule = unit === "1" ? "as a plain number" : `in ${unit} (or a unit that converts to it)`;
+  return new InputError(`must be given ${rule}`, { parameter, value });
+}
+
+/**
+ * Return several quantities as numbers in SI units.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ * @param {string} unit
+ */
+function toSiList(registry, name, value, unit) {
+  if (typeof value !== "string") {
+    if (!Array.isArray(value) && !ArrayBuffer.isView(value)) return value;
+    return Array.from(/** @type {any} */ (value), (part, i) => toSi(registry, `${name}[${i}]`, part, unit));
+  }
+  const parts = value.split(",").map((part) => part.trim()).filter(Boolean);
+  const plain = parts.map((part) => part !== "" && Number.isFinite(Number(part)) ? Number(part) : null);
+  // A 0 needs no unit.
+  if (plain.includes(null) && plain.some((number) => number))
+    throw new InputError("must carry a unit on every value or on none", { parameter: name, value });
+  return parts.map((part) => toSi(registry, name, part, unit));
+}
+
+/**
+ * Return the value of an option: of a text the number, the numbers, the switch or the word.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {any} value
+ */
+function valueOf(registry, name, value) {
+  const option = registry.options[name];
+  const { unit } = option;
+  if (option.several) return toSiList(registry, name, value, unit);
+  if (option.switch) {
+    const read = { true: true, false: false }[String(value).trim().toLowerCase()];
+    if (read === undefined) throw new InputError("must be true or false", { parameter: name, value });
+    return read;
+  }
+  if (option.whole && typeof value === "string" && /^\s*[-+]?\d{1,15}\s*$/.test(value)) return Number(value);
+  if (!unit) return value;
+  const isList = Array.isArray(value) || (typeof value === "string" && value.includes(","));
+  return option.for_each_ball && isList
+    ? toSiList(registry, name, value, unit) : toSi(registry, name, value, unit);
+}
+
+/**
+ * Return all options that a request sets, in SI units: those of its preset and those that replace
+ * them, as `latolato.scenario.scenario.overridden` does.
+ * @param {Registry} registry
+ * @param {Request} request
+ * @returns {Record<string, any>}
+ */
+export function optionsOf(registry, { scenario = null, options = {} }) {
+  const known = Object.keys(registry.options);
+  /** @type {Record<string, any>} */
+  const given = {};
+  for (const [name, value] of Object.entries(options)) {
+    if (!known.includes(name)) throw new InputError(`unknown option '${name}': ${suggest(name, known)}`);
+    if (value !== null && value !== undefined) given[name] = valueOf(registry, name, value);
+  }
+  const presets = Object.keys(registry.scenarios);
+  if (scenario && !presets.includes(scenario))
+    throw new InputError(`there is no scenario '${scenario}': ${suggest(scenario, presets)}`);
+  if (!scenario && !("system" in given))
+    throw new InputError("name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
+      + `--from FILE or --system with one of ${Object.keys(registry.systems).join(", ")}`);
+  let kept = scenario ? registry.scenarios[scenario].given : {};
+  const owned = (/** @type {string} */ name) => registry.options[name].owner === "drive";
+  if (Object.keys(given).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
+    given.drive ??= "harmonic";
+  kept = withoutForeign(registry, kept, given);
+  for (const group of registry.alternatives) {
+    const isReplaced = group.some((name) => name in given);
+    if (isReplaced) kept = without(kept, (name) => group.includes(name));
+  }
+  return { ...kept, ...given };
+}
+
+/**
+ * @param {Record<string, any>} values
+ * @param {(name: string) => boolean} isLeftOut
+ */
+function without(values, isLeftOut) {
+  return Object.fromEntries(Object.entries(values).filter(([name]) => !isLeftOut(name)));
+}
+
+/**
+ * Return a preset's options without those that another kind of system, drive or contact law does
+ * not know.
+ * @param {Registry} registry
+ * @param {Record<string, any>} kept
+ * @param {Record<string, any>} given
+ */
+function withoutForeign(registry, kept, given) {
+  let values = kept;
+  for (const part of /** @type {const} */ (["system", "drive"])) {
+    const kind = given[part];
+    if (kind === undefined) continue;
+    const laws = registry[`${part}s`];
+    if (!Object.hasOwn(laws, kind))
+      throw new InputError(`unknown ${part} '${kind}': ${suggest(kind, Object.keys(laws))}`);
+    if (kind === kept[part]) continue;
+    const own = laws[kind].options;
+    values = without(values, (name) => registry.options[name].owner === part && name !== part
+      && !own.includes(registry.ratios[name] ?? name));
+  }
+  if ("contact" in given && given.contact !== kept.contact) {
+    const ofLaws = Object.values(registry.contact_laws).flatMap((law) => law.options);
+    values = without(values, (name) => ofLaws.includes(name));
+  }
+  return values;
+}
+
+/**
+ * Return the parts of all options by their owner.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options in SI units
+ */
+export function partsOf(registry, options) {
+  /** @type {Record<"system" | "drive" | "run" | "noise", Record<string, any>>} */
+  const parts = { system: {}, drive: {}, run: {}, noise: {} };
+  for (const [name, value] of Object.entries(options))
+    if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
+  const [kicked] = Object.keys(parts.noise);
+  if (kicked) throw new BeyondPageError("the random kicks of {parameter} are", kicked);
+  return parts;
+}
+
+/**
+ * Put frequencies in the place of a drive's frequency ratios.
+ * @param {Registry} registry
+ * @param {Record<string, any>} drive its options
+ * @param {number} naturalFrequency [rad/s]
+ */
+export function withoutRatios(registry, drive, naturalFrequency) {
+  for (const [ratio, name] of Object.entries(registry.ratios)) {
+    if (!(ratio in drive)) continue;
+    if (name in drive)
+      throw new InputError(`give either ${name} or {parameter}, got both`, { parameter: ratio });
+    const value = drive[ratio];
+    delete drive[ratio];
+    const several = registry.options[ratio].several;
+    if (several && !Array.isArray(value))
+      throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
+    const numbers = [value].flat().map((number) =>
+      checkedNumber(registry.options[ratio], ratio, number) * naturalFrequency);
+    drive[name] = several ? numbers : numbers[0];
+  }
+}

@@ -1,0 +1,42 @@
+/** Keeps the site in the browser, so that it opens without a network after the first visit. */
+
+/* `files.js` is written beside this file with the site: its version and its files. */
+importScripts("files.js");
+
+const { version, paths } = self.SITE;
+const NAME = `latolato ${version}`;
+
+self.addEventListener("install", (event) => event.waitUntil((async () => {
+  const cache = await caches.open(NAME);
+  // Past the browser's own cache, which may have files of an earlier version.
+  await cache.addAll(["./", ...paths].map((path) => new Request(path, { cache: "reload" })));
+  await self.skipWaiting();
+})()));
+
+self.addEventListener("activate", (event) => event.waitUntil((async () => {
+  for (const name of await caches.keys())
+    if (name.startsWith("latolato ") && name !== NAME) await caches.delete(name);
+  await self.clients.claim();
+})()));
+
+self.addEventListener("fetch", (event) => {
+  const { request } = event;
+  const { origin, pathname } = new URL(request.url);
+  if (request.method !== "GET" || origin !== self.location.origin) return;
+  const path = pathname.slice(new URL("./", self.location.href).pathname.length);
+  // The report and the documentation are kept as they are read.
+  const isLater = /^(report|docs|paper)\//.test(path);
+  event.respondWith((async () => {
+    const cache = await caches.open(NAME);
+    const kept = await cache.match(request, { ignoreSearch: true });
+    if (kept && !isLater) return kept;
+    try {
+      const response = await fetch(request);
+      if (isLater && response.ok) await cache.put(request, response.clone());
+      return response;
+    } catch (error) {
+      if (kept) return kept;
+      throw error;
+    }
+  })());
+});

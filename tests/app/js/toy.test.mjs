@@ -1,0 +1,319 @@
+// A toy that is steered while it moves: what a hand may do, and what stays true whatever it does.
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
+import { SHORTEST_CHANGE } from "../../../src/latolato/app/static/js/live/drive.js";
+import { SAME } from "../../../src/latolato/app/static/js/live/recording.js";
+import { MOST_BEHIND, Pace } from "../../../src/latolato/app/static/js/live/pace.js";
+import { Toy } from "../../../src/latolato/app/static/js/live/toy.js";
+
+const one = await startKernels("one");
+const two = await startKernels("two");
+const shared = await loadKernels("one"); // for runs
+const registry = { systems: { latolato: { options: [] }, pendulum: { options: [] } } };
+const DRAGS = { quadratic_damping: 0, coulomb_damping: 0 };
+const BALL = { length: 0.245, mass: 0.106, damping: 0.005, radius: 0.0196, ...DRAGS };
+const LOW = Math.asin(BALL.radius / BALL.length);
+const OTHER = { ...BALL, length: 0.24, mass: 0.15, radius: 0.0225 };
+const COSINE = { start: 0, amplitude: 0.03, frequency: 19.8, phase: 0 };
+const STILL = { ...COSINE, amplitude: 0 };
+const LEDGER = { gained: ["drive_work", "noise_work"],
+  lost: ["damping_loss", "impact_loss", "capture_loss"] };
+
+function toyOf({ balls = [BALL], contacts = true, restitution = 0.9, angles, velocities,
+  drive = COSINE, linear = false }) {
+  const system = { kind: balls.length > 1 ? "ballpair" : contacts ? "latolato" : "pendulum",
+    angles: balls.length, contacts, linear, gravity: 9.8, restitution, balls,
+    naturalFrequency: Math.sqrt(9.8 / balls[0].length), low: LOW, high: Math.PI - LOW };
+  const each = { kernels: shared, registry, system, contact: "exact", restSpeed: 1e-7, frame: "pivot",
+    contactLimit: 1e6, angles, velocities: velocities ?? angles.map(() => 0) };
+  return new Toy(balls.length > 1 ? two : one, each, drive);
+}
+const pairOf = (more = {}) => toyOf({ balls: [BALL, OTHER], angles: [0.5, -0.4], ...more });
+const latoLato = (more = {}) => toyOf({ angles: [LOW], ...more });
+const pendulum = (more = {}) => toyOf({ contacts: false, angles: [0.3], ...more });
+
+function runOn(toy, seconds, after = () => {}) {
+  const begun = toy.time;
+  for (let k = 1; k <= Math.round(60 * seconds); k += 1) {
+    toy.advance(begun + k / 60);
+    after(toy);
+  }
+}
+
+const gapOf = ({ angles: [right, left = 0] }) => right - left;
+
+test("weak shaking leaves the balls at rest, strong shaking lifts them off again and again", () => {
+  for (const [amplitude, rests] of [[0.005, true], [0.04, false]]) {
+    const toy = latoLato({ restitution: 0, drive: { ...COSINE, amplitude } });
+    toy.record();
+    let moved = false;
+    runOn(toy, 2, () => { moved ||= toy.angles[0] !== toy.walls[0]; });
+    assert.equal(moved, !rests);
+    const kinds = [...toy.finish().contactColumns().contact_kind[0]];
+    for (const kind of [2, 3]) assert.equal(kinds.filter((each) => each === kind).length > 3, !rests);
+  }
+});
+
+for (const changes of [{ drive_frequency: 15.1 }, { drive_amplitude: 0.04 }, { drive_amplitude: 0 },
+  { drive_amplitude: 0.04, drive_frequency: 30 }]) {
+  test(`the pivot never jumps: ${JSON.stringify(changes)}`, () => {
+    const toy = latoLato();
+    const pivots = [];
+    const span = 1 / 480;
+    runOn(toy, 0.5);
+    for (let k = 0; k < 480; k += 1) {
+      if ([40, 48, 160].includes(k)) // again before the first change has ended
+        toy.set(k === 48 ? { drive_amplitude: 0.01 } : changes);
+      toy.advance(toy.time + span);
+      pivots.push(toy.pivot);
+    }
+    const strongest = Math.max(...pivots.map(({ acceleration }) => Math.abs(acceleration)));
+    assert.ok(strongest < 0.04 * 30 ** 2 + 60);
+    for (let k = 1; k < pivots.length; k += 1) {
+      const [before, now] = [pivots[k - 1], pivots[k]];
+      assert.ok(Math.abs(now.velocity - before.velocity) <= (strongest + 20) * span);
+      const way = 0.5 * (now.velocity + before.velocity) * span;
+      assert.ok(Math.abs(now.height - before.height - way) < (strongest + 20) * 30 * span ** 3);
+    }
+  });
+}
+
+test("a small change is done within the least time, and a later one goes on from it", () => {
+  const toy = latoLato();
+  toy.set({ drive_amplitude: 0.031 });
+  assert.equal(toy.drive.changes[0].ramp, SHORTEST_CHANGE);
+  runOn(toy, 0.1);
+  assert.ok(toy.drive.isSteady);
+  assert.equal(toy.drive.cosine.amplitude, 0.031);
+  toy.set({ drive_amplitude: 0.05 });
+  toy.set({ drive_amplitude: 0.03 }); // at the same instant: the last counts
+  assert.equal(toy.drive.changes.length, 1);
+  runOn(toy, 0.5);
+  assert.equal(toy.drive.cosine.amplitude, 0.03);
+});
+
+test("a push gives the energy of its speed, to both balls of a pair", () => {
+  const free = { drive: STILL, balls: [{ ...BALL, damping: 0 }] };
+  for (const [make, balls] of [[pendulum, 1], [latoLato, 2]]) {
+    const toy = make({ ...free, angles: [LOW] });
+    const before = toy.energies.potential;
+    toy.push(2);
+    runOn(toy, 0.1);
+    const { kinetic, potential } = toy.energies;
+    const energy = balls * 0.5 * BALL.mass * (2 * BALL.length) ** 2;
+    assert.ok(Math.abs(kinetic + potential - before - energy) < 1e-9 * energy);
+  }
+});
+
+for (const [name, make, ball] of [["pair", latoLato, 0], ["pendulum", pendulum, 0], ["two balls", pairOf, 1]]) {
+  test(`a held ball goes where the hand goes, and is free again: ${name}`, () => {
+    const toy = make({ drive: STILL });
+    const angle = ball ? -1 : 1.2;
+    toy.hold({ ball, angle });
+    runOn(toy, 1.5);
+    // The hand corrects sixty times a second, and for the fall in between.
+    assert.ok(Math.abs(toy.angles[ball] - angle) < 2e-3);
+    toy.hold(null);
+    runOn(toy, 0.5);
+    assert.ok(Math.abs(toy.angles[ball] - angle) > 0.05);
+  });
+}
+
+test("a ball that is pressed on the wall rests there", () => {
+  const toy = latoLato({ drive: STILL });
+  toy.hold({ ball: 0, angle: 1 });
+  runOn(toy, 1);
+  toy.hold({ ball: 0, angle: -3 });
+  runOn(toy, 2);
+  const before = toy.contacts;
+  runOn(toy, 1);
+  assert.equal(toy.contacts, before);
+  assert.equal(toy.angles[0], toy.walls[0]);
+});
+
+test("whatever is done the balls stay between their contacts", () => {
+  let seed = 1;
+  const random = () => { // Lehmer's generator
+    seed = (48271 * seed) % 2147483647;
+    return seed / 2147483647;
+  };
+  for (const make of [latoLato, pairOf]) for (let trial = 0; trial < 15; trial += 1) {
+    const toy = make();
+    for (let action = 0; action < 8; action += 1) {
+      for (const [name, [low, high]] of Object.entries(toy.limits))
+        if (random() < 0.4) toy.set({ [name]: low + random() * (high - low) });
+      if (random() < 0.3) toy.push(40 * random() - 20);
+      if (random() < 0.5) toy.hold({ ball: 0, angle: 14 * random() - 7 });
+      else toy.hold(null);
+      runOn(toy, 0.2, () => {
+        const [low, high] = toy.walls;
+        assert.ok(gapOf(toy) >= low - 1e-9 && gapOf(toy) <= high + 1e-9);
+      });
+    }
+  }
+});
+
+test("a toy that starts again begins as before, with the controls as they are", () => {
+  const toy = pairOf({ balls: [BALL, { ...OTHER, damping: 0.007 }] });
+  toy.set({ drive_amplitude: 0.04, restitution: 0.5 });
+  runOn(toy, 2);
+  const again = toy.restarted();
+  assert.deepEqual([again.time, ...again.angles], [0, 0.5, -0.4]);
+  assert.equal(again.drive.cosine.amplitude, 0.04);
+  assert.equal(again.controls.restitution, 0.5);
+  assert.equal(again.system.balls[1].damping, 0.007);
+  assert.ok(Math.abs(again.pivot.height - 0.04) < 1e-15);
+});
+
+for (const values of [{ drive_frequency: 1e8 }, { drive_amplitude: NaN }, { drive_amplitude: -0.01 },
+  { damping: Infinity }, { restitution: 1.01 }, { restitution: "0.5" }, { mass: 1 }]) {
+  test(`a value beyond its limits is refused, and all others with it: ${Object.entries(values)}`, () => {
+    const toy = latoLato();
+    const before = { ...toy.controls };
+    assert.throws(() => toy.set({ drive_amplitude: 0.01, ...values }), RangeError);
+    assert.deepEqual(toy.controls, before);
+  });
+}
+
+test("changes of the drive are recorded as a run that comes out again", () => {
+  const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
+  runOn(toy, 5);
+  toy.record();
+  runOn(toy, 1);
+  toy.set({ drive_frequency: 15.1 });
+  runOn(toy, 0.1);
+  toy.set({ drive_amplitude: 0.028 }); // before the first change has ended
+  runOn(toy, 2);
+  const recording = toy.finish();
+  assert.equal(recording.byHand, false);
+  assert.equal(recording.changes.length, 2);
+  assert.ok(recording.deviation(recording.again()) < SAME);
+  assert.ok(Math.abs(recording.duration - 3.1) < 1e-9);
+  recording.changes.pop();
+  assert.ok(recording.deviation(recording.again()) > SAME);
+});
+
+for (const [name, act] of [["push", (toy) => toy.push(1)],
+  ["drag", (toy) => toy.hold({ ball: 0, angle: 1 })],
+  ["damping", (toy) => toy.set({ damping: 0.01 })]]) {
+  test(`what a hand did is recorded, with its work: ${name}`, () => {
+    const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
+    runOn(toy, 3);
+    toy.record();
+    runOn(toy, 0.5);
+    assert.equal(toy.recording.byHand, false);
+    act(toy);
+    runOn(toy, 1);
+    const recording = toy.finish();
+    assert.ok(recording.byHand);
+    const columns = recording.columns();
+    assert.equal(columns.angle[0].at(-1), toy.angles[0]);
+    // What came in, the hand's work too, is what went out and what is left.
+    const sum = (names) => names.reduce((total, each) => total + (columns[each]?.[0].at(-1) ?? 0), 0);
+    const [total] = columns.total_energy;
+    const error = total.at(-1) - total[0] - sum(LEDGER.gained) + sum(LEDGER.lost);
+    assert.ok(Math.abs(error) < 1e-6 * Math.max(...total));
+  });
+}
+
+test("a chaotic motion is not found again", () => {
+  const toy = pendulum({ angles: [1], drive: { ...COSINE, amplitude: 0.1, frequency: 12.6 } });
+  toy.record();
+  runOn(toy, 60);
+  const recording = toy.finish();
+  assert.ok(recording.deviation(recording.again()) > SAME);
+});
+
+test("a recording waits for a steady drive and a free ball", () => {
+  const toy = latoLato();
+  toy.set({ drive_amplitude: 0.06 });
+  toy.record();
+  toy.advance(1 / 60);
+  assert.equal(toy.recording, null);
+  toy.hold({ ball: 0, angle: 1 });
+  runOn(toy, 0.5);
+  assert.equal(toy.recording, null);
+  toy.hold(null);
+  runOn(toy, 0.1);
+  assert.ok(toy.recording);
+});
+
+test("samples lie on their grid and contacts in their order, whatever the frames are", () => {
+  const toy = latoLato({ drive: { ...COSINE, amplitude: 0.04 } });
+  toy.advance(0.0131);
+  toy.record();
+  for (let k = 0; toy.time < 6; k += 1) toy.advance(toy.time + [0.0007, 0.0166, 1 / 144][k % 3]);
+  const { cosine: { start }, ...recording } = toy.recording;
+  const times = [...toy.recording.columns().time[0]];
+  assert.equal(times[0], 0);
+  times.slice(1).forEach((time, i) => assert.ok(Math.abs((time + start) * 240 - i - 4) < 1e-9));
+  const { contact_time: [instants], contact_kind: [kinds] } = toy.recording.contactColumns();
+  assert.ok(instants.length > 20 && recording.contacts.size === instants.length);
+  assert.ok(instants.every((time, i) => i === 0 || time >= instants[i - 1]));
+  assert.ok(kinds.includes(0));
+});
+
+test("memory does not grow while a toy moves, is steered and recorded", () => {
+  const toy = latoLato();
+  toy.record();
+  runOn(toy, 1);
+  const { top } = one;
+  toy.set({ drive_frequency: 15.1, damping: 0.004 });
+  toy.push(1);
+  runOn(toy, 3);
+  toy.finish().again();
+  assert.equal(one.top, top);
+});
+
+test("a motion that cannot be followed says so", () => {
+  const toy = pendulum();
+  toy.push(1e9);
+  assert.throws(() => runOn(toy, 0.1), /cannot be followed/);
+  assert.equal(toy.restarted().time, 0);
+});
+
+/** A pace on a clock that a toy's own moves let pass. */
+function paced(costs) {
+  const clock = { now: 0 };
+  const pace = new Pace(() => clock.now);
+  const toy = { time: 0, advance(stop) {
+    assert.ok(stop - this.time <= 1 / 60 + 1e-12);
+    this.time = stop;
+    clock.now += costs;
+  } };
+  const show = (now) => {
+    clock.now = Math.max(clock.now, now);
+    pace.move(toy, now, () => {});
+  };
+  return { pace, toy, show };
+}
+
+test("a toy keeps real time, at every speed and rate of pictures", () => {
+  for (const [speed, rate] of [[1, 60], [1, 144], [0.1, 60], [10, 60], [10, 30]]) {
+    const { pace, toy, show } = paced(0.1);
+    pace.speed = speed;
+    for (let k = 0; k <= 2 * rate; k += 1) show((1000 * k) / rate);
+    assert.ok(Math.abs(toy.time - 2 * speed) < 1e-9);
+    assert.ok(Math.abs(pace.share - 1) < 1e-9);
+  }
+});
+
+test("a machine that cannot follow slows the toy down and says how much", () => {
+  const { pace, toy, show } = paced(10);
+  pace.speed = 10;
+  for (let k = 0; k <= 120; k += 1) show((1000 * k) / 60);
+  assert.ok(toy.time > 2 && toy.time < 8);
+  assert.ok(pace.share < 0.5);
+});
+
+test("a toy that was held up goes on from where it is", () => {
+  const { pace, toy, show } = paced(0);
+  show(0);
+  show(10_000);
+  assert.ok(Math.abs(toy.time - MOST_BEHIND) < 1e-12);
+  pace.rest();
+  show(20_000);
+  assert.ok(Math.abs(toy.time - MOST_BEHIND) < 1e-12);
+});

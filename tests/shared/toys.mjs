@@ -1,0 +1,35 @@
+// Moves toys as `toys.py` asks: node toys.mjs FOLDER
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { startKernels } from "../../src/latolato/app/static/js/kernels/load.js";
+import { cosineOf, isByCosine } from "../../src/latolato/app/static/js/live/drive.js";
+import { columnsTable, contactsTable } from "../../src/latolato/app/static/js/model/files.js";
+import { specify } from "../../src/latolato/app/static/js/model/simulate.js";
+import { Toy } from "../../src/latolato/app/static/js/live/toy.js";
+
+const [folder] = process.argv.slice(2);
+const { registry, toys } = JSON.parse(readFileSync(join(folder, "toys.json"), "utf8"));
+const modules = { 1: await startKernels("one"), 2: await startKernels("two") };
+const done = [];
+for (const [number, { request, ticks, actions }] of toys.entries()) {
+  const each = await specify(registry, request);
+  const kernels = modules[each.system.angles];
+  const toy = new Toy(kernels, each, cosineOf(each));
+  const steps = [];
+  const angles = [];
+  for (let tick = 0; tick < ticks; tick += 1) {
+    for (const [at, name, value] of actions) if (at === tick) toy[name](value);
+    toy.advance((tick + 1) / 60);
+    angles.push(toy.angles);
+    steps.push(kernels.get(toy.run, "settings.step"));
+  }
+  const recording = toy.finish();
+  const again = recording?.again();
+  if (recording) for (const [table, name] of [[columnsTable, "csv"], [contactsTable, "contacts.csv"]])
+    writeFileSync(join(folder, `${number}.${name}`), table(registry, recording.block(again)));
+  done.push({ angles, steps, controls: toy.controls, isByCosine: isByCosine(each.drive.kind),
+    recording: recording && { options: recording.options(), byHand: recording.byHand,
+      deviation: recording.deviation(again) } });
+}
+writeFileSync(join(folder, "done.json"), JSON.stringify(done));
