@@ -37,7 +37,7 @@ ASKED = {
         "samples": {"type": ["integer", "null"]},
     },
 }
-ANSWERS = {str(code): {"description": "known"} for code in (200, 400, 405, 413, 422)}
+ANSWERS = {str(code): {"description": "known"} for code in (200, 400, 404, 405, 413, 422)}
 SCHEMA = {
     "openapi": "3.1.0",
     "info": {"title": "latolato", "version": "1"},

@@ -46,7 +46,7 @@ def with_view(page):
         else:
             route.fulfill(body=body, content_type="text/javascript")
 
-    page.route("**/static/js/**", serve)
+    page.route("**/js/**", serve)
     return page
 
 

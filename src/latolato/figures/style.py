@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 PAGE = 7.0  # width of a page [inch]
 # Height of one row of panels [inch].
+# Width of a figure in one column of a journal, in inches.
+COLUMN = 3.4
 ROW = 2.1
 DPI = 200
 

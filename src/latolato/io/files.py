@@ -188,7 +188,8 @@ def _read(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
         raise InputError(
             f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
         )
-    if not {"scenario", "plan"} & attributes.keys():
+    is_known = {"scenario", "plan"} & attributes.keys() or {"time", "contact_time"} & columns.keys()
+    if not is_known:
         raise InputError(f"'{path}' is no run of latolato: its header is missing")
     typed: Columns = {
         name: (np.array(values, dtype=_kind(name)), _about(name) | about)

@@ -240,10 +240,7 @@ def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
 
 @formula
 def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -> int:
-    """Fill the settings, bodies and state of a case; return what is wrong with it.
-
-    Bounds of the drive that the case leaves open are written into it.
-    """
+    """Fill the settings, bodies and state of a case; return what is wrong with it."""
     touch, high, problem = _geometry(case)
     if problem != FINE:
         return problem
@@ -257,7 +254,6 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     if math.isnan(bound):
         bound = largest_acceleration(stretches, case.duration)
         frequency = fastest_frequency(stretches, case.duration)
-        case.pivot_bound, case.drive_rate = bound, frequency
     rate = _rate(case, bodies, bound, frequency)
     step = case.step if case.step > 0.0 else step_for(rate, case.tolerance, case.is_rough != 0)
     settings.gravity, settings.restitution = case.gravity, case.restitution
@@ -265,6 +261,7 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     if case.meets != 0:
         settings.low, settings.high = touch, high
     settings.rest_speed, settings.step, settings.pivot_bound = case.rest_speed, step, bound
+    settings.drive_rate = frequency
     settings.sag = 0.5 * (step * rate) ** 2
     settings.follows_tension, settings.follows_ledger = case.follows_tension, case.follows_ledger
     settings.mirrored, settings.is_linear = case.mirrored, case.is_linear

@@ -87,6 +87,7 @@ SETTINGS = np.dtype(
         ("rest_speed", "f8"),  # rad/s
         ("step", "f8"),  # s
         ("pivot_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
+        ("drive_rate", "f8"),  # the drive's fastest angular frequency [rad/s]
         ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
         ("offset_high", "f8"),
         ("sag", "f8"),  # relative dip of the tension within a step that is looked for

@@ -225,6 +225,7 @@ export const STRINGS = {
   rest: "rest",
   release: "release",
   // long work
+  loading: "Loading …",
   computing: "Computing …",
   preparing: "Preparing this combination for your processor: 10 to 30 s, once only …",
   cancel: "Cancel",

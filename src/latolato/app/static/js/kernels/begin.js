@@ -88,5 +88,5 @@ export function begin(kernels, parameters, stretches) {
   }
   kernels.call("begin", "beginning", { case: record, stretches, run, problem: number });
   const problem = kernels.layout.problems[Number(kernels.numbers(number)[0])];
-  return { run, problem, driveRate: kernels.get(record, "drive_rate") };
+  return { run, problem, driveRate: kernels.get(run, "settings.drive_rate") };
 }

@@ -256,14 +256,15 @@ export function recordOf(each, step) {
 /**
  * Return what comes of a case.
  * @param {Case} each
- * @param {{mostSamples?: number}} [how] samples of a run whose instants were not asked for, at most
+ * @param {{mostSamples?: number, mostSteps?: number}} [how] samples of a run whose instants were
+ *   not asked for, and steps, at most
  * @returns {Run}
  */
-export function run(each, { mostSamples = Infinity } = {}) {
+export function run(each, { mostSamples = Infinity, mostSteps = MOST_STEPS } = {}) {
   const { kernels } = each;
   const first = kernels.take("f8", 0);
   try {
-    return carried(each, mostSamples);
+    return carried(each, mostSamples, mostSteps);
   } finally {
     kernels.release(first);
   }
@@ -272,9 +273,10 @@ export function run(each, { mostSamples = Infinity } = {}) {
 /**
  * @param {Case} each
  * @param {number} mostSamples
+ * @param {number} mostSteps
  * @returns {Run}
  */
-function carried(each, mostSamples) {
+function carried(each, mostSamples, mostSteps) {
   const { kernels, system, drive, duration, tolerance } = each;
   const { layout } = kernels;
   const stretches = shake(kernels, drive.kind, drive.parameters);
@@ -289,10 +291,10 @@ function carried(each, mostSamples) {
     const { run: record, problem } = begin(kernels, recordOf(each, step), stretches);
     if (!["fine", "too many steps"].includes(problem)) throw new InputError(problem);
     step = kernels.get(record, "settings.step");
-    if (duration / step > MOST_STEPS)
+    if (duration / step > mostSteps)
       throw new InputError(`the run would take ${general(duration / step, 3)} steps of `
-        + `${general(step, 3)} s, the limit is 1e+09: shorten the duration, loosen the tolerance or slow `
-        + "the motion");
+        + `${general(step, 3)} s, the limit is ${general(mostSteps, 1)}: shorten the duration, loosen the `
+        + "tolerance or slow the motion");
     const result = integrate(kernels, { run: record, ...given }, how);
     const closes = kernels.get(record, "state.ledger_error") <= kernels.exports.allowed(record.at, tolerance);
     const repeats = !closes && !each.clampStep && result.status === "complete";

@@ -5,9 +5,12 @@ import { loadRegistry } from "./registry.js";
 import { BeyondPageError, InputError } from "./rules.js";
 import { run, specify } from "./simulate.js";
 
+// Steps of a run in a page: a few seconds.
+const MOST_STEPS = 5e6;
+
 self.addEventListener("message", async ({ data: { number, request, mostSamples } }) => {
   try {
-    const block = blockOf(run(await specify(await loadRegistry(), request), { mostSamples }));
+    const block = blockOf(run(await specify(await loadRegistry(), request), { mostSamples, mostSteps: MOST_STEPS }));
     const buffers = new Set(Object.values(block.arrays).map((array) => array.buffer));
     self.postMessage({ number, block }, { transfer: [...buffers] });
   } catch (error) {
