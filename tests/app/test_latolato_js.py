@@ -80,7 +80,7 @@ WRONG = [
         {"times": [1, 1]}, {"times": []}, {"times": [-1, 1]}, {"times": [1, 3]}, {"samples": 1},
         {"samples": 1.5}, {"samples": 3, "times": [0, 1]}, {"rest_speed": -1},
         {"contact_limit": 0}, {"contact_limit": 2.5}, {"damping": "3 m"},
-        {"initial_angle": "20 deg, 3"}, {"drive": "harmonik"},
+        {"initial_angle": "20 deg, 3"}, {"drive": "harmonik"}, {"contact": "clamp"},
         {**HARMONIC, "drive_amplitude": -1}, {**HARMONIC, "frequency_ratio": 2},
         {**RATIO, "frequency_ratio": -2}, {**RATIO, "frequency_ratio": "x"},
         without(HARMONIC, "drive_amplitude"), {**HARMONIC, "connecting_rod_length": 1},

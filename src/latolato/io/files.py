@@ -188,8 +188,7 @@ def _read(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
         raise InputError(
             f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
         )
-    is_known = {"scenario", "plan"} & attributes.keys() or {"time", "contact_time"} & columns.keys()
-    if not is_known:
+    if not {"scenario", "plan", "latolato_version"} & attributes.keys():
         raise InputError(f"'{path}' is no run of latolato: its header is missing")
     typed: Columns = {
         name: (np.array(values, dtype=_kind(name)), _about(name) | about)

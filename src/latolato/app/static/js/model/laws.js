@@ -113,9 +113,8 @@ export function systemOf(registry, kernels, kind, given) {
     const ball = /** @type {Ball} */ (Object.fromEntries(PARTS.map((part) =>
       [part, values[prefix + part] ?? 0])));
     if (!(ball.radius < ball.length))
-      throw new InputError(
-        `must lie in [0, length), got ${general(ball.radius)} for length ${general(ball.length)}`,
-        { parameter: `${prefix}radius` });
+      throw new InputError("must lie in [0, length)", { parameter: `${prefix}radius`, value: ball.radius,
+        wayOut: `give less than ${general(ball.length)}` });
     return ball;
   });
   const { gravity, restitution = 1 } = values;
@@ -197,8 +196,8 @@ export function driveOf(registry, kind, given) {
       throw new InputError("must be 'below' or 'above'", { parameter: "guide", value: guide });
     if (!(drive_amplitude < connecting_rod_length))
       throw new InputError(
-        `must be less than connecting_rod_length ${general(connecting_rod_length)}, got `
-        + `${general(drive_amplitude)}: the crank would jam`, { parameter: "drive_amplitude" });
+        `must be less than connecting_rod_length ${general(connecting_rod_length)}, or the crank would jam`,
+        { parameter: "drive_amplitude", value: drive_amplitude });
     values.side = guide === "above" ? 1 : -1;
     delete values.guide;
   }
@@ -240,15 +239,13 @@ function checkStages(values, lists) {
       + `got ${lengths.join(isPair ? " and " : ", ")}`, { parameter });
   }
   if (times[0] !== 0)
-    throw new InputError(`must begin with 0, got ${general(times[0])}`,
-      { parameter, wayOut: "the first stage is there" });
+    throw new InputError("must begin with 0, the start of the first stage", { parameter, value: times[0] });
   checkIncreasing(parameter, times);
   const gaps = times.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - times[i]);
   const shortest = Math.min(...gaps);
   if (gaps.length && values.ramp > shortest * (1 + ROUNDING))
     throw new InputError(
-      `must not exceed the shortest stage ${general(shortest)} s, got ${general(values.ramp)}`,
-      { parameter: "ramp" });
+      `must not exceed the shortest stage ${general(shortest)} s`, { parameter: "ramp", value: values.ramp });
 }
 
 /**

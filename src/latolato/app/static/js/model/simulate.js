@@ -49,9 +49,8 @@ export async function specify(registry, request) {
   const options = optionsOf(registry, request);
   const preset = registry.scenarios[request.scenario ?? ""];
   if (preset?.sweep)
-    throw new InputError(`is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, not one run: use `
-      + `\`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`,
-    { parameter: String(request.scenario) });
+    throw new InputError(`${request.scenario} is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, `
+      + `not one run: use \`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`);
   const kind = String(options.system);
   if (!Object.hasOwn(registry.systems, kind))
     throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
@@ -83,17 +82,21 @@ function contactOf(registry, system, run) {
     Object.keys(laws).filter((law) => laws[law].options.includes(option));
   for (const option of Object.keys(run)) {
     if (!owners(option).length || owners(option).includes(name)) continue;
-    const kinds = owners(option).map((law) => `'${law}'`).join(" or ");
-    throw new InputError(`needs contact ${kinds}`, { parameter: option, value: run.contact });
+    const kinds = owners(option).join(" or ");
+    throw new InputError(`belongs to contact ${kinds}, not to ${name}`,
+      { parameter: option, wayOut: "leave it out or change the contact" });
   }
   const own = laws[name].options.map((option) => {
     const about = registry.options[option];
     return checkedNumber(about, option, run[option] ?? about.default);
   });
+  if (!system.contacts && laws[name].options.length)
+    throw new InputError(`{parameter} '${name}' is for balls that meet, and a `
+      + `${registry.systems[system.kind].title} has none`, { parameter: "contact", wayOut: "leave it out" });
   if (!system.contacts) return { contact: "none", clampStep: 0 };
   if (name === "clamp" && system.angles === 2)
-    throw new InputError("contact 'clamp' exists for the mirror-symmetric LatoLato only; use 'exact' for "
-      + "a BallPair");
+    throw new InputError("{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
+      { parameter: "contact", wayOut: "use 'exact' for a BallPair" });
   return { contact: name, clampStep: name === "clamp" ? own[0] : 0 };
 }
 
@@ -212,12 +215,12 @@ function startOf(registry, system, meets, run) {
   const parameter = "initial_angle";
   if (angle === null && offset === null)
     throw new InputError("is needed [rad] (for a LatoLato initial_offset may stand instead)", { parameter });
-  if (angle !== null && offset !== null)
-    throw new InputError("give only one of {parameter} and initial_offset", { parameter });
   if (offset !== null) {
     if (system.kind !== "latolato")
       throw new InputError("counts from the low contact angle of a LatoLato",
         { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
+    if (angle !== null)
+      throw new InputError("give only one of {parameter} and initial_offset", { parameter });
     checkedNumber(registry.options.initial_offset, "initial_offset", offset);
   }
   const velocities = numbersFor(registry, "initial_angular_velocity",
@@ -227,12 +230,12 @@ function startOf(registry, system, meets, run) {
   const angles = numbersFor(registry, parameter, offset === null ? angle : system.low + offset,
     system.angles);
   const [gap, name] = system.angles === 2
-    ? [angles[0] - angles[1], "the separation initial_angle[0] - initial_angle[1]"] : [angles[0], parameter];
+    ? [angles[0] - angles[1], "the separation {parameter}[0] - {parameter}[1]"] : [angles[0], "{parameter}"];
   const { low, high } = system;
   if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL))
     throw new InputError(
-      `must lie between the contact angles [${general(low, 9)}, ${general(high, 9)}] rad, got `
-      + `${general(gap, 9)}: the balls would overlap`, { parameter: name });
+      `${name} must lie between the contact angles [${general(low, 9)}, ${general(high, 9)}] rad`,
+      { parameter, value: gap, wayOut: "give one at which the balls do not overlap" });
   return { angles, velocities, offset };
 }
 
