@@ -35,6 +35,10 @@ demo: $(STAMPS)/video kernels ## install, reproduce the paper's figures quickly,
 play: $(STAMPS)/app kernels ## install, open the application in the browser
 	$(BIN)/latolato app
 
+.PHONY: site
+site: docs $(STAMPS)/app kernels ## write the pages, the report and the documentation into build/site
+	$(BIN)/latolato site build/site --docs docs/_build/html
+
 .PHONY: measure
 measure: $(STAMPS)/video kernels ## install, film a swing, track it, fit its damping: into measured/
 	@mkdir -p measured
