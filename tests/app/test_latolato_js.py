@@ -64,6 +64,8 @@ RUNS = [
     {**PAIR, "initial_angle": "20 deg, -15 deg"}, {**PENDULUM, "quadratic_damping": 0.1},
     {**PENDULUM, "coulomb_damping": 0.05}, {**TOY, **SCHEDULE, "duration": 0.7},
     {**PENDULUM, **HARMONIC, "drive_frequency": 40, "tolerance": 1e-2},
+    {**PENDULUM, "noise_strength": 0.1, "noise_seed": 3}, {**PAIR, "noise_strength": 0.1},
+    {**TOY, "noise_strength": 0.1, "noise_stream": 7, "noise_interval": "20 ms"},
 ]  # fmt: skip
 CHANGED = [
     {"length": 0.3}, {"drive": "crank_slider", "connecting_rod_length": "10 cm"},
@@ -79,7 +81,8 @@ WRONG = [
         {"tolerance": 1}, {"tolerance": 1e-20}, {"contact": "exakt"}, {"frame": "x"},
         {"times": [1, 1]}, {"times": []}, {"times": [-1, 1]}, {"times": [1, 3]}, {"samples": 1},
         {"samples": 1.5}, {"samples": 3, "times": [0, 1]}, {"rest_speed": -1},
-        {"contact_limit": 0}, {"contact_limit": 2.5}, {"damping": "3 m"},
+        {"noise_strength": -1}, {"noise_seed": 1}, {"noise_strength": 1, "noise_seed": 0.5},
+        {"noise_strength": 1, "noise_seed": -1}, {"contact_limit": 0}, {"contact_limit": 2.5}, {"damping": "3 m"},
         {"initial_angle": "20 deg, 3"}, {"drive": "harmonik"}, {"contact": "clamp"},
         {**HARMONIC, "drive_amplitude": -1}, {**HARMONIC, "frequency_ratio": 2},
         {**RATIO, "frequency_ratio": -2}, {**RATIO, "frequency_ratio": "x"},

@@ -27,6 +27,10 @@ export function pythonLines(registry, options) {
     const own = name === "contact" && laws[contact].options.length;
     parts.push(`${name}=${own ? constructor(registry, laws[contact], options) : literal(option, value)}`);
   }
+  const noise = Object.entries(registry.options).filter(([name, option]) =>
+    option.owner === "noise" && !isUsual(option, options[name]))
+    .map(([name, option]) => `${name}=${literal(option, options[name])}`);
+  if (noise.length) parts.push(`noise=ll.VelocityKicks(${noise.join(", ")})`);
   lines.push(`run = ll.simulate(${parts.join(", ")})`);
   return lines.join("\n");
 }

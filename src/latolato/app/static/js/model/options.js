@@ -1,6 +1,6 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
-import { BeyondPageError, checkedNumber, InputError, suggest } from "./rules.js";
+import { checkedNumber, InputError, suggest } from "./rules.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("./registry.js").Option} Option */
@@ -191,8 +191,6 @@ export function partsOf(registry, options) {
   const parts = { system: {}, drive: {}, run: {}, noise: {} };
   for (const [name, value] of Object.entries(options))
     if (name !== "system" && name !== "drive") parts[registry.options[name].owner][name] = value;
-  const [kicked] = Object.keys(parts.noise);
-  if (kicked) throw new BeyondPageError("the random kicks of {parameter} are", kicked);
   return parts;
 }
 

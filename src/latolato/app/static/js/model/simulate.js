@@ -2,6 +2,7 @@
 
 import { begin, shake } from "../kernels/begin.js";
 import { loadKernels } from "../kernels/load.js";
+import { drawKicks } from "../kernels/noise.js";
 import { integrate, observe } from "../kernels/run.js";
 import { checkIncreasing, driveOf, fieldsOf, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
@@ -18,7 +19,9 @@ import { BeyondPageError, checkedNumber, general, InputError, suggest } from "./
  * @typedef {{registry: Registry, kernels: Kernels, options: Record<string, any>, system: System,
  *   drive: Drive, contact: string, clampStep: number, tolerance: number, restSpeed: number,
  *   contactLimit: number, frame: string, angles: number[], velocities: number[],
- *   offset: number | null, times: Float64Array | null, duration: number}} Case
+ *   offset: number | null, times: Float64Array | null, duration: number, noise: Noise | null}} Case
+ * @typedef {{noise_strength: number, noise_seed?: number, noise_stream?: number,
+ *   noise_interval?: number}} Noise
  *
  * A run: columns over the instants, one for each ball of those quantities that balls have.
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array[]>, strobes: Float64Array,
@@ -63,7 +66,23 @@ export async function specify(registry, request) {
   withoutRatios(registry, parts.drive, system.naturalFrequency);
   const moved = driveOf(registry, drive, parts.drive);
   const law = contactOf(registry, system, parts.run);
-  return checkedRun(registry, kernels, options, system, moved, law, parts.run);
+  const noise = noiseOf(registry, parts.noise);
+  return { ...checkedRun(registry, kernels, options, system, moved, law, parts.run), noise };
+}
+
+/**
+ * Return the random kicks of a run, null without any.
+ * @param {Registry} registry
+ * @param {Record<string, any>} noise
+ */
+function noiseOf(registry, noise) {
+  if (!Object.keys(noise).length) return null;
+  const strength = registry.options.noise_strength;
+  if (noise.noise_strength === undefined)
+    throw new InputError(`VelocityKicks needs '{parameter}' [${strength.unit}]`,
+      { parameter: "noise_strength" });
+  return /** @type {Noise} */ (Object.fromEntries(Object.entries(noise).map(([name, value]) =>
+    [name, checkedNumber(registry.options[name], name, value)])));
 }
 
 /**
@@ -108,7 +127,7 @@ function contactOf(registry, system, run) {
  * @param {Drive} drive
  * @param {{contact: string, clampStep: number}} law
  * @param {Record<string, any>} run
- * @returns {Case}
+ * @returns {Omit<Case, "noise">}
  */
 function checkedRun(registry, kernels, options, system, drive, law, run) {
   const usual = (/** @type {string} */ name) => run[name] ?? registry.options[name].default;
@@ -285,8 +304,12 @@ function carried(each, mostSamples, mostSteps) {
   const stretches = shake(kernels, drive.kind, drive.parameters);
   const instants = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), stretches).driveRate,
     mostSamples);
-  const given = { stretches, times: kernels.copy(instants), kick_times: kernels.take("f8", 0),
-    kick_sizes: kernels.take("f8", system.angles, 0) };
+  const kicks = each.noise ? drawKicks(each.noise, { duration, angles: system.angles,
+    natural_frequency: system.naturalFrequency }) : { times: [], sizes: [] };
+  const kick_sizes = kernels.take("f8", system.angles, kicks.times.length);
+  kernels.numbers(kick_sizes).set(kicks.sizes);
+  const given = { stretches, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
+    kick_sizes };
   const how = { balls: system.angles, duration, contact_limit: each.contactLimit,
     piece: each.clampStep ? "clamp" : "engine" };
   let step = 0;
