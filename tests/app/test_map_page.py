@@ -160,7 +160,7 @@ LATE_CURVES = """
 const send = window.fetch;
 window.fetch = async (address, options) => {
   const answer = await send(address, options);
-  const late = `${address}`.includes("/api/map/overlays") && options.body.includes('"trials":null');
+  const late = `${address}`.includes("api/map/overlays") && options.body.includes('"trials":null');
   if (late) await new Promise((done) => setTimeout(done, 1000));
   if (late) window.lateCurves = true;
   return answer;
