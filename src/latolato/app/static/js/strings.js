@@ -8,6 +8,8 @@ export const STRINGS = {
   themeLabel: "Colours: {name}. Change them.",
   warning: "Note: {text}",
   computed: "{samples} samples in {ms} ms",
+  program_map: "A map shows at a glance where the balls rest, swing or fly: one run for every pair of two "
+    + "parameters. Maps are computed by the installed program.",
   program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
     + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",
   program_analyse: "Analyse asks one toy a question: does it return after each shake, how strongly does it "
