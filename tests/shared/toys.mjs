@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { startKernels } from "../../src/latolato/app/static/js/kernels/load.js";
 import { cosineOf, isByCosine } from "../../src/latolato/app/static/js/live/drive.js";
 import { columnsTable, contactsTable } from "../../src/latolato/app/static/js/model/files.js";
-import { specify } from "../../src/latolato/app/static/js/model/simulate.js";
+import { specify } from "../../src/latolato/app/static/js/model/case.js";
 import { Toy } from "../../src/latolato/app/static/js/live/toy.js";
 
 const [folder] = process.argv.slice(2);

@@ -13,7 +13,8 @@
 
 import { loadLayout } from "./js/kernels/load.js";
 import { loadRegistry } from "./js/model/registry.js";
-import { run, specify } from "./js/model/simulate.js";
+import { specify } from "./js/model/case.js";
+import { run } from "./js/model/simulate.js";
 
 export { InputError } from "./js/model/rules.js";
 

@@ -107,6 +107,8 @@ function startViews(page) {
     made[view].show();
     document.title = `${title} · latolato`;
   };
+  // In another page: the view alone, without the way to other views.
+  document.documentElement.toggleAttribute("data-embedded", page.store.state.embed === true);
   page.store.subscribe(() => void show());
   void show();
 }

@@ -45,7 +45,7 @@ export function themeAround(element) {
  * Keep the theme of an element that of the page around it; returns what ends that.
  * @param {HTMLElement} host
  */
-function followTheme(host) {
+export function followTheme(host) {
   const follow = () => {
     const theme = themeAround(host);
     if (!theme || theme === host.dataset.theme) return;

@@ -4,7 +4,7 @@ import { shake } from "../kernels/begin.js";
 
 /**
  * @typedef {import("../kernels/memory.js").Kernels} Kernels
- * @typedef {import("../model/simulate.js").Case} Case
+ * @typedef {import("../model/case.js").Case} Case
  *
  * A steady cosine with its phase at an instant, and a change to another amplitude and frequency.
  * @typedef {{start: number, amplitude: number, frequency: number, phase: number}} Cosine

@@ -7,7 +7,7 @@ import { stagesOf } from "./drive.js";
 
 /**
  * @typedef {import("../kernels/memory.js").Layout} Layout
- * @typedef {import("../model/simulate.js").Case} Case
+ * @typedef {import("../model/case.js").Case} Case
  * @typedef {import("../model/simulate.js").Run} Run
  * @typedef {import("./drive.js").Cosine} Cosine
  * @typedef {import("./drive.js").Change} Change

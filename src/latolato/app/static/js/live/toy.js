@@ -9,7 +9,7 @@ import { Recording } from "./recording.js";
 /**
  * @typedef {import("../kernels/memory.js").Held} Held
  * @typedef {import("../kernels/memory.js").Kernels} Kernels
- * @typedef {import("../model/simulate.js").Case} Case
+ * @typedef {import("../model/case.js").Case} Case
  * @typedef {import("../model/laws.js").System} System
  *
  * What is seen at one instant: angles and velocities, pivot and energies, in the layout's rows.

@@ -15,7 +15,7 @@ import { Pace } from "../live/pace.js";
 import { layOut, makeParts } from "../live/parts.js";
 import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
-import { specify } from "../model/simulate.js";
+import { specify } from "../model/case.js";
 import { inPagesWords } from "../model/words.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";

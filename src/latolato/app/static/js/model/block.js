@@ -5,7 +5,7 @@ import { commandLine, pythonLines } from "./lines.js";
 import { LEDGER } from "./simulate.js";
 
 /** @typedef {import("./simulate.js").Run} Run */
-/** @typedef {import("./simulate.js").Case} Case */
+/** @typedef {import("./case.js").Case} Case */
 /** @typedef {import("../shared/block.js").Block} Block */
 
 const SIDES = ["right", "left"];

@@ -1,28 +1,16 @@
 /** One run from its parameters to its columns, as `latolato.simulate`. */
 
 import { begin, shake } from "../kernels/begin.js";
-import { loadKernels } from "../kernels/load.js";
 import { drawKicks } from "../kernels/noise.js";
 import { integrate, observe } from "../kernels/run.js";
-import { checkIncreasing, driveOf, fieldsOf, systemOf } from "./laws.js";
-import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { BeyondPageError, checkedNumber, general, InputError, suggest } from "./rules.js";
+import { evenly } from "./case.js";
+import { fieldsOf } from "./laws.js";
+import { general, InputError } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
-/** @typedef {import("./registry.js").Registry} Registry */
-/** @typedef {import("./options.js").Request} Request */
-/** @typedef {import("./laws.js").System} System */
-/** @typedef {import("./laws.js").Drive} Drive */
+/** @typedef {import("./case.js").Case} Case */
 
 /**
- * What is to be run, checked: see `specify`.
- * @typedef {{registry: Registry, kernels: Kernels, options: Record<string, any>, system: System,
- *   drive: Drive, contact: string, clampStep: number, tolerance: number, restSpeed: number,
- *   contactLimit: number, frame: string, angles: number[], velocities: number[],
- *   offset: number | null, times: Float64Array | null, duration: number, noise: Noise | null}} Case
- * @typedef {{noise_strength: number, noise_seed?: number, noise_stream?: number,
- *   noise_interval?: number}} Noise
- *
  * A run: columns over the instants, one for each ball of those quantities that balls have.
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array[]>, strobes: Float64Array,
  *   contacts: {time: Float64Array, kind: Uint8Array, before: Float64Array[], after: Float64Array[]},
@@ -33,230 +21,12 @@ import { BeyondPageError, checkedNumber, general, InputError, suggest } from "./
 const SAMPLES_PER_PERIOD = 100;
 const MOST_DEFAULT_SAMPLES = 20_000_000;
 const MOST_STEPS = 1e9;
-// A start this close to a wall is on it [rad].
-const ON_WALL = 1e-12;
 export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work"];
 // Of the samples: an angle and its velocity for each ball.
 const PER_BALL = 2;
 const MOST_STROBES = 20_000;
 // Forms of stretches that have a phase: cosine, swept cosine, crank; see `physics.drives.stretch`.
 const PHASED = [1, 2, 3];
-
-/**
- * Return what a request asks for, checked.
- * @param {Registry} registry
- * @param {Request} request
- * @returns {Promise<Case>}
- */
-export async function specify(registry, request) {
-  const options = optionsOf(registry, request);
-  const preset = registry.scenarios[request.scenario ?? ""];
-  if (preset?.sweep)
-    throw new InputError(`${request.scenario} is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, `
-      + `not one run: use \`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`);
-  const kind = String(options.system);
-  if (!Object.hasOwn(registry.systems, kind))
-    throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
-  const drive = options.drive ?? "fixed_pivot";
-  if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
-  if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
-  const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
-  const parts = partsOf(registry, options);
-  const system = systemOf(registry, kernels, kind, parts.system);
-  withoutRatios(registry, parts.drive, system.naturalFrequency);
-  const moved = driveOf(registry, drive, parts.drive);
-  const law = contactOf(registry, system, parts.run);
-  const noise = noiseOf(registry, parts.noise);
-  return { ...checkedRun(registry, kernels, options, system, moved, law, parts.run), noise };
-}
-
-/**
- * Return the random kicks of a run, null without any.
- * @param {Registry} registry
- * @param {Record<string, any>} noise
- */
-function noiseOf(registry, noise) {
-  if (!Object.keys(noise).length) return null;
-  const strength = registry.options.noise_strength;
-  if (noise.noise_strength === undefined)
-    throw new InputError(`VelocityKicks needs '{parameter}' [${strength.unit}]`,
-      { parameter: "noise_strength" });
-  return /** @type {Noise} */ (Object.fromEntries(Object.entries(noise).map(([name, value]) =>
-    [name, checkedNumber(registry.options[name], name, value)])));
-}
-
-/**
- * Return the contact law of a run and the fixed step that it takes, 0 for none.
- * @param {Registry} registry
- * @param {System} system
- * @param {Record<string, any>} run
- */
-function contactOf(registry, system, run) {
-  const laws = registry.contact_laws;
-  const name = run.contact ?? registry.options.contact.default;
-  if (!Object.hasOwn(laws, name))
-    throw new InputError(`unknown contact law '${name}': ${suggest(String(name), Object.keys(laws))}`);
-  if (!laws[name].compiled) throw new BeyondPageError(`the {parameter} law ${name} is`, "contact");
-  const owners = (/** @type {string} */ option) =>
-    Object.keys(laws).filter((law) => laws[law].options.includes(option));
-  for (const option of Object.keys(run)) {
-    if (!owners(option).length || owners(option).includes(name)) continue;
-    const kinds = owners(option).join(" or ");
-    throw new InputError(`belongs to contact ${kinds}, not to ${name}`,
-      { parameter: option, wayOut: "leave it out or change the contact" });
-  }
-  const own = laws[name].options.map((option) => {
-    const about = registry.options[option];
-    return checkedNumber(about, option, run[option] ?? about.default);
-  });
-  if (!system.contacts && laws[name].options.length)
-    throw new InputError(`{parameter} '${name}' is for balls that meet, and a `
-      + `${registry.systems[system.kind].title} has none`, { parameter: "contact", wayOut: "leave it out" });
-  if (!system.contacts) return { contact: "none", clampStep: 0 };
-  if (name === "clamp" && system.angles === 2)
-    throw new InputError("{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
-      { parameter: "contact", wayOut: "use 'exact' for a BallPair" });
-  return { contact: name, clampStep: name === "clamp" ? own[0] : 0 };
-}
-
-/**
- * @param {Registry} registry
- * @param {Kernels} kernels
- * @param {Record<string, any>} options
- * @param {System} system
- * @param {Drive} drive
- * @param {{contact: string, clampStep: number}} law
- * @param {Record<string, any>} run
- * @returns {Omit<Case, "noise">}
- */
-function checkedRun(registry, kernels, options, system, drive, law, run) {
-  const usual = (/** @type {string} */ name) => run[name] ?? registry.options[name].default;
-  const number = (/** @type {string} */ name) => checkedNumber(registry.options[name], name, usual(name));
-  const tolerance = number("tolerance");
-  const restSpeed = number("rest_speed");
-  const contactLimit = number("contact_limit");
-  const frame = usual("frame");
-  if (!["pivot", "both"].includes(frame))
-    throw new InputError("must be 'pivot' or 'both'", { parameter: "frame", value: frame });
-  const { times, duration } = instantsOf(registry, run);
-  const meets = system.contacts && law.contact !== "none";
-  const start = startOf(registry, system, meets, run);
-  if (law.clampStep > duration)
-    throw new InputError(
-      `must not exceed the duration ${general(duration)} s, got ${general(law.clampStep)}`,
-      { parameter: "clamp_step", wayOut: "a thousandth of a second is usual" });
-  return { registry, kernels, options, system, drive, ...law, tolerance, restSpeed, contactLimit, frame,
-    ...start, times, duration };
-}
-
-/**
- * Return the instants that are asked for, null for the usual ones, and the end of the run.
- * @param {Registry} registry
- * @param {Record<string, any>} run
- */
-function instantsOf(registry, { times = null, samples = null, duration = null }) {
-  const endOf = (/** @type {any} */ value) => checkedNumber(registry.options.duration, "duration", value);
-  if (samples !== null) {
-    checkedNumber(registry.options.samples, "samples", samples);
-    if (times !== null)
-      throw new InputError("give either times or {parameter}, got both", { parameter: "samples" });
-    if (duration === null) throw new InputError("needs a duration", { parameter: "samples" });
-    const end = endOf(duration);
-    return { times: evenly(end, samples), duration: end };
-  }
-  if (times === null) {
-    if (duration === null)
-      throw new InputError("is needed: give the end of the run in s, or times", { parameter: "duration" });
-    return { times: null, duration: endOf(duration) };
-  }
-  const parameter = "times";
-  if (!Array.isArray(times) || !times.every((time) => typeof time === "number"))
-    throw new InputError("must be a sequence of numbers in s", { parameter, value: times });
-  if (!times.length) throw new InputError("must be a non-empty sequence, got shape (0,)", { parameter });
-  const bad = times.findIndex((time) => !Number.isFinite(time));
-  if (bad >= 0)
-    throw new InputError(`must be finite, got ${general(times[bad], 17)} at position ${bad}`, { parameter });
-  checkIncreasing(parameter, times);
-  const last = times[times.length - 1];
-  if (duration === null && last <= 0)
-    throw new InputError(`must reach beyond 0 s, where a run begins, got ${general(last)} as the last`,
-      { parameter, wayOut: "add a later instant or give duration" });
-  const end = endOf(duration ?? last);
-  if (times[0] < 0 || last > end)
-    throw new InputError(`must lie in [0, duration = ${general(end)}] s, got `
-      + `${general(times[0] < 0 ? times[0] : last)}`, { parameter });
-  return { times: Float64Array.from(times), duration: end };
-}
-
-/**
- * Return evenly spaced instants from 0 to an end, the very ones of `numpy.linspace`.
- * @param {number} end
- * @param {number} count
- */
-export function evenly(end, count) {
-  const step = end / (count - 1);
-  const times = Float64Array.from({ length: count }, (_, i) => i * step);
-  times[count - 1] = end;
-  return times;
-}
-
-/**
- * Return one number, or one for each ball.
- * @param {Registry} registry
- * @param {string} parameter
- * @param {any} value
- * @param {number} count
- * @returns {number[]}
- */
-function numbersFor(registry, parameter, value, count) {
-  const option = registry.options[parameter];
-  const isList = Array.isArray(value);
-  if (count === 1) {
-    if (isList)
-      throw new InputError(`must be one number in ${option.unit} for one angle`, { parameter, value });
-    return [checkedNumber(option, parameter, value)];
-  }
-  const both = value === 0 ? [0, 0] : value;
-  if (!Array.isArray(both) || both.length !== 2)
-    throw new InputError("of a BallPair must be two numbers (right, left)", { parameter, value });
-  return both.map((each, i) => checkedNumber(option, `${parameter}[${i}]`, each));
-}
-
-/**
- * Return how a run begins; the kernel moves a start that is close to a wall onto it.
- * @param {Registry} registry
- * @param {System} system
- * @param {boolean} meets whether there are walls
- * @param {Record<string, any>} run
- */
-function startOf(registry, system, meets, run) {
-  const { initial_angle: angle = null, initial_offset: offset = null } = run;
-  const parameter = "initial_angle";
-  if (angle === null && offset === null)
-    throw new InputError("is needed [rad] (for a LatoLato initial_offset may stand instead)", { parameter });
-  if (offset !== null) {
-    if (system.kind !== "latolato")
-      throw new InputError("counts from the low contact angle of a LatoLato",
-        { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
-    if (angle !== null)
-      throw new InputError("give only one of {parameter} and initial_offset", { parameter });
-    checkedNumber(registry.options.initial_offset, "initial_offset", offset);
-  }
-  const velocities = numbersFor(registry, "initial_angular_velocity",
-    run.initial_angular_velocity ?? 0, system.angles);
-  if (system.angles === 2 && !Array.isArray(angle))
-    throw new InputError("of a BallPair must be two numbers (right, left)", { parameter, value: angle });
-  const angles = numbersFor(registry, parameter, offset === null ? angle : system.low + offset,
-    system.angles);
-  const [gap, name] = system.angles === 2
-    ? [angles[0] - angles[1], "the separation {parameter}[0] - {parameter}[1]"] : [angles[0], "{parameter}"];
-  const { low, high } = system;
-  if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL))
-    throw new InputError(
-      `${name} must lie between the contact angles [${general(low, 9)}, ${general(high, 9)}] rad`,
-      { parameter, value: gap, wayOut: "give one at which the balls do not overlap" });
-  return { angles, velocities, offset };
-}
 
 /**
  * Return the fields of the kernel's record of a case.

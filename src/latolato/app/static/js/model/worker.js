@@ -3,7 +3,8 @@
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
 import { BeyondPageError, InputError } from "./rules.js";
-import { run, specify } from "./simulate.js";
+import { specify } from "./case.js";
+import { run } from "./simulate.js";
 
 // Steps of a run in a page: a few seconds.
 const MOST_STEPS = 5e6;

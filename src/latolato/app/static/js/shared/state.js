@@ -4,7 +4,7 @@
  * The address is `?view=play&scenario=fig02&length=24.5 cm&map.x=frequency_ratio`: names without a
  * dot are options of the command line, those with one belong to the view before it.
  * @typedef {{view: string, scenario: string | null, options: Record<string, string>,
- *   extra: Record<string, string>}} State
+ *   extra: Record<string, string>, embed?: boolean}} State
  */
 
 /**
@@ -14,7 +14,7 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
-const KEPT = ["view", "scenario", "token"];
+const KEPT = ["view", "scenario", "token", "embed"];
 
 /**
  * Return the state that an address holds.
@@ -27,6 +27,7 @@ export function parse(search) {
   for (const [name, value] of new URLSearchParams(search)) {
     if (name === "view") state.view = value;
     else if (name === "scenario") state.scenario = value;
+    else if (name === "embed") state.embed = value === "1";
     else if (KEPT.includes(name)) continue;
     else if (name.includes(".")) state.extra[name] = value;
     else state.options[name] = value;
@@ -43,6 +44,7 @@ export function format(state) {
   const query = new URLSearchParams();
   query.set("view", state.view);
   if (state.scenario) query.set("scenario", state.scenario);
+  if (state.embed) query.set("embed", "1");
   for (const part of [state.options, state.extra])
     for (const name of Object.keys(part).sort()) query.set(name, part[name]);
   return `?${query}`;
