@@ -75,6 +75,7 @@ CHANGED = [
 WRONG = [
     {}, *({**PENDULUM, **wrong} for wrong in (
         {"length": -1}, {"length": 0}, {"length": "x"}, {"length": "3 s"}, {"length": 1e-40},
+        {"length": "nan"}, {"length": "-inf mm"},
         {"length": 1e40}, {"length": "1 m, 2 m"}, {"mass": True}, {"lenght": 1},
         {"system": "pendlum"}, {"radius": 0.1}, {"initial_angle": "x"}, {"initial_angle": 1e7},
         {"initial_offset": 0.1}, {"duration": 0}, {"duration": -3}, {"duration": 1e12},

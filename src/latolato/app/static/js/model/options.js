@@ -6,7 +6,8 @@ import { checkedNumber, InputError, suggest } from "./rules.js";
 /** @typedef {import("./registry.js").Option} Option */
 /** @typedef {{scenario?: string | null, options?: Record<string, any>}} Request */
 
-const NUMBER = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*$/;
+const NUMBER =
+  /^\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?))\s*(\D.*?)?\s*$/i;
 // A power of ten is put behind the digits: the decimal number is then rounded once.
 const POWER = /^1e-?\d+$/;
 
@@ -21,15 +22,21 @@ export function toSi(registry, name, value, unit) {
   if (typeof value !== "string") return value;
   const match = NUMBER.exec(value.replace("\u2212", "-"));
   const given = (match?.[2] ?? "").trim();
-  if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return Number(match[1]);
+  const number = match ? numberOf(match[1]) : NaN;
+  if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return number;
   const [size, powers] = unitOf(registry, given) ?? [NaN, {}];
   const [wanted, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
   const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
   if (!match || !isSame || Number.isNaN(size / wanted)) throw notInUnits(name, value, unit);
   const power = (size / wanted).toExponential().replace("e+", "e");
-  if (!POWER.test(power)) return Number(match[1]) * (size / wanted);
+  if (!POWER.test(power) || !Number.isFinite(number)) return number * (size / wanted);
   const [digits, own = "0"] = match[1].toLowerCase().split("e");
   return Number(`${digits}e${Number(own) + Number(power.slice(2))}`);
+}
+
+/** @param {string} text as Python writes numbers */
+function numberOf(text) {
+  return Number(text.toLowerCase().replace(/inf.*/, "Infinity"));
 }
 
 /**
