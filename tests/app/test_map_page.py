@@ -155,31 +155,6 @@ def test_a_box_is_computed_in_full_and_escape_leads_back(page):
     page.get_by_text("576 points", exact=True).wait_for()
 
 
-# The curves that are asked of before the trials are read answer after them.
-LATE_CURVES = """
-const send = window.fetch;
-window.fetch = async (address, options) => {
-  const answer = await send(address, options);
-  const late = `${address}`.includes("api/map/overlays") && options.body.includes('"trials":null');
-  if (late) await new Promise((done) => setTimeout(done, 1000));
-  if (late) window.lateCurves = true;
-  return answer;
-};
-"""
-
-
-def test_an_answer_without_trials_that_comes_late_does_not_take_them_away(page, tmp_path):
-    table = tmp_path / "trials.csv"
-    table.write_text("drive_amplitude,frequency_ratio,class\n200 mm,1.0,weak\n")
-    page.add_init_script(LATE_CURVES)
-    open_map(page)
-    page.get_by_text("Curves and trials").click()
-    page.get_by_label("Trial table").set_input_files(table)
-    page.get_by_text("1 trials, 0 of them outside of the map.").wait_for()
-    page.wait_for_function("() => window.lateCurves")
-    page.get_by_text("1 trials, 0 of them outside of the map.").wait_for()
-
-
 def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     table = tmp_path / "trials.csv"
     table.write_text(
@@ -203,6 +178,11 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
         }"""
     )
     assert found == [[0xF2, 0xA3, 0x1B], [0x0F, 0x96, 0x7C], [0x2B, 0x62, 0xC9]]
+    bad = tmp_path / "bad.csv"
+    bad.write_text("drive_amplitude,frequency_ratio,class\n100 mm,1.0,wild\n")
+    page.get_by_label("Trial table").set_input_files(bad)
+    page.get_by_text("class must be one of none, weak, strong, got 'wild'").wait_for()
+    assert page.evaluate("() => window.latolato.views.map.chart.trials") is None
 
 
 def test_contours_at_values_typed_by_hand_run_between_the_cells(page):
@@ -261,8 +241,6 @@ def test_an_axis_is_made_logarithmic_and_a_zero_on_it_is_refused(page):
     open_map(page)
     page.get_by_label("logarithmic, upwards").check()
     wait_done(page, 2)
-    # Curves come by themselves, before or after the cells.
-    page.wait_for_function("() => window.latolato.views.map.over.lines.length === 2")
     found = page.evaluate(
         """() => {
           const { chart, grid } = window.latolato.views.map;

@@ -192,7 +192,8 @@ def mathieu_tongue_edges(
     order = checked_count("order", order, Range(1, LARGEST_CHARACTERISTIC_ROOT / 2))
     if zeta >= 1.0:
         raise InputError(
-            f"must be below 2 m l w0 for a tongue to exist, got {damping} ({zeta:.3g} times that)",
+            f"must be below 2 m l w0 for a tongue to exist, got {damping:g} "
+            f"({zeta:.3g} times that)",
             parameter="damping",
             way_out="use mathieu_growth_rate for overdamped cases",
         )

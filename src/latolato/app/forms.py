@@ -18,7 +18,9 @@ from latolato.app.given import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
+from latolato.experiment.trial_table import COLUMN_UNITS
 from latolato.observables import observables
+from latolato.observables.angles import MotionClass
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
@@ -60,6 +62,7 @@ def _registry() -> dict[str, Any]:
         "scenarios": {name: _scenario(path) for name, path in shipped().items()},
         "ratios": RATIOS,
         "alternatives": [sorted(group) for group in ALTERNATIVES],
+        "trials": {"columns": COLUMN_UNITS, **asdict(MotionClass())},
         **unit_table(),
     }
     result: dict[str, Any] = plain(results)

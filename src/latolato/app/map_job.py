@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,9 @@ from latolato.figures.map import CLASSES
 from latolato.figures.sides import Side
 from latolato.numerics.records import STATUS_NAMES
 from latolato.sweeps.chunk import STATUS, Values
+from latolato.sweeps.executors import ROUNDING
 from latolato.sweeps.executors.threads import available_processors, run_cancellable
-from latolato.sweeps.labels import attributes_of_variables
+from latolato.sweeps.labels import attributes_of, attributes_of_variables
 from latolato.sweeps.plan import Plan
 
 Cells = NDArray[np.int64]
@@ -174,9 +175,16 @@ def _begin(shown: Map, points: int) -> bytes:
             "title": shown.scenario.title,
             "python": sweep_lines(shown),
             "command": sweep_command(shown),
+            **constants_of(attributes_of(shown.plan, ROUNDING["threads"])),
         },
         sides_of(*sides(shown)),
     )
+
+
+def constants_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what does not vary over a map: numbers, and whether balls meet walls."""
+    numbers = {name: value for name, value in attributes.items() if isinstance(value, (int, float))}
+    return {"parameters": numbers, "has_contact": attributes.get("contact", "none") != "none"}
 
 
 def about_variable(name: str, about: dict[str, Any], ball: int | None) -> dict[str, Any]:

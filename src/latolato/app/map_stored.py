@@ -12,7 +12,7 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.forms import quantity_of, units_of
 from latolato.app.given import TooLargeError
-from latolato.app.map_job import about_variable, sides_of
+from latolato.app.map_job import about_variable, constants_of, sides_of
 from latolato.app.map_request import MOST_CELLS
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
@@ -122,6 +122,7 @@ def frames_of(path: Path, request: Mapping[str, Any]) -> list[bytes]:
             "title": grid.attrs.get("title", path.name),
             "python": f'import latolato as ll\n\ngrid = ll.load("{path.name}")',
             "command": f"latolato plot {path.name} --variable {variable}",
+            **constants_of(grid.attrs),
         },
         sides_of(x, y),
     )

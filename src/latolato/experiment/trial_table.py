@@ -43,6 +43,11 @@ COLUMNS = (
     "largest_angle_after_transient", "largest_angle_after_transient_sigma", "class", "borderline",
     "swings", "balls", "length", "set_by", "note",
 )  # fmt: skip
+# The unit of each column of numbers, None for texts.
+COLUMN_UNITS = {
+    name: None if name in TEXTS else QUANTITIES[name].unit if name in QUANTITIES else "1"
+    for name in COLUMNS
+}
 # Amplitudes of one set differ by less than this share, or by so many standard deviations.
 _SAME, _SAME_SIGMAS = 0.04, 4.0
 
@@ -292,7 +297,8 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     for name, (values, _) in parts.items():
         cells = [value.strip() for value in values]
         if name in COLUMNS and any(cells):
-            columns[name] = cells if name in TEXTS else _numbers(name, cells)
+            unit = COLUMN_UNITS[name]
+            columns[name] = cells if unit is None else _numbers(name, cells, unit)
     attributes = {}
     if gravity is None and "gravity" in header:
         gravity = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
@@ -346,11 +352,10 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _numbers(name: str, cells: list[str]) -> list[float]:
+def _numbers(name: str, cells: list[str], unit: str) -> list[float]:
     """Return the numbers in a column's cells, which may have units."""
     from latolato.scenario.units import to_si
 
-    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     values = []
     for number, cell in enumerate(cells, start=1):
         try:

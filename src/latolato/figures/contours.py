@@ -76,7 +76,7 @@ def _powers(first: float, last: float) -> list[float]:
     """Return round numbers that are evenly spaced in their logarithm."""
     decades = math.log10(last / first)
     digits = (1, 2, 5) if decades < _FEW_DECADES else (1,)
-    step = max(1, round(decades / _USUAL))
+    step = max(1, math.floor(decades / _USUAL + 0.5))
     powers = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
     values = [float(f"{d}e{k}") for k in powers if k % step == 0 for d in digits]
     return [value for value in values if first < value < last]

@@ -5,6 +5,7 @@ import test from "node:test";
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
+import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
 import { misread } from "../../../src/latolato/app/static/js/map/address.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
@@ -136,4 +137,50 @@ test("parts of an address that cannot be read are found", () => {
   assert.deepEqual(misread({ "map.xlow": "abc", "map.levels": "1,,2", "map.ylog": "yes",
     "map.scale": "rainbow", "map.size": "25", "map.high": "1e3", "map.x": "length",
     "play.time": "abc" }), ["map.levels", "map.scale", "map.xlow", "map.ylog"]);
+});
+
+/** Return a map on which a function of the numbers of column and row has been computed. */
+function computed(width, height, field, known = () => true) {
+  const map = grid(width, height);
+  const all = [...Array(width * height).keys()].filter((at) => known(at % width, Math.floor(at / width)));
+  map.put(cells(all, all.map(() => 1), all.map((at) => field(at % width, Math.floor(at / width)))));
+  return map;
+}
+
+test("contour lines run straight between points, on a logarithmic axis in the logarithm", () => {
+  const map = computed(3, 3, (column) => column);
+  map.xAxis = { ...AXIS, log: true };
+  map.x = Float64Array.of(1, 100, 10000);
+  const { lines, tiny } = linesOf(map, 0, [0.5, 1.25]);
+  assert.equal(tiny, 0);
+  assert.deepEqual(lines.map(({ level }) => level), [0.5, 1.25]);
+  assert.deepEqual([...lines[0].ys].sort(), [0, 1, 2]);
+  for (const [i, wanted] of [10, 100 * 100 ** 0.25].entries())
+    for (const x of lines[i].xs) assert.ok(Math.abs(x / wanted - 1) < 1e-12);
+});
+
+test("contour lines of a stopped map are those of its complete coarse points", () => {
+  const map = computed(41, 41, (column) => column, (column, row) => column !== 3 || row !== 3);
+  const { lines } = linesOf(map, 0, [12.3]);
+  assert.equal(lines.length, 1);
+  assert.equal(lines[0].ys.length, 21);
+  assert.ok(lines[0].xs.every((x) => Math.abs(x - 12.3) < 1e-12));
+});
+
+test("rings about single points are counted, not drawn, but on small maps", () => {
+  const peaks = (column, row) => Number(column % 4 === 2 && row % 4 === 2);
+  const large = linesOf(computed(13, 13, peaks), 0, [0.5]);
+  assert.deepEqual([large.lines.length, large.tiny], [0, 9]);
+  const small = linesOf(computed(6, 6, peaks), 0, [0.5]);
+  assert.deepEqual([small.lines.length, small.tiny], [1, 0]);
+});
+
+test("a map of a single row has no contour lines", () => {
+  assert.deepEqual(linesOf(computed(5, 1, (column) => column), 0, [0.5]), { lines: [], tiny: 0 });
+});
+
+test("levels are round in the unit on show", () => {
+  const degrees = roundLevels(0, 3, { name: "deg", size: Math.PI / 180 }, false);
+  assert.deepEqual(degrees.map((level) => Math.round(level * 180 / Math.PI)), [30, 60, 90, 120, 150]);
+  assert.deepEqual(roundLevels(0.003, 700, { name: "", size: 1 }, true), [0.01, 0.1, 1, 10, 100]);
 });

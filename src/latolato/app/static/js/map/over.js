@@ -1,22 +1,26 @@
 /** What is drawn over a map: curves of theory, trials, contour lines. */
 
-import { askBlock, newest } from "../shared/api.js";
+import { InputError } from "../model/rules.js";
+import { inPagesWords } from "../model/words.js";
+import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { lookOf } from "./look.js";
-import { askedOf, shownMapOf } from "./shown.js";
+import { OF_COLOURS } from "./overcontrols.js";
+import { shownMapOf } from "./shown.js";
 import { withUnit } from "./tell.js";
+import { liftOff, Placing, tongue } from "./theory.js";
+import { parseTrials, placedTrials } from "./trials.js";
 
-/** @typedef {import("./chart.js").Line & {name: string}} NamedLine */
 /** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-/** @typedef {{lines: NamedLine[], trials: import("./chart.js").Trials | null, outside: number,
- *   notes: Record<string, string>}} Found */
+/** @typedef {import("./theory.js").NamedLine} NamedLine */
+/** @typedef {{variable: number, levels: number[] | null, log: boolean}} Question place of the
+ *   variable, levels or null for round ones, whether these follow a logarithmic scale */
+/** @typedef {{levels: number[], lines: number, tiny: number}} Drawn levels, their lines, and how many
+ *   are left out because they are tiny */
 
-const LINES = ["tongue", "lift_off"];
 /** Names of the address that switch a curve off. */
 const SWITCHES = { tongue: "map.tongue", lift_off: "map.lift" };
-/** Stands in the address for contour lines of what has the colours. */
-export const OF_COLOURS = "colours";
 
 /** What lies over the map of a view. */
 export class Over {
@@ -27,42 +31,53 @@ export class Over {
     this.lines = [];
     /** @type {string | null} text of a trial table */
     this.trials = null;
-    this.asked = "";
-    /** @type {Record<string, any> | null} what was asked last: an earlier answer may come later */
-    this.latest = null;
-    /** @type {Promise<void>} done when theory and trials are there */
-    this.settled = Promise.resolve();
-    this.ask = newest((/** @type {Record<string, any> | null} */ body) => this.fetch(body));
+    /** @type {Grid | null} the map whose contour lines are drawn, and what was asked of it */
+    this.drawnOn = null;
+    this.drawn = "";
   }
 
-  /** Return when theory and trials are drawn over the map. */
+  /** Draw theory and trials over the map that is on show or begins. */
   draw() {
-    this.settled = this.load();
-    return this.settled;
-  }
-
-  async load() {
     const { view } = this;
     const grid = view.next ?? view.grid;
     if (!grid) return;
-    const { xEdges, yEdges, width, height } = grid;
-    const limits = [xEdges[0], xEdges[width], yEdges[0], yEdges[height]];
-    /** @type {Record<string, any>} */
-    const asked = { ...askedOf(view), limits, trials: this.trials };
-    if (asked.stored) asked.names = [grid.xAxis.name, grid.yAxis.name];
-    this.latest = asked;
-    try {
-      const found = await askOver(asked);
-      if (this.latest !== asked) return;
-      this.lines = found.lines;
-      view.chart.trials = found.trials;
-      view.controls.over.show(found);
-    } catch (error) {
-      if (!(error instanceof Error)) throw error;
-      if (this.latest !== asked) return;
-      view.controls.over.trialNote.textContent = error.message;
+    const { over } = view.controls;
+    this.lines = [];
+    view.chart.trials = null;
+    /** @type {string[]} */
+    const notes = [];
+    const placing = this.attempt(() => new Placing(grid), notes);
+    if (placing) {
+      for (const curve of [tongue, liftOff]) {
+        const line = this.attempt(() => curve(placing), notes);
+        if (line) this.lines.push(line);
+      }
     }
+    over.showCurves(this.lines, notes);
+    /** @type {string[]} */
+    const refused = [];
+    const { trials } = this;
+    const placed = trials !== null && placing && this.attempt(() =>
+      placedTrials(parseTrials(view.page.registry, trials), placing), refused);
+    if (placed) view.chart.trials = placed.trials;
+    over.showTrials(placed || null, refused);
     view.repaint();
+  }
+
+  /**
+   * Return what a function returns; if it refuses its input, null and a sentence among the notes.
+   * @template T
+   * @param {() => T} make
+   * @param {string[]} notes
+   */
+  attempt(make, notes) {
+    try {
+      return make();
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      notes.push(inPagesWords(this.view.page.registry, error)[0]);
+      return null;
+    }
   }
 
   /** Return the curves that are switched on. */
@@ -73,53 +88,79 @@ export class Over {
   }
 
   /**
-   * Ask for the contour lines that the address names once the map grows no more; those of another
-   * map go.
+   * Draw the contour lines that the address names once the map grows no more; those of another map
+   * go.
    */
   contours() {
-    const { view } = this;
-    const body = view.growing() ? null : this.contourBody();
-    const text = JSON.stringify([body, view.grid?.done, view.grid?.complete]);
-    if (text === this.asked) return;
-    this.asked = text;
-    this.ask(body);
+    const { grid, chart, controls } = this.view;
+    const question = this.question();
+    const isLater = this.view.growing();
+    const text = JSON.stringify([question, isLater, grid?.done, grid?.complete]);
+    if (text === this.drawn && grid === this.drawnOn) return;
+    [this.drawn, this.drawnOn] = [text, grid];
+    /** @type {string[]} */
+    const notes = [];
+    const variable = question && grid ? grid.variables[question.variable] : null;
+    const drawn = question && grid && !isLater
+      ? this.attempt(() => contoursOf(grid, question), notes) : null;
+    chart.contours = drawn?.contours ?? [];
+    controls.over.showContours(variable, drawn, isLater, notes);
+    chart.draw();
   }
 
-  /** Return what contour lines are asked of, null for none. */
-  contourBody() {
+  /**
+   * Return what contour lines are asked for, null for none.
+   * @returns {Question | null}
+   */
+  question() {
     const { grid, page } = this.view;
     const { extra } = page.store.state;
     const variable = grid && contourVariable(grid, extra);
     if (!grid || !variable) return null;
-    const ofColours = extra["map.contours"] === OF_COLOURS;
-    const levels = extra["map.levels"]?.split(",").map(Number) ?? null;
-    return { ...shownMapOf(this.view), observable: variable.name, ball: variable.ball, levels,
-      log: ofColours && lookOf(grid, extra).log };
+    const log = extra["map.contours"] === OF_COLOURS && lookOf(grid, extra).log;
+    return { variable: grid.variables.indexOf(variable), log,
+      levels: extra["map.levels"]?.split(",").map(Number) ?? null };
   }
 
-  /** @param {Record<string, any> | null} body */
-  async fetch(body) {
-    const { chart, controls, grid } = this.view;
-    const { extra } = this.view.page.store.state;
-    const variable = grid && contourVariable(grid, extra);
-    /** @type {Contour[]} */
-    let found = [];
-    let note = null;
-    try {
-      if (body && variable) {
-        const { about, arrays } = await askBlock("api/map/contours", body);
-        found = unpacked(arrays, about.levels, (level) => withUnit(variable, level));
-        note = about;
-      }
-    } catch (error) {
-      if (!(error instanceof Error)) throw error;
-      note = { error: error.message };
-    }
-    if (this.view.grid !== grid) return;
-    chart.contours = found;
-    controls.over.showContours(note, variable ?? null);
-    chart.draw();
+  /** Return what contour lines a file of the map has, null for none. */
+  contourBody() {
+    const { grid } = this.view;
+    const question = this.question();
+    if (!grid || !question) return null;
+    const { name, ball } = grid.variables[question.variable];
+    const { levels, log } = question;
+    return { ...shownMapOf(this.view), observable: name, ball, levels, log };
   }
+}
+
+/**
+ * Return the contour lines of a map.
+ * @param {Grid} grid
+ * @param {Question} question
+ * @returns {Drawn & {contours: Contour[]}}
+ */
+function contoursOf(grid, { variable, levels, log }) {
+  const about = grid.variables[variable];
+  const all = levels ? checkedLevels(levels)
+    : roundLevels(...grid.range(variable, log), about.units[0] ?? { name: "", size: 1 }, log)
+      .slice(0, MOST_LEVELS);
+  const { lines, tiny } = linesOf(grid, variable, all);
+  return { levels: all, lines: lines.length, tiny,
+    contours: lines.map((line) => ({ ...line, text: withUnit(about, line.level) })) };
+}
+
+/**
+ * Return levels that the address names in order, each once.
+ * @param {number[]} levels
+ */
+function checkedLevels(levels) {
+  if (levels.length > MOST_LEVELS)
+    throw new InputError(`at most ${MOST_LEVELS} contour lines, got ${levels.length} levels`);
+  const bad = levels.find((level) => !Number.isFinite(level));
+  if (bad !== undefined)
+    throw new InputError("must be finite", { parameter: "a level", value: bad,
+      wayOut: "give a number in SI" });
+  return [...new Set(levels)].sort((a, b) => a - b);
 }
 
 /**
@@ -136,34 +177,4 @@ export function contourVariable(grid, extra) {
     : [grid.variable(name, extra["map.ball"] ?? null), grid.variable(name)].find((k) => k >= 0);
   const found = at === undefined ? null : grid.variables[at];
   return found && !found.classes.length ? found : null;
-}
-
-/**
- * Return contour lines as they come in a block.
- * @param {Record<string, any>} arrays
- * @param {number[]} levels
- * @param {(level: number) => string} write
- * @returns {Contour[]}
- */
-function unpacked({ x, y, first, level }, levels, write) {
-  return Array.from(level, (/** @type {number} */ number, i) => ({ level: levels[number],
-    text: write(levels[number]), xs: x.subarray(first[i], first[i + 1]),
-    ys: y.subarray(first[i], first[i + 1]) }));
-}
-
-/**
- * Return what is drawn over a map, and why something is not.
- * @param {Record<string, any>} asked
- * @returns {Promise<Found>}
- */
-async function askOver(asked) {
-  const { about, arrays } = await askBlock("api/map/overlays", asked);
-  return {
-    lines: LINES.filter((name) => `${name}_x` in arrays).map((name) => ({ name,
-      xs: arrays[`${name}_x`], ys: arrays[`${name}_y`], dashed: name === "lift_off" })),
-    trials: arrays.trial_x
-      ? { xs: arrays.trial_x, ys: arrays.trial_y, kinds: arrays.trial_class } : null,
-    outside: about.outside,
-    notes: about.notes,
-  };
 }

@@ -5,11 +5,14 @@ import { parseQuantity, short, shownUnit, toSi } from "../shared/units.js";
 import { t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { choice, problemOf, tick } from "./fields.js";
-import { OF_COLOURS } from "./over.js";
+import { MOST_LEVELS } from "./levels.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
 /** @typedef {import("../shared/units.js").Unit} Unit */
+
+/** Stands in the address for contour lines of what has the colours. */
+export const OF_COLOURS = "colours";
 
 export class OverControls {
   /**
@@ -28,8 +31,6 @@ export class OverControls {
       on: { change: () => this.read(keep) } });
     this.unit = el("span", { class: "unit" });
     this.problem = problemOf(this.levels);
-    /** How many values the server draws at most, known from its first answer. */
-    this.most = Infinity;
     this.levelBox = el("div", { class: "field levels" }, el("label", { for: id }, t("mapLevels")),
       el("span", { class: "entry" }, this.levels, this.unit), this.problem.line);
     this.contourNote = el("p", { class: "hint", role: "status" });
@@ -53,9 +54,9 @@ export class OverControls {
   read(keep) {
     const text = this.levels.value.trim();
     const levels = levelsOf(text, this.units);
-    const many = levels !== null && levels.length > this.most;
+    const many = levels !== null && levels.length > MOST_LEVELS;
     this.problem.say(!levels ? t("noLevels", { text })
-      : many ? t("tooManyLevels", { most: this.most, count: levels.length }) : null);
+      : many ? t("tooManyLevels", { most: MOST_LEVELS, count: levels.length }) : null);
     if (levels && !many) keep({ levels: levels.length ? levels.join(",") : null });
   }
 
@@ -88,43 +89,51 @@ export class OverControls {
 
   /**
    * Say which contour lines are drawn, or why none are.
-   * @param {any} about
    * @param {Variable | null} variable
+   * @param {import("./over.js").Drawn | null} drawn
+   * @param {boolean} isLater whether they wait for the map
+   * @param {string[]} notes
    */
-  showContours(about, variable) {
+  showContours(variable, drawn, isLater, notes) {
     if (!variable) {
       this.contourNote.textContent = "";
       return;
     }
-    this.most = about?.most ?? this.most;
     this.units = variable.units;
     this.unit.textContent = shownUnit(variable.units[0]?.name ?? "");
     this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
-    const values = (/** @type {number[]} */ levels) =>
-      levels.map((v) => short(v / sizeOf(variable), 4)).join(", ");
-    this.levels.placeholder = about?.levels ? values(about.levels) : "";
-    const told = [];
-    if (about?.error) told.push(about.error);
-    else if (!about) told.push(t("mapContoursLater"));
-    else if (!about.levels.length) told.push(t("mapContoursFlat"));
-    else if (!about.lines) told.push(t("mapContoursNowhere"));
-    if (about?.tiny) told.push(t("mapContoursTiny", { count: about.tiny }));
+    const values = (drawn?.levels ?? []).map((v) => short(v / sizeOf(variable), 4)).join(", ");
+    this.levels.placeholder = values;
+    const told = [...notes];
+    if (isLater) told.push(t("mapContoursLater"));
+    if (drawn && !drawn.levels.length) told.push(t("mapContoursFlat"));
+    else if (drawn && !drawn.lines) told.push(t("mapContoursNowhere"));
+    if (drawn?.tiny) told.push(t("mapContoursTiny", { count: drawn.tiny }));
     this.contourNote.textContent = told.join(" ");
     if (this.levels.value && document.activeElement !== this.levels && this.problem.line.hidden
-      && about?.levels)
-      this.levels.value = values(about.levels);
+      && drawn)
+      this.levels.value = values;
   }
 
   /**
-   * Show which curves and trials there are, and why something is not.
-   * @param {import("./over.js").Found} found
+   * Show which curves there are, and why others are not.
+   * @param {import("./theory.js").NamedLine[]} lines
+   * @param {string[]} notes
    */
-  show({ lines, trials, outside, notes }) {
+  showCurves(lines, notes) {
     this.tongue.box.disabled = !lines.some(({ name }) => name === "tongue");
     this.lift.box.disabled = !lines.some(({ name }) => name === "lift_off");
-    this.note.textContent = Object.values(notes).join(" ");
-    this.trialNote.textContent = trials
-      ? t("mapTrialCount", { count: trials.xs.length, outside }) : "";
+    this.note.textContent = notes.join(" ");
+  }
+
+  /**
+   * Say how many trials there are, or what is wrong with their table.
+   * @param {{trials: import("./chart.js").Trials, outside: number} | null} placed
+   * @param {string[]} notes
+   */
+  showTrials(placed, notes) {
+    this.trialNote.textContent = placed ? t("mapTrialCount",
+      { count: placed.trials.xs.length, outside: placed.outside }) : notes.join(" ");
   }
 }
 

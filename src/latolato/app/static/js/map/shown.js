@@ -33,7 +33,6 @@ export function shownMapOf({ grid, page }) {
  * @param {MapView} view
  */
 export async function fileBodyOf(view) {
-  await view.over.settled;
   const { grid, over } = view;
   if (!grid) return null;
   const { variable, scale, log, limits } = lookOf(grid, view.page.store.state.extra);

@@ -24,6 +24,7 @@
  *   quantities: Record<string, {unit: string, symbol: string, label: string}>,
  *   observables: Record<string, any>, scenarios: Record<string, Preset>,
  *   ratios: Record<string, string>, alternatives: string[][],
+ *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
  *   server: boolean, docs?: boolean}} Registry
  */

@@ -1,0 +1,152 @@
+/** Amplitudes and frequencies in the coordinates of a map, and the curves of theory over it. */
+
+import { general, InputError } from "../model/rules.js";
+import { changeBetween, tongueEdges } from "./tongue.js";
+
+/** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {{name: string, xs: Float64Array, ys: Float64Array, dashed: boolean}} NamedLine */
+/** @typedef {{amplitude: number, frequency: number}} Drive in m and rad/s */
+
+const AMPLITUDES = ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"];
+const FREQUENCIES = ["drive_frequency", "frequency_ratio"];
+// No frequency holds a hanging pendulum in the tongue beyond this amplitude.
+const CLOSED = 3.8; // lengths
+const SAMPLES = 400;
+// A map may begin at frequency zero, where lift-off takes an infinite amplitude.
+const SLOWEST = 1e-3; // of the fastest
+
+/** What turns amplitudes and frequencies into the coordinates of a map. */
+export class Placing {
+  /**
+   * @param {Grid} grid
+   * @throws {InputError} if the map is not one of amplitude and frequency
+   */
+  constructor(grid) {
+    const { about, xAxis, yAxis, xEdges, yEdges, width, height } = grid;
+    const [x, y] = [xAxis.name, yAxis.name];
+    if (!(FREQUENCIES.includes(x) && AMPLITUDES.includes(y))
+      && !(FREQUENCIES.includes(y) && AMPLITUDES.includes(x)))
+      throw new InputError(`overlays and points need a map of amplitude (${AMPLITUDES.join(", ")}) `
+        + `and frequency (${FREQUENCIES.join(", ")}), got ${y} and ${x}`);
+    const side = "right_length" in about.parameters ? "right_" : "";
+    const number = (/** @type {string} */ name) => {
+      if (!(name in about.parameters))
+        throw new InputError(`this map does not say its ${name}, which overlays need`);
+      return Number(about.parameters[name]);
+    };
+    this.x = x;
+    this.y = y;
+    this.length = number(`${side}length`);
+    this.mass = number(`${side}mass`);
+    this.damping = number(`${side}damping`);
+    this.gravity = number("gravity");
+    this.hasContact = Boolean(about.has_contact);
+    /** @type {Record<string, [number, number]>} */
+    this.spans = { [x]: [xEdges[0], xEdges[width]], [y]: [yEdges[0], yEdges[height]] };
+  }
+
+  /** w0 [rad/s]. */
+  get naturalFrequency() {
+    return Math.sqrt(this.gravity / this.length);
+  }
+
+  /**
+   * Return the coordinates of a drive.
+   * @param {Drive} drive
+   * @returns {[number, number]}
+   */
+  place({ amplitude, frequency }) {
+    /** @type {Record<string, number>} */
+    const along = {
+      drive_amplitude: amplitude,
+      amplitude_ratio: amplitude / this.length,
+      drive_acceleration_ratio: amplitude * frequency ** 2 / this.gravity,
+      drive_frequency: frequency,
+      frequency_ratio: frequency / this.naturalFrequency,
+    };
+    return [along[this.x], along[this.y]];
+  }
+
+  /** Return the least and the largest frequency of the map [rad/s], above zero. */
+  frequencies() {
+    const { drive_frequency, frequency_ratio } = this.spans;
+    const [slow, fast] = drive_frequency
+      ?? frequency_ratio.map((each) => each * this.naturalFrequency);
+    return [Math.max(slow, SLOWEST * fast), fast];
+  }
+
+  /** Return the largest amplitude of the map [m]. */
+  largestAmplitude() {
+    const { drive_amplitude, amplitude_ratio, drive_acceleration_ratio } = this.spans;
+    if (drive_amplitude) return drive_amplitude[1];
+    if (amplitude_ratio) return amplitude_ratio[1] * this.length;
+    return drive_acceleration_ratio[1] * this.gravity / this.frequencies()[0] ** 2;
+  }
+
+  /**
+   * Return a line through drives.
+   * @param {string} name
+   * @param {Drive[]} drives
+   * @param {boolean} dashed
+   * @returns {NamedLine}
+   */
+  line(name, drives, dashed) {
+    const places = drives.map((drive) => this.place(drive));
+    return { name, dashed, xs: Float64Array.from(places, ([x]) => x),
+      ys: Float64Array.from(places, ([, y]) => y) };
+  }
+}
+
+/**
+ * Return both edges of the primary Mathieu tongue as one line from edge to edge around the tip; an
+ * upper edge of infinity is left out as NaN.
+ * @param {Placing} placing
+ * @throws {InputError} if the pendulum does not oscillate
+ */
+export function tongue(placing) {
+  const { length, mass, damping, gravity, naturalFrequency } = placing;
+  const zeta = damping / (2 * mass * length * naturalFrequency);
+  if (zeta >= 1)
+    throw new InputError("must be below 2 m l w0 for a tongue to exist, "
+      + `got ${general(damping)} (${general(zeta, 3)} times that)`, { parameter: "damping",
+      wayOut: "use mathieu_growth_rate for overdamped cases" });
+  const edges = (/** @type {number} */ amplitude) => tongueEdges(2 * amplitude / length, zeta);
+  const isClosed = (/** @type {number} */ amplitude) => Number.isNaN(edges(amplitude)[0]);
+  const largest = Math.min(placing.largestAmplitude(), CLOSED * length);
+  if (isClosed(largest)) return placing.line("tongue", [], false);
+  const tip = damping > 0 ? changeBetween(isClosed, 0, largest) : 0;
+  // Denser near the tip, where a damped tongue is round.
+  const amplitudes = evenly(0, 1, SAMPLES).map((share) => tip + (largest - tip) * share ** 2);
+  const sides = amplitudes.map(edges);
+  const drives = (/** @type {0 | 1} */ side) => amplitudes.map((amplitude, i) => {
+    const ratio = sides[i][side];
+    return { amplitude, frequency: Number.isFinite(ratio) ? ratio * naturalFrequency : NaN };
+  });
+  return placing.line("tongue", [...drives(0).reverse(), ...drives(1)], false);
+}
+
+/**
+ * Return where the pivot's largest acceleration equals gravity.
+ * @param {Placing} placing
+ * @throws {InputError} if nothing can rest on a wall
+ */
+export function liftOff(placing) {
+  if (!placing.hasContact)
+    throw new InputError("overlay lift_off needs a system with contact: nothing rests on a wall");
+  const [slow, fast] = placing.frequencies();
+  // Even also along a logarithmic axis.
+  const frequencies = [...evenly(slow, fast, SAMPLES),
+    ...evenly(Math.log(slow), Math.log(fast), SAMPLES).map(Math.exp)].sort((a, b) => a - b);
+  const drives = frequencies.map((frequency) =>
+    ({ amplitude: placing.gravity / frequency ** 2, frequency }));
+  return placing.line("lift_off", drives, true);
+}
+
+/**
+ * @param {number} low
+ * @param {number} high
+ * @param {number} count
+ */
+function evenly(low, high, count) {
+  return Array.from({ length: count }, (_, i) => low + (high - low) * (i / (count - 1)));
+}

@@ -1,0 +1,161 @@
+/** Trials of an experiment from the text of a trial table: `latolato.experiment.trial_table`. */
+
+import { toSi } from "../model/options.js";
+import { general, InputError } from "../model/rules.js";
+
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("./theory.js").Placing} Placing */
+/** @typedef {{amplitude: number[], frequency: number[], ratio: number[], kinds: number[]}} Table */
+/** @typedef {Map<string, any[]>} Columns */
+
+// By the number that sweeps give them.
+const CLASSES = ["none", "weak", "strong"];
+// Ends of lines as Python knows them.
+const LINE_END = /\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]/;
+
+/**
+ * Return the trials of a table in the coordinates of a map, and how many lie outside of it.
+ * @param {Table} table
+ * @param {Placing} placing
+ * @returns {{trials: import("./chart.js").Trials, outside: number}}
+ */
+export function placedTrials({ amplitude, frequency, ratio, kinds }, placing) {
+  const isPlain = "drive_frequency" in placing.spans;
+  const places = amplitude.map((each, i) => {
+    // In natural frequencies of the toy that was measured, where these are known.
+    const byRatio = ratio[i] * placing.naturalFrequency;
+    const [first, second] = isPlain ? [frequency[i], byRatio] : [byRatio, frequency[i]];
+    return placing.place({ amplitude: each, frequency: Number.isFinite(first) ? first : second });
+  });
+  const spans = [placing.spans[placing.x], placing.spans[placing.y]];
+  const isOutside = (/** @type {number[]} */ place) =>
+    place.some((value, k) => value < spans[k][0] || value > spans[k][1]);
+  return { outside: places.filter(isOutside).length,
+    trials: { xs: places.map(([x]) => x), ys: places.map(([, y]) => y), kinds } };
+}
+
+/**
+ * Return the trials that the text of a CSV holds.
+ * @param {Registry} registry
+ * @param {string} text
+ * @returns {Table}
+ * @throws {InputError} for what is no trial table
+ */
+export function parseTrials(registry, text) {
+  const { columns: units, weak_angle: weak, strong_angle: strong } = registry.trials;
+  const lines = text.replace(/^\ufeff/, "").split(LINE_END);
+  const columns = columnsOf(lines.filter((line) => !line.startsWith("#")));
+  if (columns.has("stabilised_angle"))
+    throw new InputError("the column stabilised_angle is called largest_angle_after_transient now",
+      { wayOut: "rename it, and its _sigma" });
+  /** @type {Columns} */
+  const read = new Map();
+  for (const [name, cells] of columns) {
+    if (!(name in units) || !cells.some(Boolean)) continue;
+    const unit = units[name];
+    read.set(name, unit === null ? cells : numbersOf(registry, name, cells, unit));
+  }
+  const gravity = gravityOf(registry, lines);
+  const kinds = read.get("class")?.map(numberOfClass);
+  const amplitude = read.get("drive_amplitude");
+  if (!amplitude || !(read.has("drive_frequency") || read.has("frequency_ratio")))
+    throw new InputError("a trial table needs the columns drive_amplitude, drive_frequency or "
+      + "frequency_ratio, and class or largest_angle and largest_angle_after_transient; "
+      + `got ${[...read.keys()].join(", ") || "none"}`);
+  for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio"]) {
+    const at = read.get(name)?.findIndex((value) => !(value > 0)) ?? -1;
+    if (at >= 0)
+      throw new InputError(`must be positive, got ${general(read.get(name)?.[at])} in row ${at + 1}`,
+        { parameter: name });
+  }
+  const unknown = amplitude.map(() => NaN);
+  const natural = (read.get("length") ?? unknown).map((length) => Math.sqrt(gravity / length));
+  const frequency = read.get("drive_frequency");
+  const ratio = read.get("frequency_ratio")
+    ?? /** @type {number[]} */ (frequency).map((each, i) => each / natural[i]);
+  const [largest, settled] = ["largest_angle", "largest_angle_after_transient"].map((name) =>
+    read.get(name) ?? unknown);
+  if (!kinds && ![...largest, ...settled].every(Number.isFinite))
+    throw new InputError(
+      "a trial table without class needs largest_angle and largest_angle_after_transient");
+  return { amplitude, ratio, frequency: frequency ?? ratio.map((each, i) => each * natural[i]),
+    kinds: kinds ?? largest.map((each, i) => (each >= strong ? 2 : settled[i] >= weak ? 1 : 0)) };
+}
+
+/** @param {string} text */
+function numberOfClass(text) {
+  const name = text.toLowerCase();
+  if (!CLASSES.includes(name))
+    throw new InputError(`class must be one of ${CLASSES.join(", ")}, got '${name}'`);
+  return CLASSES.indexOf(name);
+}
+
+/**
+ * Return the gravity that a comment of the table names, else the usual one [m/s^2].
+ * @param {Registry} registry
+ * @param {string[]} lines
+ */
+function gravityOf(registry, lines) {
+  const given = lines.map((line) => /^#\s*gravity\s*:(.*)$/.exec(line)?.[1].trim())
+    .findLast((text) => text !== undefined);
+  return given === undefined ? registry.options.gravity.default
+    : toSi(registry, "gravity", given, "m/s^2");
+}
+
+/**
+ * Return the numbers in a column's cells, which may have units; NaN for an empty one.
+ * @param {Registry} registry
+ * @param {string} name
+ * @param {string[]} cells
+ * @param {string} unit
+ */
+function numbersOf(registry, name, cells, unit) {
+  return cells.map((cell, i) => {
+    if (!cell) return NaN;
+    try {
+      return toSi(registry, name, cell, unit);
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      throw new InputError(`trial ${i + 1}: ${error.message}`);
+    }
+  });
+}
+
+/**
+ * Return the cells of each column of a CSV below its name, without space around them.
+ * @param {string[]} lines
+ * @returns {Map<string, string[]>}
+ */
+function columnsOf(lines) {
+  const [names, ...rows] = rowsOf(lines);
+  if (!names) throw new InputError("it holds no columns");
+  rows.forEach((row, i) => {
+    if (row.length !== names.length)
+      throw new InputError(
+        `row ${i + 1} has ${row.length} cells below ${names.length} column names`);
+  });
+  return new Map(names.map((name, k) => [name.trim(), rows.map((row) => row[k].trim())]));
+}
+
+/**
+ * Return the cells of the rows of a CSV, as Python's `csv` reads it; empty lines are left out.
+ * @param {string[]} lines
+ * @returns {string[][]}
+ */
+function rowsOf(lines) {
+  /** @type {string[][]} */
+  const rows = [];
+  // Cells in quotes may hold commas, line ends and quotes, which are doubled there.
+  const cell = /(?:"((?:[^"]|"")*)(?:"|$))?([^,\n]*)(,|\n|$)/gy;
+  const text = lines.join("\n");
+  let row = [];
+  for (cell.lastIndex = 0; cell.lastIndex < text.length;) {
+    const [, quoted, plain, end] = /** @type {RegExpExecArray} */ (cell.exec(text));
+    row.push((quoted?.replaceAll('""', '"') ?? "") + plain);
+    if (end === "," && cell.lastIndex < text.length) continue;
+    if (end === ",") row.push("");
+    if (row.length > 1 || quoted !== undefined || plain) rows.push(row);
+    row = [];
+  }
+  return rows;
+}

@@ -1,0 +1,34 @@
+// What a page draws over maps: JSON of `test_map_over.py` from stdin; numbers that JSON lacks as texts.
+import { readFileSync } from "node:fs";
+
+import { InputError } from "../../src/latolato/app/static/js/model/rules.js";
+import { linesAt, roundLevels } from "../../src/latolato/app/static/js/map/levels.js";
+import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
+import { tongueEdges } from "../../src/latolato/app/static/js/map/tongue.js";
+import { parseTrials, placedTrials } from "../../src/latolato/app/static/js/map/trials.js";
+
+const { registry, cases } = JSON.parse(readFileSync(0, "utf8"));
+
+const DO = {
+  edges: ({ q, zeta }) => tongueEdges(q, zeta),
+  lines: ({ values, width, level }) => linesAt(values.map(Number), width, level)
+    .map(({ xs, ys }) => [...xs].map((x, i) => [x, ys[i]])),
+  levels: ({ low, high, unit: [name, size], log }) => roundLevels(low, high, { name, size }, log),
+  tongue: ({ grid }) => tongue(new Placing(grid)),
+  lift_off: ({ grid }) => liftOff(new Placing(grid)),
+  trials: ({ text, grid }) => placedTrials(parseTrials(registry, text), new Placing(grid)),
+};
+
+function answer({ name, ...given }) {
+  try {
+    return DO[name](given);
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    return { error: error.message };
+  }
+}
+
+process.stdout.write(JSON.stringify(cases.map(answer), (_, value) => {
+  if (ArrayBuffer.isView(value)) return Array.from(value);
+  return typeof value === "number" && !Number.isFinite(value) ? String(value) : value;
+}));
