@@ -7,6 +7,7 @@ import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
 import { misread } from "../../../src/latolato/app/static/js/map/address.js";
+import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
@@ -182,5 +183,44 @@ test("a map of a single row has no contour lines", () => {
 test("levels are round in the unit on show", () => {
   const degrees = roundLevels(0, 3, { name: "deg", size: Math.PI / 180 }, false);
   assert.deepEqual(degrees.map((level) => Math.round(level * 180 / Math.PI)), [30, 60, 90, 120, 150]);
-  assert.deepEqual(roundLevels(0.003, 700, { name: "", size: 1 }, true), [0.01, 0.1, 1, 10, 100]);
+  const plain = { name: "", size: 1 };
+  assert.deepEqual(roundLevels(0.03, 2.9, plain, false), [0.5, 1, 1.5, 2, 2.5]);
+  assert.deepEqual(roundLevels(0.1, 0.7, plain, false), [0.2, 0.3, 0.4, 0.5, 0.6]);
+  assert.deepEqual(roundLevels(0.003, 700, plain, true), [0.01, 0.1, 1, 10, 100]);
+  assert.deepEqual(roundLevels(0.3, 7, plain, true), [0.5, 1, 2, 5]);
+  assert.deepEqual(roundLevels(1e-9, 1e9, plain, true), [1e-6, 1e-3, 1, 1e3, 1e6]);
+  assert.deepEqual(roundLevels(2, 2, plain, false), []);
+});
+
+/** Return what is drawn and said of the contour lines that an address names on a map. */
+function contoursOn(map, extra, growing = false) {
+  const said = {};
+  const chart = { contours: [], draw() {} };
+  const view = { grid: map, chart, growing: () => growing,
+    page: { registry: { options: {} }, store: { state: { extra: { "map.contours": "a", ...extra } } } },
+    controls: { over: { showContours(variable, drawn, isLater, notes) {
+      Object.assign(said, { drawn, isLater, notes });
+    } } } };
+  new Over(view).contours();
+  return { ...said, chart };
+}
+
+test("contour lines bear their values, those of the address in order and each once", () => {
+  const map = computed(4, 4, (column) => column);
+  Object.assign(map.variables[0], { units: [{ name: "mm", size: 1e-3 }], classes: [] });
+  const { chart, drawn } = contoursOn(map, { "map.levels": "1.5,0.5,1.5" });
+  assert.deepEqual(drawn.levels, [0.5, 1.5]);
+  assert.deepEqual(chart.contours.map(({ text }) => text), ["500 mm", "1500 mm"]);
+  const later = contoursOn(map, {}, true);
+  assert.deepEqual([later.chart.contours, later.drawn, later.isLater], [[], null, true]);
+});
+
+test("an address with too many levels, or with one that is no number, is refused", () => {
+  const map = computed(4, 4, (column) => column);
+  Object.assign(map.variables[0], { units: [], classes: [] });
+  const many = contoursOn(map, { "map.levels": [...Array(21).keys()].join() });
+  assert.deepEqual(many.notes, ["at most 20 contour lines, got 21 levels"]);
+  const bad = contoursOn(map, { "map.levels": "1,x" });
+  assert.deepEqual(bad.notes, ["a level must be finite, got nan; give a number in SI"]);
+  assert.deepEqual(bad.chart.contours, []);
 });

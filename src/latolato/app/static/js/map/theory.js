@@ -30,9 +30,10 @@ export class Placing {
         + `and frequency (${FREQUENCIES.join(", ")}), got ${y} and ${x}`);
     const side = "right_length" in about.parameters ? "right_" : "";
     const number = (/** @type {string} */ name) => {
-      if (!(name in about.parameters))
+      const value = about.parameters[name];
+      if (typeof value !== "number")
         throw new InputError(`this map does not say its ${name}, which overlays need`);
-      return Number(about.parameters[name]);
+      return value;
     };
     this.x = x;
     this.y = y;
