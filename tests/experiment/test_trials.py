@@ -238,3 +238,8 @@ def test_the_deviation_of_the_settled_angle_makes_a_trial_borderline():
     assert parse_trials(header + sure + unsure).borderline.values.tolist() == [0, 1]
     with pytest.raises(ll.InputError, match="is called largest_angle_after_transient now"):
         parse_trials((header + sure).replace("largest_angle_after_transient", "stabilised_angle"))
+
+
+def test_a_count_that_is_left_empty_is_zero():
+    text = "drive_amplitude,frequency_ratio,class,swings\n0.1,2,weak,7\n0.1,2,weak,\n"
+    assert parse_trials(text).swings.values.tolist() == [7, 0]

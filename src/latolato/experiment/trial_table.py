@@ -183,7 +183,8 @@ def trial_table(
         if name in TEXTS:
             values = arrays.get(name, np.full(count, "", dtype="<U1"))
         elif name in COUNTS:
-            values = np.asarray(arrays.get(name, np.zeros(count)), dtype=np.int64)
+            # A count that is not known is 0, also in a column that knows others.
+            values = np.nan_to_num(arrays.get(name, np.zeros(count))).astype(np.int64)
         else:
             values = arrays.get(name, unknown)
         variables[name] = ("trial", values, about(name))
