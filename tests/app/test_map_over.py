@@ -157,10 +157,12 @@ def test_curves_lie_where_python_draws_them_or_are_refused_alike(name, monkeypat
         assert found["name"] == name
         for values, expected in zip((found["xs"], found["ys"]), wanted, strict=True):
             ours = np.concatenate([part[::every] for part in np.split(numbers(values), 2)])
-            # The first points beside the tip err by the root of a rounding.
-            np.testing.assert_allclose(
-                np.minimum(ours, FAR), np.minimum(expected, FAR), rtol=1e-7, atol=1e-12
-            )
+            both = np.minimum(np.stack([ours, expected]), FAR)
+            np.testing.assert_allclose(*both, rtol=1e-7, atol=1e-12)
+            # Only the tip of the tongue, in the middle, errs by the root of a rounding.
+            count = both.shape[1]
+            beside = np.abs(np.arange(count) - 0.5 * (count - 1)) > 1.0
+            np.testing.assert_allclose(*both[:, beside], rtol=1e-10)
     assert refused == 5
 
 
