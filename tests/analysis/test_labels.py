@@ -15,20 +15,25 @@ def test_labels_carry_units_and_all_parameters() -> None:
     )
     drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=3.0)
     found = labelled(
-        "example",
+        "growth_rate",
         {"growth_rate": ("frequency_ratio", np.array([0.1, 0.2])), "drive_amplitude": 0.1},
+        {"system": pair, "drive": drive, "position": "hanging", "other": 1},
         coordinates={"frequency_ratio": [1.0, 2.0]},
-        system=pair,
-        drive=drive,
         settings={"order": 2, "is_stable": True, "left_out": None},
     )
     assert found.growth_rate.attrs["units"] == "1/s"
     assert found.frequency_ratio.attrs["units"] == "1"
     assert found.drive_amplitude.shape == ()
-    expected = {"analysis": "example", "system": "ballpair", "drive": "harmonic", "order": 2}
+    expected = {
+        "analysis": "growth_rate",
+        "position": "hanging",
+        "system": "ballpair",
+        "drive": "harmonic",
+        "order": 2,
+    }
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
-    assert "left_out" not in found.attrs
+    assert not {"left_out", "other"} & found.attrs.keys()
 
 
 def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:

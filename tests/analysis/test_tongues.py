@@ -203,9 +203,9 @@ def test_bad_input_is_refused():
         tongue_edges(PAPER, drive_amplitude=0.1, order=0)
     with pytest.raises(ValueError, match="order must lie in"):
         tongue_edges(PAPER, drive_amplitude=0.1, order=101)
-    with pytest.raises(ValueError, match="position must be one of hanging, inverted"):
+    with pytest.raises(ValueError, match="position must be 'hanging' or 'inverted'"):
         tongue_edges(PAPER, drive_amplitude=0.1, position="up")
-    with pytest.raises(ValueError, match="method must be one of"):
+    with pytest.raises(ValueError, match="method must be 'determinant' or"):
         tongue_edges(PAPER, drive_amplitude=0.1, method="guess")
     with pytest.raises(ValueError, match="has no inverted position"):
         tongue_edges(LINEAR, drive_amplitude=0.1, position="inverted")

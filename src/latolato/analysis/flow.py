@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
-from latolato.numerics.integrate import TOLERANCES, Start, choose_step, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
@@ -177,8 +177,8 @@ def checked_flow(
         system,
         periodic_drive(system, drive),
         contact=contact,
-        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        tolerance=tolerance,
+        rest_speed=rest_speed,
         speed=2.0 * system.natural_frequency,
     )
 

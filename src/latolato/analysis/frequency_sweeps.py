@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
+from latolato.analysis.checks import checked_nonlinear, increasing
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import settled_cases
+from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import Pendulum, System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
 from latolato.sweeps import sweep
 
@@ -52,12 +51,12 @@ def hysteresis(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: Sequence[float] | None = None,
-    drive_amplitude: Sequence[float] | None = None,
+    frequency_ratio: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
+    drive_amplitude: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
     duration: float = 60.0,
-    transient: Annotated[float | None, "s"] = None,
-    least_jump: Annotated[float, "rad"] = 0.1,
-    least_motion: Annotated[float, "rad"] = 1e-3,
+    transient: Annotated[float | None, "s", NON_NEGATIVE] = None,
+    least_jump: Annotated[float, "rad", POSITIVE] = 0.1,
+    least_motion: Annotated[float, "rad", NON_NEGATIVE] = 1e-3,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -132,14 +131,10 @@ def hysteresis(
     """
     checked_nonlinear(system)
     drive = checked_periodic_drive(drive)
-    swept = np.linspace(*_DEFAULT_RATIOS)
-    ratios = checked_increasing(
-        "frequency_ratio", frequency_ratio, NON_NEGATIVE, default=swept, least=2
-    )
-    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
-    duration = RUN_PARAMETERS["duration"].checked(duration)
-    least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
-    least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
+    ratios = increasing("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
+    if len(ratios) < 2:
+        raise InputError("must hold at least 2 values", parameter="frequency_ratio", value=ratios)
+    amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     transient = 0.5 * duration if transient is None else transient
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     options: dict[str, Any] = {
@@ -182,15 +177,13 @@ def hysteresis(
     return labelled(
         "hysteresis",
         variables,
+        locals(),
         coordinates={
             "drive_amplitude": amplitudes,
             "direction": ["up", "down"],
             "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings=start,
     )
 

@@ -5,17 +5,12 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from latolato.analysis.hill import find_peak, find_root
-from latolato.analysis.linear import (
-    acceleration_at,
-    checked_ratio,
-    checked_template,
-    waveform_of,
-)
+from latolato.analysis.linear import RATIOS, acceleration_at, checked_template, waveform_of
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
@@ -41,7 +36,7 @@ _SPREAD = 1.2
 @analyses.register("self_start")
 def self_start(
     system: System,
-    frequency_ratio: float,
+    frequency_ratio: Annotated[float, RATIOS],
     drive: Drive | None = None,
     *,
     check: bool = False,
@@ -103,7 +98,6 @@ def self_start(
     0.127322
     """
     angles = _resting_angles(system)
-    frequency_ratio = checked_ratio(frequency_ratio)
     template = checked_template(drive)
     w = frequency_ratio * system.natural_frequency
     needed = (system.gravity + _friction(system, angles)) / w**2
@@ -116,7 +110,7 @@ def self_start(
             f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
             "connecting_rod_length",
             RuntimeWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     variables: dict[str, Any] = {
         "drive_amplitude": amplitude,
@@ -128,12 +122,11 @@ def self_start(
     return labelled(
         "self_start",
         variables,
+        locals() | {"drive": None},
         quantities={
             "simulated_amplitude": Quantity("m", "A_0", "driving amplitude that lifts in a run"),
             "status": Quantity("1", "", "what was found"),
         },
-        system=system,
-        arguments=locals(),
         settings=waveform_of(template),
     )
 

@@ -27,17 +27,16 @@ from latolato.analysis.waveform import (
 )
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_choice, checked_number, describe
+from latolato.core.registry import describe
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.simulation.start import checked_periodic_drive, checked_system
 
-POSITIONS = ("hanging", "inverted")
-METHODS = ("determinant", "monodromy")
 # What an analysis varies of a drive.
 _SOUGHT = ("drive_amplitude", "drive_frequency")
 # A slower drive would need too many harmonics.
 SLOWEST = 0.01
+RATIOS = Range(low=SLOWEST)
 # A crank closer to its connecting rod than this has too many overtones.
 LARGEST_CRANK = 0.95
 # A stiffness this close to a tongue's tip lies on it.
@@ -186,11 +185,6 @@ def checked_template(drive: Drive | None) -> PeriodicDrive:
     return checked_periodic_drive(drive)
 
 
-def checked_ratio(frequency_ratio: float) -> float:
-    """Return a frequency ratio that is not too slow."""
-    return checked_number("frequency_ratio", frequency_ratio, Range(low=SLOWEST), "1")
-
-
 def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
     """Return the linearised system.
 
@@ -200,7 +194,6 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
         Where there is no linear stability: a wall or friction at the position.
     """
     checked_system(system)
-    checked_choice("position", position, POSITIONS)
     if position == "inverted" and system.is_linear:
         raise InputError(
             "a Mathieu system is linearised about hanging and has no inverted position; use "

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from latolato.analysis.flow import Floats, checked_flow, drive_period
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
+    PERIODS,
     Orbit,
     checked_guess,
-    checked_period,
     find_orbit,
     multipliers_of,
 )
@@ -57,7 +57,7 @@ def floquet(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    period: int = 1,
+    period: Annotated[int, PERIODS] = 1,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
     rest_speed: float = DEFAULT_REST_SPEED,
@@ -123,8 +123,8 @@ def floquet(
     >>> print(f"{result.multipliers.values[0].real:.5f} {result.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    period = checked_period(period)
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
+    drive = flow.drive
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
@@ -133,22 +133,20 @@ def floquet(
             f"no motion of period {period} was found from this start (defect "
             f"{orbit.defect:.2g}); try a start on the attractor, or another period",
             RuntimeWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     elif result["status"] in ("grazing", "contradicted"):
         warnings.warn(
             f"the multipliers are doubtful ({result['status']}): an impact is nearly missed, or "
             "the determinant or finite differences disagree",
             RuntimeWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     return labelled(
         "floquet",
         dimensioned(result, system),
+        locals(),
         quantities=QUANTITIES,
-        system=system,
-        drive=flow.drive,
-        arguments=locals(),
         settings={
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
             "message": shorter_period(result["response_period"], period),

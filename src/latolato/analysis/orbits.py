@@ -11,12 +11,11 @@ import numpy as np
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_count
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
 from latolato.simulation.start import between_walls, checked_start
 
-LONGEST = 16  # drive periods of an orbit
+PERIODS = Range(1, 16)  # of the drive, that an orbit lasts
 # An orbit closes to this [rad, and angular velocity over the natural frequency].
 CLOSED = 2e-11
 _MOST_TRIALS = 40
@@ -87,11 +86,6 @@ def multipliers_of(matrix: Floats) -> Floats:
     # Of two that are equally large, the one with the larger real part, then imaginary part, first.
     order = np.lexsort((-result.imag, -result.real, -np.round(np.abs(result), 12)))
     return np.asarray(result[order])
-
-
-def checked_period(period: Any) -> int:
-    """Return how many drive periods an orbit lasts."""
-    return checked_count("period", period, Range(1, LONGEST))
 
 
 def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:

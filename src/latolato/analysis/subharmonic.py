@@ -5,21 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.core.registry import checked_count, checked_number
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
-from latolato.physics.noise import VelocityKicks
+from latolato.physics.noise import STREAMS, VelocityKicks
 from latolato.physics.pendulum import LatoLato, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
 from latolato.sweeps import sweep
@@ -173,13 +171,13 @@ def time_crystal(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: Sequence[float] | None = None,
-    drive_amplitude: Sequence[float] | None = None,
-    noise_strength: float = 0.0,
+    frequency_ratio: Annotated[Sequence[float] | None, POSITIVE] = None,
+    drive_amplitude: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
+    noise_strength: Annotated[float, NON_NEGATIVE] = 0.0,
     trajectories: int = 1,
-    noise_seed: int = 0,
+    noise_seed: Annotated[int, STREAMS] = 0,
     periods: int = 256,
-    transient_periods: int = 200,
+    transient_periods: Annotated[int, NON_NEGATIVE] = 200,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -264,20 +262,16 @@ def time_crystal(
     """
     checked_system(system)
     drive = checked_periodic_drive(drive)
-    own = drive.drive_frequency / system.natural_frequency
-    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE, default=own)
-    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
-    noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
-    trajectories = checked_count("trajectories", trajectories)
+    ratios = np.array([drive.drive_frequency / system.natural_frequency])
+    ratios = ratios if frequency_ratio is None else np.array(frequency_ratio)
+    amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     if trajectories > 1 and noise_strength == 0.0:
         raise InputError(
             f"{trajectories} trajectories without noise are all the same: give noise_strength or "
             "one"
         )
-    periods = checked_count("periods", periods)
     if periods < 16:
         raise InputError("must be at least 16 to tell a line", parameter="periods", value=periods)
-    before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     noise = None
@@ -291,7 +285,7 @@ def time_crystal(
             system,
             replace(drive, drive_frequency=frequency),
             axes=axes,
-            duration=(before + periods) * math.tau / frequency,
+            duration=(transient_periods + periods) * math.tau / frequency,
             observables=[PoincareSection(periods=periods)],
             noise=noise,
             tolerance=tolerance,
@@ -305,9 +299,10 @@ def time_crystal(
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
+        first = transient_periods + 1
         result.append(
             [
-                _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, before + 1)
+                _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, first)
                 for i in range(len(amplitudes))
             ]
         )
@@ -327,16 +322,14 @@ def time_crystal(
     return labelled(
         "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
+        locals(),
         coordinates={
             "drive_amplitude": amplitudes,
             "frequency_ratio": ratios,
             "lag": np.arange(periods // 2),
-            "period": np.arange(before + 1, before + periods + 1),
+            "period": np.arange(first, first + periods),
         },
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings={**start, "caution": CAUTION, "resolution": _HANN_WIDTH / periods},
     )
 
