@@ -27,7 +27,7 @@ from latolato.simulation.start import (
     checked_system,
     walls_of,
 )
-from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.sweeps.axes import DERIVED, parameters_of, replaced
 
 Floats = NDArray[np.float64]
 
@@ -201,8 +201,9 @@ def periodic_drive(system: System, drive: Drive | None) -> PeriodicDrive:
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(
-            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, got {ratio:.3g}",
+            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit",
             parameter="drive_frequency",
+            value=ratio,
             way_out="raise drive_frequency",
         )
     return result
@@ -220,11 +221,8 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
     checked_number(name, value, parameter.allowed, parameter.unit)
     target = value * (_unit_of(system, drive, name) if name in DERIVED else 1.0)
     if parameter.owner == "drive":
-        return system, replace(drive, **{parameter.path[0]: target})
-    if len(parameter.path) == 2:
-        part, inner = parameter.path
-        return replace(system, **{part: replace(getattr(system, part), **{inner: target})}), drive
-    return replace(system, **{parameter.path[0]: target}), drive
+        return system, replaced(drive, {parameter.path: target})
+    return replaced(system, {parameter.path: target}), drive
 
 
 def value_of(system: System, drive: Drive, name: str) -> float:
