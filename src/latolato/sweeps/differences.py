@@ -11,11 +11,11 @@ import numpy as np
 def differences(there: Any, here: Any, name: str = "") -> list[str]:
     """Return where two descriptions of plans differ, such as ``duration is 60.0, not 30.0``."""
     if isinstance(there, list) and isinstance(here, list):
-        stored, wanted = _by_name(there), _by_name(here)
-        if stored and wanted:
-            if list(stored) == list(wanted):
-                return differences(stored, wanted, name)
-            there, here = list(stored), list(wanted)
+        theirs, ours = _by_name(there), _by_name(here)
+        if theirs and ours:
+            if list(theirs) == list(ours):
+                return differences(theirs, ours, name)
+            there, here = list(theirs), list(ours)
     if isinstance(there, dict) and isinstance(here, dict):
         result = []
         for key in [*there, *(k for k in here if k not in there)]:
