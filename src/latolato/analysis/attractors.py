@@ -235,26 +235,17 @@ def basins(
             RuntimeWarning,
             stacklevel=3,
         )
-    counts = np.bincount(labels[labels >= 0], minlength=len(examples))
-    share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
-    ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
         "basin": (places, table),
         "uncertain": (places, uncertain.astype(np.int8)),
-        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
-        "basin_fraction": ("attractor", share),
-        "basin_fraction_low": ("attractor", low),
-        "basin_fraction_high": ("attractor", high),
+        **_of_attractors(motion, examples, labels, system.angles),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
         "not_settled_fraction": unsettled,
         "uncertain_fraction": float(uncertain.mean()),
         **basin_entropy(table, entropy_box)._asdict(),
     }
-    dims = ("attractor", *ball, "sample")
-    variables["section_angle"] = (dims, wrapped(motion["section_angle"][examples]))
-    variables["section_angular_velocity"] = (dims, motion["section_angular_velocity"][examples])
     return labelled(
         "basins",
         variables,
@@ -267,6 +258,23 @@ def basins(
         quantities=QUANTITIES_HERE | _QUANTITIES,
         settings={"numbers_used": used, "message": doubt if uncertain.any() else None},
     )
+
+
+def _of_attractors(
+    motion: Mapping[str, NDArray[Any]], examples: Labels, labels: Labels, balls: int
+) -> dict[str, Any]:
+    """Return the variables over the attractors: their motion and the shares of the starts."""
+    counts = np.bincount(labels[labels >= 0], minlength=len(examples))
+    share, low, high = wilson_interval(counts, labels.size)
+    dims = ("attractor", "ball", "sample") if balls == 2 else ("attractor", "sample")
+    return {
+        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
+        "basin_fraction": ("attractor", share),
+        "basin_fraction_low": ("attractor", low),
+        "basin_fraction_high": ("attractor", high),
+        "section_angle": (dims, wrapped(motion["section_angle"][examples])),
+        "section_angular_velocity": (dims, motion["section_angular_velocity"][examples]),
+    }
 
 
 _QUANTITIES: dict[str, Quantity] = {

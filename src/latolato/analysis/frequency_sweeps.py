@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,16 @@ _QUANTITIES = {
     "bistable_high": Quantity("1", r"r_+", "highest frequency ratio with two answers"),
     "status": Quantity("1", "", "whether the answer depends on the way"),
 }
+
+
+class _Sweep(NamedTuple):
+    """What is swept, and with which options of `sweep`."""
+
+    system: System
+    drive: PeriodicDrive
+    amplitudes: Floats
+    ratios: Floats
+    options: dict[str, Any]
 
 
 @analyses.register("hysteresis")
@@ -144,8 +154,9 @@ def hysteresis(
         "contact": contact,
         "rest_speed": rest_speed,
     }
+    swept = _Sweep(system, drive, amplitudes, ratios, options)
     if isinstance(system, Pendulum) and not system.has_contacts:
-        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least_motion, options)
+        angles, *ends = _stirred(swept, start, least_motion)
     else:
         grid = sweep(
             system,
@@ -162,7 +173,7 @@ def hysteresis(
         angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
         angles = angles.max(axis=-1)
     differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
-    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, least_jump, options)
+    lasting = differ & _lasts(swept, differ, ends, least_jump)
     rows = [
         _loop(ratios, up, down, least_jump, each)
         for (up, down), each in zip(angles, lasting, strict=True)
@@ -188,16 +199,9 @@ def hysteresis(
     )
 
 
-def _stirred(
-    system: System,
-    drive: PeriodicDrive,
-    amplitudes: Floats,
-    ratios: Floats,
-    start: dict[str, Any],
-    least: float,
-    options: dict[str, Any],
-) -> Floats:
+def _stirred(swept: _Sweep, start: dict[str, Any], least: float) -> Floats:
     """Return `_ENDS`, (name, amplitude, direction, ratio), of motions that never die away."""
+    system, drive, amplitudes, ratios, options = swept
     count = len(amplitudes)
     result = np.full((len(_ENDS), count, 2, len(ratios)), math.nan)
     for way, order in enumerate((range(len(ratios)), reversed(range(len(ratios))))):
@@ -229,20 +233,14 @@ def _stirred(
 
 
 def _lasts(
-    system: System,
-    drive: PeriodicDrive,
-    amplitudes: Floats,
-    ratios: Floats,
-    differ: NDArray[np.bool_],
-    ends: Sequence[Floats],
-    least: float,
-    options: Mapping[str, Any],
+    swept: _Sweep, differ: NDArray[np.bool_], ends: Sequence[Floats], least: float
 ) -> NDArray[np.bool_]:
     """Return where both ways still differ when their motions have settled, shape as `differ`.
 
     Each goes on from its end at the frequency it has reached. `ends` are the angles and angular
     velocities there, of shape (amplitude, way, ratio[, ball]).
     """
+    system, drive, amplitudes, ratios, options = swept
     places = np.argwhere(differ)
     if not len(places):
         return differ
