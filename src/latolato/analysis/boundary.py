@@ -140,7 +140,9 @@ def _checked(grid: xr.Dataset, observable: str) -> xr.DataArray:
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise InputError(f"boundary needs the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError(
+            "must be the dataset of a sweep", parameter="grid", value=type(grid).__name__
+        )
     known = [str(name) for name in grid.data_vars if name != "status"]
     if observable not in known:
         raise InputError(f"unknown observable '{observable}': {suggest(str(observable), known)}")

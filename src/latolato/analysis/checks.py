@@ -49,9 +49,7 @@ def check_span(name: str, low: float, high: float) -> None:
     """Raise InputError unless the second limit is larger."""
     if not low < high:
         raise InputError(
-            f"must go from low to high, got {low:g} to {high:g}",
-            parameter=name,
-            way_out="swap them",
+            "must go from low to high", parameter=name, value=(low, high), way_out="swap them"
         )
 
 

@@ -202,10 +202,11 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     for ball in system.balls:
         if ball.coulomb_damping > 0.0:
             raise InputError(
-                f"must be 0, got {ball.coulomb_damping:g}: dry friction holds the ball near "
-                "the position, whose stability is then no linear question",
+                "must be 0",
                 parameter="coulomb_damping",
-                way_out="simulate with a push instead",
+                value=ball.coulomb_damping,
+                way_out="dry friction holds the ball near the position, whose stability is then no "
+                "linear question: simulate with a push instead",
             )
     ball = system.balls[0]
     if isinstance(system, (LatoLato, BallPair)):
@@ -230,21 +231,23 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
     )
     if any(each.radius > 0.0 for each in system.balls):
         raise InputError(
-            f"balls of radius {max(each.radius for each in system.balls):g} m cannot {where}, for "
-            f"they touch before; {way_out}"
+            f"must be 0 for balls that {where}: others touch before",
+            parameter="radius",
+            value=max(each.radius for each in system.balls),
+            way_out=way_out,
         )
     if system.restitution < 1.0:
         raise InputError(
-            f"must be 1, got {system.restitution:g}: balls that meet at each passage lose "
-            "energy there, which no linear equation tells",
+            "must be 1, or balls lose energy whenever they meet, and no linear equation holds",
             parameter="restitution",
-            way_out=f"{way_out}",
+            value=system.restitution,
+            way_out=way_out,
         )
     rates = {each.damping / each.mass for each in system.balls}
     if len(rates) > 1:
         raise InputError(
-            "the balls must have one drag rate damping/mass, or their meetings mix two different "
-            f"motions; {way_out}"
+            "the balls must have one drag rate damping/mass, or their meetings mix two motions",
+            way_out=way_out,
         )
 
 

@@ -94,9 +94,9 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
     if angle is None and offset is None:
         if system.has_contacts and math.isfinite(flow.walls[0]):
             raise InputError(
-                "is needed [rad]: a motion between walls has no natural first guess (a start "
-                "on the attractor, from a run, will do)",
+                "is needed [rad]: a motion between walls has no natural first guess",
                 parameter="initial_angle",
+                way_out="give a start on the attractor, from a run",
             )
         angle = 0.0 if system.angles == 1 else (0.0, 0.0)
     begun = checked_start(system, flow.walls, angle, velocity, offset)

@@ -365,7 +365,7 @@ def _shortest(
 def _share(search: _Search, steps: Protocol, threshold: float) -> float:
     """Return the share of drive phases at which a protocol succeeds in complete runs."""
     end = steps.lead_time + search.settling
-    wanted = []
+    reaches = []
     for phase in search.phases:
         grid = sweep(
             search.system,
@@ -377,5 +377,5 @@ def _share(search: _Search, steps: Protocol, threshold: float) -> float:
             **search.options,
             **search.start,
         )
-        wanted.append(float(grid[_LASTING].values.ravel()[0]) > threshold)
-    return float(np.mean(wanted))
+        reaches.append(float(grid[_LASTING].values.ravel()[0]) > threshold)
+    return float(np.mean(reaches))

@@ -105,8 +105,10 @@ def pair_symmetry(
 
     if not isinstance(system, LatoLato):
         raise InputError(
-            f"pair_symmetry questions the one-ball model of a LatoLato, got {system!r}: other "
-            "systems have no mirror-symmetric motion"
+            "must be a LatoLato, whose one-ball model is tested: other systems have no "
+            "mirror-symmetric motion",
+            parameter="system",
+            value=system,
         )
     driven = checked_drive(drive)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)

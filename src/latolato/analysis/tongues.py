@@ -90,9 +90,10 @@ def tongue_edges(
         checked_count("order", order, Range(1, _LARGEST_ORDER))
     if position == "hanging" and problem.damping_ratio >= 1.0:
         raise InputError(
-            f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
-            f"({problem.damping_ratio:.3g} times that)",
+            f"must be below 2 m l w0, {problem.damping / problem.damping_ratio:.3g} kg m/s, for a "
+            "tongue to exist",
             parameter="damping",
+            value=problem.damping,
             way_out="use growth_rate for overdamped cases",
         )
     if problem.is_plain and method == "determinant":

@@ -47,8 +47,9 @@ def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
     if not isinstance(drive, PeriodicDrive):
         name = "none" if drive is None else drives.name_of(drive)
         raise InputError(
-            f"must repeat itself with a single period, got {name}",
+            "must repeat itself with a single period",
             parameter="drive",
+            value=name,
             way_out="give one such as Harmonic",
         )
     return drive

@@ -466,8 +466,8 @@ def _check_continuation(
         )
     if drive.moves and not isinstance(drive, PeriodicDrive):
         raise InputError(
-            f"continuation needs a drive that goes on: a periodic one, such as harmonic, or none, "
-            f"got {drives.name_of(drive)}"
+            "continuation needs a drive that goes on: a periodic one, such as harmonic, or none",
+            value=drives.name_of(drive),
         )
     if noise is not None:
         raise InputError("continuation and noise exclude each other")
