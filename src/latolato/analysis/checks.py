@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import checked_number
+from latolato.observables.period import LONGEST
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.drives.base import check_increasing
 from latolato.physics.pendulum import System
@@ -20,7 +21,7 @@ Floats = NDArray[np.float64]
 # Drive periods before a motion is watched.
 TransientPeriods = Annotated[float, Range(0.0, 1e7)]
 # The longest response period that is recognised [drive periods].
-LongestPeriod = Annotated[int, Range(1, 64)]
+LongestPeriod = Annotated[int, Range(1, LONGEST)]
 # A distance at which motions are still taken for one [rad].
 AngleTolerance = Annotated[float, "rad", Range(0.0, 1.0, open_low=True)]
 
