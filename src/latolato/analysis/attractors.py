@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 # The label of starts whose motion was not assigned to an attractor.
 UNRESOLVED = -1
-# More attractors than this are not told apart: the rest stays unresolved.
+# More attractors than this are not distinguished: the rest stays unresolved.
 _MOST_ATTRACTORS = 200
 # Aperiodic motions of fewer starts than this share of all count as unresolved.
 _FEWEST_CHAOTIC = 0.002
@@ -95,7 +95,7 @@ def basins(
         Of two balls, the left one starts at minus the right one's angle minus this [rad], and at
         minus its angular velocity.
     transient_periods : float
-        Drive periods before the motion is looked at, at least 0.
+        Drive periods before the motion is watched, at least 0.
     longest : int
         Longest response period that is distinguished from chaos, 1 to 64 drive periods.
     angle_tolerance : float

@@ -92,7 +92,7 @@ def bifurcation_diagram(
         ``mirror_residual``, ``largest_angle_watched`` and ``status`` as in `response_period` over
         (direction, the parameter). ``is_hysteretic`` [1] over the parameter, if followed both
         ways: 1 where both ways reach motions of different period or largest angle, NaN where
-        that cannot be told: both aperiodic, one not settled or without an answer.
+        that is unknown: both aperiodic, one not settled or without an answer.
 
     Raises
     ------
@@ -232,7 +232,7 @@ def _follow(
         for number, (place, case) in enumerate(zip(places, of, strict=True)):
             angles = np.atleast_1d(motion["section_angle"][case, ..., -1])
             velocities = np.atleast_1d(motion["section_angular_velocity"][case, ..., -1])
-            if np.isfinite(angles).all():  # a run that failed hands on its start
+            if np.isfinite(angles).all():  # a run that failed passes its start on
                 states[number] = (angles, velocities)
             for name, each in motion.items():
                 shape = (len(ways), count, *each.shape[1:])
@@ -244,7 +244,7 @@ def _follow(
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:
-    """Return where the ways up and down reach different motions, NaN where none can tell."""
+    """Return where the ways up and down reach different motions, NaN where that is unknown."""
     up, down = kept["status"]
     largest = kept["largest_angle_watched"]
     orders = np.nan_to_num(kept["response_period"], nan=math.inf)

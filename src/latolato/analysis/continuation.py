@@ -104,9 +104,9 @@ def continue_orbit(
     pitchfork if the orbits on both sides of the turning point are images of each other, and at a
     fold otherwise. Bouncing balls that hop by less than 0.1 rad are followed in units of their
     hops. Missed are two special points of the same kind within one step, and branches that are not
-    connected to the first orbit. At grazing the map has a square root: a branch may end there, and
-    says ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
-    branch; the attribute ``message`` says so.
+    connected to the first orbit. At grazing the map has a square root: a branch may end there, with
+    the status ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
+    branch, and the attribute ``message`` mentions it.
 
     Examples
     --------

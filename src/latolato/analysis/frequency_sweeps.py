@@ -1,4 +1,4 @@
-"""How the answer to a drive depends on where its frequency came from."""
+"""Hysteresis: how the response depends on the direction in which the frequency is swept."""
 
 from __future__ import annotations
 
@@ -96,9 +96,9 @@ def hysteresis(
         Change of the largest angle between neighbours, and difference between both ways, that
         counts as a jump [rad].
     least_motion : float
-        A free pendulum whose motion has died down below this is begun again with it at the next
-        frequency [rad], as some disturbance always is there; walls make rest lasting, and nothing
-        is added.
+        A free pendulum whose motion has died down below this starts the next frequency with it
+        [rad], as there is always some disturbance. Nothing is added where there are walls, for
+        balls may stay at rest on them.
     initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
         As for `latolato.sweep`; by default both ways start where the system hangs at rest.
 

@@ -29,7 +29,7 @@ LARGEST_CRANK = 0.999
 _PHASES = 360
 # Bisection ends when this share of the amplitude is left.
 _BISECTION = 1e-11
-# The simulated threshold is looked for within this factor of the computed one.
+# The simulated threshold is searched for within this factor of the computed one.
 _SPREAD = 1.2
 
 
@@ -84,8 +84,8 @@ def self_start(
     roughly, so that `check` finds up to 1e-5 more there. Two balls that swing together part earlier
     or later.
 
-    It says that rest ends, not that a large motion follows: for that the paper's toy needs some
-    4 % (e = 1) to 90 % (e = 0.5) more.
+    This is where rest ends; a large motion need not follow. For one the paper's toy needs 4 %
+    (e = 1) to 90 % (e = 0.5) more.
 
     Examples
     --------

@@ -335,7 +335,7 @@ def threshold(problem: Linear, ratio: float, largest: float, order: int | None) 
     tips = [n for n, gap in now.items() if abs(gap) < _ON_TIP * max(1.0, a)]
     for left, right in pairwise([0.0, 0.1 * float(grid[1]), *map(float, grid[1:])]):
         before, now = now, gaps(right)
-        if left == 0.0:  # what is left on a tip is rounding: does its tongue open around it?
+        if left == 0.0:  # on a tip only rounding is left: does its tongue open there?
             before |= {n: 0.0 if now[n] < 0.0 else 1.0 for n in tips}
         candidates = []
         for n in orders:

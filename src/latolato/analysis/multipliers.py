@@ -110,7 +110,7 @@ def floquet(
     guess is followed for 40 and 400 periods first, which leads to attractors. Error of the
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
     found, not always the nearest. It may have a shorter period that fits into `period`:
-    ``response_period`` and the attribute ``message`` say so, and the multipliers are still those
+    ``response_period`` and the attribute ``message`` show it, and the multipliers are still those
     over `period`.
 
     Examples
@@ -165,7 +165,7 @@ def shorter_period(smallest: Any, period: int) -> str | None:
 
 
 def describe_orbit(orbit: Orbit) -> dict[str, object]:
-    """Return everything that `floquet` says of an orbit, checks included."""
+    """Return everything that `floquet` returns for an orbit, checks included."""
     size = orbit.flow.size
     result: dict[str, object] = {
         "multipliers": np.full(size, complex(math.nan, math.nan)),

@@ -22,7 +22,7 @@ _MOST_TRIALS = 40
 _HALVINGS = 8
 # The largest change of one iteration, in the same measure.
 _LARGEST_MOVE = 0.2
-# A guess that leads nowhere is followed for so many periods, and tried again.
+# Periods for which a guess without an orbit is followed before it is tried again.
 _SETTLING = (40, 400)
 # An impact this slow, over the natural frequency, is grazing: its matrix is unlimited.
 GRAZING_SPEED = 1e-5
@@ -104,9 +104,9 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
 
 
 def find_orbit(flow: Flow, guess: Floats, period: int, *, settles: bool = True) -> Orbit:
-    """Return the orbit of so many drive periods that is near a guess, or is reached from there.
+    """Return the orbit of `period` drive periods near a guess, or the one it leads to.
 
-    The defect tells whether there is one: it is above `CLOSED` where none was found.
+    Its defect is above `CLOSED` if there is none.
     """
     duration = period * drive_period(flow.drive)
     orbit = shoot(flow, guess, duration)

@@ -60,7 +60,7 @@ def response_period_map(
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
-        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        Longest response period that is recognised, 1 to 64 drive periods; three times as many
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
@@ -85,7 +85,7 @@ def response_period_map(
     regular grid lie in patches of one motion, so that a share is mostly known better than its
     interval says; it depends on the region and on the start more than on either.
     Frequencies are run by octaves: every cell has at least `transient_periods` of transient, the
-    faster ones up to twice that. What it can miss is said at `response_period`.
+    faster ones up to twice that. See `response_period` for what it can miss.
 
     Examples
     --------

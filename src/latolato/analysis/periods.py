@@ -49,7 +49,7 @@ def response_period(
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
-        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        Longest response period that is recognised, 1 to 64 drive periods; three times as many
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
@@ -147,7 +147,7 @@ def response_period(
 
 
 def _message(values: dict[str, Any], longest: int, transient_periods: float) -> str | None:
-    """Return what stands in the way of an answer."""
+    """Return why there is no answer, or a doubtful one, and what to try."""
     status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
         return (

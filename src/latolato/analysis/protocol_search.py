@@ -105,7 +105,7 @@ def shortest_protocol(
     Parameters
     ----------
     system : System
-        What moves; of two balls the right one is looked at.
+        What moves; of two balls, the right one is analysed.
     drive : Harmonic, FrequencySchedule or another that ends as a cosine
         Its last amplitude is used, and its last frequency is the target where none is given.
     frequency_ratio : float, optional

@@ -46,7 +46,7 @@ def poincare_section(
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
     section_phase : float
-        Phase of the drive at which the motion is looked at [rad]: ``w t + drive_phase`` modulo
+        Phase of the drive at which the state is read [rad]: ``w t + drive_phase`` modulo
         2 pi. At 0 a harmonic pivot is at its top.
     periods : int
         Points of the section, 1 to 1000000.

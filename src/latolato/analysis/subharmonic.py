@@ -1,4 +1,4 @@
-"""What of a discrete time crystal one toy can show: answers at half the driving frequency."""
+"""Subharmonic response, the part of a discrete time crystal that one toy can show."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ CAUTION = (
 
 # Below this the motion or its part at half the frequency is none [rad].
 LEAST_AMPLITUDE = 1e-3
-# The peak is looked for between these frequencies [drive frequencies].
+# The peak is searched for between these frequencies [drive frequencies].
 WINDOW = (0.25, 0.75)
 # Share of the oscillating power that a sharp peak holds at least.
 SHARP = 0.5
@@ -45,7 +45,7 @@ WIDEST = 2.0
 # Full width at half maximum of the squared spectrum of a steady tone under a Hann window [bins].
 _HANN_WIDTH = 1.44
 _PADDING = 8
-# The main lobe of a Hann window reaches so many bins to each side.
+# Bins of the main lobe of a Hann window, to each side.
 _LOBE = 2
 
 NO_MOTION, NO_SUBHARMONIC, NO_ANSWER = "no motion", "no subharmonic", "no answer"
@@ -105,10 +105,10 @@ def subharmonic_peak(angles: Floats, velocities: Floats, drive_frequency: float)
     Notes
     -----
     The spectrum of ``angle - i velocity/(w/2)``, means removed, under a Hann window, eight times
-    padded, its square averaged over trajectories. One sample per period cannot tell w/2 + d from
-    w/2 - d in a real signal; the velocity can. The place is that of the parabola through the
-    highest three points, the width that at half of it, 1.44/periods for a steady tone. ``share``
-    counts two bins to each side of the peak against everything but the mean and its two bins.
+    padded, its square averaged over trajectories. One sample per period of a real signal does not
+    distinguish w/2 + d from w/2 - d; the velocity does. The place is that of the parabola through
+    the highest three points, the width that at half of it, 1.44/periods for a steady tone.
+    ``share`` counts two bins to each side of the peak against all but the mean and its two bins.
     """
     signal = angles - 1j * velocities / (0.5 * drive_frequency)
     signal = signal - signal.mean(axis=1, keepdims=True)
@@ -192,7 +192,7 @@ def time_crystal(
     Parameters
     ----------
     system : System
-        What moves; of two balls the right one is looked at.
+        What moves; of two balls, the right one is analysed.
     drive : PeriodicDrive
         The drive, whose frequency and amplitude stand where no others are given.
     frequency_ratio : sequence of float, optional
@@ -206,7 +206,7 @@ def time_crystal(
     noise_seed : int
         Seed of the streams.
     periods, transient_periods : int
-        Drive periods that are looked at (at least 16), after so many others.
+        Drive periods that are analysed (at least 16), and those before them.
     initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
         As for `latolato.sweep`; by default the start is 0.1 rad beside where the system hangs.
 
@@ -231,8 +231,8 @@ def time_crystal(
     Notes
     -----
     ``Z = <(-1)^n angle(nT)>`` with n counted from time zero, where the drive has its phase
-    `drive_phase`: its sign tells which of the two motions, one period apart, was chosen, and
-    changes with the start. The angle is taken modulo 2 pi in [-pi, pi), from the upright position
+    `drive_phase`: its sign distinguishes the two motions, one period apart, and changes with the
+    start. The angle is taken modulo 2 pi in [-pi, pi), from the upright position
     if the motion is mostly above its pivot. ``order_parameter`` keeps
     the sign when it averages over trajectories, so that it decays with phase slips;
     ``order_parameter_size`` does not. Where the answer happens to pass its middle at the instants
@@ -246,8 +246,8 @@ def time_crystal(
     (attribute ``resolution``) is none, and "locked" and "drifting" have at most twice that and at
     least half of the oscillating power in it.
 
-    What one toy cannot show stands in the attribute ``caution``: rigidity and lifetime of a
-    many-body phase. With noise, points share their streams. What this can miss: slips that come and
+    The attribute ``caution`` names what one toy cannot show: rigidity and lifetime of a many-body
+    phase. With noise, points share their streams. What this can miss: slips that come and
     go within a period; a line outside 1/4 to 3/4 of the driving frequency; other answers than the
     one that the start leads to. The pair's usual answer at e = 0.9 has period 1: no subharmonic.
 
@@ -271,7 +271,7 @@ def time_crystal(
             "one"
         )
     if periods < 16:
-        raise InputError("must be at least 16 to tell a line", parameter="periods", value=periods)
+        raise InputError("must be at least 16 for a line", parameter="periods", value=periods)
     start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     noise = None

@@ -25,7 +25,7 @@ QUANTITIES = {
     **TransverseExponent.variables,
     **LargestAngleAfterTransient.variables,
 }
-# A departure that grows or shrinks by less than this factor in the observed time tells nothing.
+# A departure that changes by less than this factor in the observed time decides nothing.
 _FACTOR = np.exp(2.0)
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 PASSED, NONE = "passed", "none passed"
 DELAYED, AT_ONCE = "not exponential", "all at once"
-# Exponential waiting times leave so long a beginning without a passage this rarely.
+# Probability below which a long beginning without a passage contradicts exponential times.
 _UNLIKELY = 1e-3
 _CONFIDENCE = 0.95
 

@@ -119,8 +119,8 @@ def simulate(
     Fixed steps of a symmetric sixth-order splitting, ``5 tolerance^(1/6)`` over the fastest rate
     of the system. The ledger ``E(t) - E(0) - works + losses`` is computed from separate
     quadratures at the end of every step; when it closes worse than 5 tolerances of the largest
-    energy, the run is repeated with half the step, three times at most, and a warning tells if
-    that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
+    energy, the run is repeated with half the step, three times at most, and a warning follows
+    if that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
     is the largest error of the ledger at all steps and samples [J].
     Chaotic motion amplifies every error: only its statistics can be trusted at late times.
     A contact is missed if the ball dips into a wall and returns within a quarter of a step while

@@ -116,7 +116,7 @@ def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
 
 
 def checked_offset(system: System, angle: Any, offset: Any) -> float:
-    """Return an offset that stands instead of an angle [rad]."""
+    """Return an offset that replaces an angle [rad]."""
     if not isinstance(system, LatoLato):
         raise InputError(
             "counts from the low contact angle of a LatoLato",

@@ -33,7 +33,7 @@ def _by_name(entries: list[Any]) -> dict[str, Any]:
 
 
 def _shown(value: Any, other: Any) -> str:
-    """Return a value in brief, as far as it tells it from another one."""
+    """Return a value in brief, with the part that differs from another one."""
     text = json.dumps(value)
     if len(text) <= 40:
         return text

@@ -1,8 +1,8 @@
 """Turns points of a plan into the arrays that kernels read.
 
 Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
-rest, as for a single run. Objects are made for drives of several stretches, for noise, and to say
-what is wrong with a point.
+rest, as for a single run. Objects are made for drives of several stretches, for noise, and to
+explain invalid points.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def make_batch(
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
     valid = problems == FINE
-    # An invalid point hands its start on to its neighbour in a continuation.
+    # An invalid point passes its start on to its neighbour in a continuation.
     states["angle"][~valid] = _given_angles(cases[~valid])
     states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
@@ -221,7 +221,7 @@ def _stretches(
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Return the stretches of all points' drives, and where those of each begin.
 
-    A drive's bounds go into its case, and points whose drive makes no sense become invalid; whole
+    A drive's bounds go into its case, and points whose drive is impossible become invalid; whole
     columns turn into stretches where each point has one cosine.
     """
     count = len(cases)
@@ -320,7 +320,7 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
-    """Return what is wrong with a point, as the objects of a single run say it."""
+    """Return what is wrong with a point, with the error of a single run."""
     try:
         _objects(plan, columns, k, previous)
     except InputError as error:
@@ -342,7 +342,7 @@ def _law_at(plan: Plan, columns: Columns, k: int, owner: str) -> Any:
     Raises
     ------
     InputError
-        If it makes no sense.
+        If its parameters are impossible.
     """
     known = parameters_of(plan.system, plan.drive, plan.noise)
     phase = columns.get("drive_phase")  # a continuation carries it on

@@ -177,7 +177,7 @@ class Store(Results):
 
     def _open(self) -> None:
         """Create the store or find out what is missing, with the lock held."""
-        result = self._check_place()  # again: somebody may have written it before we had the lock
+        result = self._check_place()  # again, now that nobody else writes it
         new, coordinates = first_files(self.plan, self.rounding)
         self._root = new if result is None else result.root
         files = {
@@ -225,7 +225,7 @@ class Store(Results):
             )
 
     def _repair(self, damaged: Mapping[str, int | None], files: Mapping[str, bytes]) -> None:
-        """Forget damaged chunks and write other damaged files again, and say so."""
+        """Forget damaged chunks, write other damaged files again, and warn of it."""
         if not damaged:
             return
         chunks = {number for number in damaged.values() if number is not None}
@@ -332,7 +332,7 @@ def verify_store(path: str | Path) -> dict[str, Any]:
 
 
 def store_status(path: str | Path) -> dict[str, Any]:
-    """Return what a store holds, how far its sweep is, and whether somebody is writing it.
+    """Return what a store holds, how far its sweep is, and whether it is being written.
 
     Raises
     ------
