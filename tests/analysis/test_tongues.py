@@ -178,7 +178,7 @@ def test_what_has_no_linear_stability_is_refused():
         r"must be 0 for balls that hang straight down.*use ll\.Pendulum\(length=1": ll.LatoLato(
             length=1.0, mass=0.8, radius=0.1
         ),
-        "radius 0.1 m cannot hang": ll.BallPair(right=ball, left=ball),
+        "radius must be 0 for balls that hang": ll.BallPair(right=ball, left=ball),
         "restitution must be 1, got 0.9": ll.LatoLato(
             length=1.0, mass=0.8, radius=0.0, restitution=0.9
         ),

@@ -86,13 +86,15 @@ class Linear:
         factor = self.side / self.length
         return lambda phase: factor * acceleration(phase)
 
+    @lru_cache(maxsize=256)  # noqa: B019 - problems are small, and this bounds their number
     def coefficients(self, amplitude: float) -> Complexes:
         """Return the Fourier coefficients of `waveform`."""
-        return _coefficients(self, amplitude)
+        return fourier_coefficients(self.waveform(amplitude))
 
+    @lru_cache(maxsize=256)  # noqa: B019
     def harmonics(self, amplitude: float, is_odd: bool, count: int) -> int:
         """Return how many harmonics give the lowest `count` edges of bands."""
-        return _harmonics(self, amplitude, is_odd, count)
+        return enough_harmonics(self.coefficients(amplitude), is_odd, count)
 
     def bands(self, amplitude: float, is_odd: bool, count: int) -> NDArray[np.float64]:
         """Return the lowest edges of bands of the equation without drag, shape (count,)."""
@@ -141,18 +143,6 @@ class Linear:
             harmonics = self.harmonics(amplitude, False, 2 + math.ceil(2.0 * math.sqrt(abs(a))))
             rate = undamped_growth(a, self.coefficients(amplitude), harmonics)
         return w * rate - zeta * w0
-
-
-@lru_cache(maxsize=256)
-def _coefficients(problem: Linear, amplitude: float) -> Complexes:
-    """Return the Fourier coefficients of a problem's waveform."""
-    return fourier_coefficients(problem.waveform(amplitude))
-
-
-@lru_cache(maxsize=256)
-def _harmonics(problem: Linear, amplitude: float, is_odd: bool, count: int) -> int:
-    """Return the number of harmonics that a problem needs."""
-    return enough_harmonics(problem.coefficients(amplitude), is_odd, count)
 
 
 def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[float], float]:

@@ -19,6 +19,7 @@ from latolato.analysis.orbits import (
     checked_guess,
     find_orbit,
     multipliers_of,
+    scale_of,
 )
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import Quantity
@@ -42,6 +43,10 @@ QUANTITIES = {
     "defect": Quantity("1", "", "what the orbit misses to be closed"),
     "response_period": Quantity("1", "p", "period of the orbit in drive periods"),
 }
+_NUMBERS = (
+    "growth_rate", "determinant", "expected_determinant", "difference_residual",
+    "multiplier_error", "impacts", "turns", "slowest_impact", "response_period",
+)  # fmt: skip
 # A modulus this close to one is neither stable nor unstable.
 _NEUTRAL = 1e-8
 # Beyond this the determinant or the differences contradict the matrix.
@@ -172,22 +177,14 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
         "monodromy": np.full((size, size), math.nan),
         "initial_angle": np.full(size // 2, math.nan),
         "initial_angular_velocity": np.full(size // 2, math.nan),
-        "growth_rate": math.nan,
-        "determinant": math.nan,
-        "expected_determinant": math.nan,
-        "difference_residual": math.nan,
-        "multiplier_error": math.nan,
-        "impacts": math.nan,
-        "turns": math.nan,
-        "slowest_impact": math.nan,
-        "response_period": math.nan,
+        **dict.fromkeys(_NUMBERS, math.nan),
         "defect": orbit.defect,
         "status": "not found",
     }
     if not orbit.defect <= CLOSED:
         return result
     matrix, multipliers = orbit.passage.matrix, orbit.multipliers
-    largest = abs(multipliers[0])
+    largest, natural = abs(multipliers[0]), orbit.flow.system.natural_frequency
     expected = math.exp(orbit.passage.spread)
     determinant = float(np.linalg.det(matrix))
     difference = difference_residual(orbit)
@@ -197,7 +194,7 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
     scale = max(float(np.max(np.abs(matrix))) ** 2, expected)
     if orbit.rests:
         status = "rest"
-    elif orbit.passage.grazes or orbit.slowest_impact < GRAZING_SPEED * natural(orbit):
+    elif orbit.passage.grazes or orbit.slowest_impact < GRAZING_SPEED * natural:
         status = "grazing"
     elif abs(determinant - expected) > _DETERMINANT_LIMIT * scale or (
         difference > _DIFFERENCE_LIMIT
@@ -241,18 +238,13 @@ def dimensioned(entries: dict[str, object], system: System) -> dict[str, object]
     return variables
 
 
-def natural(orbit: Orbit) -> float:
-    """Return the natural frequency of the orbit's system [rad/s]."""
-    return orbit.flow.system.natural_frequency
-
-
 def difference_residual(orbit: Orbit) -> float:
     """Return how much the matrix differs from central differences, relative to its largest entry.
 
     Measured in radians and natural frequencies. NaN where a start on a wall cannot be moved.
     """
     flow, size = orbit.flow, orbit.flow.size
-    unit = np.array([1.0, natural(orbit)] * (size // 2))
+    unit = scale_of(flow.system)
     low, high = flow.walls
     place = orbit.start[0] if size == 2 else orbit.start[0] - orbit.start[2]
     if place - low < 2.0 * _NUDGE or high - place < 2.0 * _NUDGE:
@@ -274,7 +266,7 @@ def smallest_period(orbit: Orbit) -> int:
     """Return the smallest number of drive periods after which an orbit repeats itself."""
     period = drive_period(orbit.flow.drive)
     count = round(orbit.duration / period)
-    unit = np.array([1.0, natural(orbit)] * (orbit.flow.size // 2))
+    unit = scale_of(orbit.flow.system)
     for divisor in range(1, count):
         if count % divisor:
             continue
