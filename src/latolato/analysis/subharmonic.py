@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
+from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
 from latolato.physics.noise import STREAMS, VelocityKicks
-from latolato.physics.pendulum import LatoLato, System
+from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
 from latolato.sweeps import sweep
 
@@ -176,7 +176,7 @@ def time_crystal(
     noise_strength: Annotated[float, NON_NEGATIVE] = 0.0,
     trajectories: int = 1,
     noise_seed: Annotated[int, STREAMS] = 0,
-    periods: int = 256,
+    periods: Annotated[int, Range(16, COUNT.high, open_high=True)] = 256,
     transient_periods: Annotated[int, NON_NEGATIVE] = 200,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
@@ -270,9 +270,9 @@ def time_crystal(
             f"{trajectories} trajectories without noise are all the same: give noise_strength or "
             "one"
         )
-    if periods < 16:
-        raise InputError("must be at least 16 for a line", parameter="periods", value=periods)
-    start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
+    start = start_options(
+        system, initial_angle, initial_angular_velocity, initial_offset, beside=0.1
+    )
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     noise = None
     if noise_strength > 0.0:
@@ -332,18 +332,6 @@ def time_crystal(
         quantities=_QUANTITIES,
         settings={**start, "caution": CAUTION, "resolution": _HANN_WIDTH / periods},
     )
-
-
-def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, Any]:
-    """Return the start, by default a tenth of a radian beside where the system hangs."""
-    if angle is not None or offset is not None:
-        return start_options(system, angle, velocity, offset)
-    if isinstance(system, LatoLato):
-        return start_options(system, None, velocity, 0.1)
-    hanging = start_options(system, None, velocity, None)["initial_angle"]
-    if isinstance(hanging, tuple):
-        return start_options(system, (hanging[0] + 0.1, hanging[1] - 0.1), velocity, None)
-    return start_options(system, 0.1, velocity, None)
 
 
 def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) -> dict[str, Any]:
