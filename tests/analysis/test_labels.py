@@ -3,6 +3,7 @@
 from inspect import signature
 
 import numpy as np
+import pytest
 
 import latolato as ll
 from latolato.analysis.registry import labelled
@@ -34,6 +35,13 @@ def test_labels_carry_units_and_all_parameters() -> None:
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
     assert not {"left_out", "other"} & found.attrs.keys()
+
+
+def test_a_warning_of_an_analysis_points_at_its_caller() -> None:
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    with pytest.warns(RuntimeWarning, match="no drive up to 0.001 length") as warned:
+        ll.analysis.threshold_amplitude(rod, largest_amplitude_ratio=0.001)
+    assert warned[0].filename == __file__
 
 
 def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:

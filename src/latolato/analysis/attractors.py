@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -17,7 +16,7 @@ from latolato.analysis.checks import (
     check_span,
     checked_periodic,
 )
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
@@ -228,12 +227,10 @@ def basins(
     )
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
-        warnings.warn(
+        warn(
             f"{unsettled:.1%} of the starts lead to motion that has not settled after "
             f"{transient_periods:g} drive periods: they belong to no attractor; raise "
-            "transient_periods",
-            RuntimeWarning,
-            stacklevel=3,
+            "transient_periods"
         )
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
     places = ("initial_angle", "initial_angular_velocity")

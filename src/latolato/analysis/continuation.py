@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -13,7 +12,7 @@ from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.multipliers import shorter_period, smallest_period
 from latolato.analysis.orbits import CLOSED, PERIODS, checked_guess, find_orbit
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
@@ -152,7 +151,7 @@ def continue_orbit(
             why = specials[-1][0].replace("_", " ") if specials else ""
             near = bool(why) and specials[-1][1].value == places[-1].value
             hint = f", by {why}" if near else ": Newton's method fails with the shortest steps"
-        warnings.warn(f"the branch was {status}{where}{hint}", RuntimeWarning, stacklevel=3)
+        warn(f"the branch was {status}{where}{hint}")
     variables = _variables(branch, places, specials) | {"status": status}
     about = known.quantity
     return labelled(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from latolato.analysis.hill import find_peak, find_root
 from latolato.analysis.linear import RATIOS, acceleration_at, checked_template, waveform_of
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
@@ -105,12 +104,10 @@ def self_start(
     status = "found"
     if math.isnan(amplitude):
         status = "out of reach"
-        warnings.warn(
+        warn(
             f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
             f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
-            "connecting_rod_length",
-            RuntimeWarning,
-            stacklevel=3,
+            "connecting_rod_length"
         )
     variables: dict[str, Any] = {
         "drive_amplitude": amplitude,

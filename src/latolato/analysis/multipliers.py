@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,7 +20,7 @@ from latolato.analysis.orbits import (
     multipliers_of,
     scale_of,
 )
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -134,18 +133,14 @@ def floquet(
     orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
-        warnings.warn(
+        warn(
             f"no motion of period {period} was found from this start (defect "
-            f"{orbit.defect:.2g}); try a start on the attractor, or another period",
-            RuntimeWarning,
-            stacklevel=3,
+            f"{orbit.defect:.2g}); try a start on the attractor, or another period"
         )
     elif result["status"] in ("grazing", "contradicted"):
-        warnings.warn(
+        warn(
             f"the multipliers are doubtful ({result['status']}): an impact is nearly missed, or "
-            "the determinant or finite differences disagree",
-            RuntimeWarning,
-            stacklevel=3,
+            "the determinant or finite differences disagree"
         )
     return labelled(
         "floquet",

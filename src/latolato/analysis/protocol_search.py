@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_nonlinear, increasing
 from latolato.analysis.protocol import Protocol
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_columns, start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
@@ -212,9 +211,7 @@ def shortest_protocol(
             NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
             NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
         }
-        warnings.warn(
-            f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=3
-        )
+        warn(f"{reason[result['status']]}: nothing to recommend")
     enough = [
         speed for speed, share in zip(pushes, shares[1:], strict=True) if share >= required_share
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from functools import cache, wraps
 from inspect import signature
@@ -67,6 +68,12 @@ def _checked(parameter: Parameter, value: Any) -> Any:
 
 
 analyses = Analyses("analysis")
+
+
+def warn(text: str) -> None:
+    """Warn the caller of an analysis that it has no answer, or a doubtful one."""
+    warnings.warn(text, RuntimeWarning, stacklevel=4)  # past the analysis and its checks
+
 
 # What several analyses name.
 COMMON = {

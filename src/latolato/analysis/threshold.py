@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 from latolato.analysis.linear import RATIOS, linearised, threshold, waveform_of
 from latolato.analysis.mathieu import mathieu_threshold_amplitude
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -80,12 +79,10 @@ def threshold_amplitude(
         amplitude = threshold(problem, frequency_ratio, largest, order)
     status = "none" if math.isnan(amplitude) else "found"
     if status == "none":
-        warnings.warn(
+        warn(
             f"no drive up to {largest_amplitude_ratio:g} length makes hanging unstable at "
             f"frequency_ratio {frequency_ratio:g}; raise largest_amplitude_ratio or choose a ratio "
-            "nearer to 2/n",
-            RuntimeWarning,
-            stacklevel=3,
+            "nearer to 2/n"
         )
     return labelled(
         "threshold_amplitude",

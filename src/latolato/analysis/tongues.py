@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from latolato.analysis.linear import linearised, tongue, waveform_of
 from latolato.analysis.mathieu import mathieu_tongue_edges
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.core.registry import checked_count
@@ -106,11 +105,9 @@ def tongue_edges(
         low, high = tongue(problem, drive_amplitude, order, method)
     status = "closed" if math.isnan(low) else "no upper edge" if math.isinf(high) else "found"
     if status == "closed":
-        warnings.warn(
+        warn(
             f"the tongue of order {order} is closed at drive_amplitude {drive_amplitude:g} m; "
-            "raise it or lower the damping",
-            RuntimeWarning,
-            stacklevel=3,
+            "raise it or lower the damping"
         )
     return labelled(
         "tongue_edges",

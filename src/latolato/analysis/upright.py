@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 from latolato.analysis.hill import find_root
 from latolato.analysis.linear import RATIOS, Linear, linearised, waveform_of
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -78,11 +77,9 @@ def inverted_limits(
     )
     if status != "found":
         what = "lower" if math.isnan(low) else "upper"
-        warnings.warn(
+        warn(
             f"no {what} limit was found up to drive_amplitude {largest:g} m; raise "
-            "largest_amplitude_ratio or frequency_ratio",
-            RuntimeWarning,
-            stacklevel=3,
+            "largest_amplitude_ratio or frequency_ratio"
         )
     return labelled(
         "inverted_limits",

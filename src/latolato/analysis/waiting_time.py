@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
@@ -199,11 +198,9 @@ def first_passage_time(
     known = grid.status.values < EVENT_LIMIT
     result = _statistics(times[known], duration)
     if result["status"] == NONE:
-        warnings.warn(
+        warn(
             f"no trajectory of {trajectories} reached {threshold_angle:g} rad within {duration:g} "
-            "s: the mean is unknown; wait longer or raise noise_strength",
-            RuntimeWarning,
-            stacklevel=3,
+            "s: the mean is unknown; wait longer or raise noise_strength"
         )
     return labelled(
         "first_passage_time",
