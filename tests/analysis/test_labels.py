@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.registry import labelled
+from latolato.analysis.registry import analyses, labelled
+from latolato.core.errors import InputError
 
 
 def test_labels_carry_units_and_all_parameters() -> None:
@@ -35,6 +36,17 @@ def test_labels_carry_units_and_all_parameters() -> None:
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
     assert not {"left_out", "other"} & found.attrs.keys()
+
+
+@pytest.mark.parametrize(
+    "name, argument",
+    [("tongue_edges", "drive_amplitude"), ("response_period", "tolerance"), ("basins", "longest")],
+)
+def test_none_is_an_argument_only_where_it_is_the_default(name, argument) -> None:
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
+    with pytest.raises(InputError, match=f"{argument} must be a .*, got None"):
+        analyses[name](rod, drive, **{argument: None})
 
 
 def test_a_warning_of_an_analysis_points_at_its_caller() -> None:

@@ -337,7 +337,7 @@ class Branch:
     def _locate(
         self, old: Place, new: Place, length: float, is_before: Callable[[Place], bool]
     ) -> Place:
-        """Return the first point found where a condition no longer holds, by bisection."""
+        """Return the first point where a condition no longer holds, by bisection."""
         low, high, place = 0.0, length, new
         for _ in range(BISECTIONS):
             # Where branches cross Newton's method may fail at one place and not beside it.

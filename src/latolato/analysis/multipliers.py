@@ -159,7 +159,7 @@ def shorter_period(smallest: Any, period: int) -> str | None:
     if smallest not in range(1, period):
         return None
     return (
-        f"the motion found repeats after {smallest:g} of {period} drive periods already; another "
+        f"the motion repeats after {smallest:g} of {period} drive periods already; another "
         f"start may lead to one of period {period}, if there is any"
     )
 

@@ -71,7 +71,7 @@ def first_push(
     scan_points : int
         Pushes tried between none and the largest, at equal distances.
     refinements : int
-        How often the first bracket found is cut into eight, 0 to 12.
+        How often the first bracket is cut into eight, 0 to 12.
     sustained_angle : float
         Motion lasts if, after the transient, it still goes this far beyond its angle at rest
         [rad], in (0, pi].
@@ -104,7 +104,7 @@ def first_push(
     motion dies again, as ``sustained_share`` shows.
 
     What it can miss: a stripe narrower than ``scan_resolution`` (attribute, the distance of scanned
-    pushes) below the first push found. Motion that grows or dies more slowly than the transient
+    pushes) below the first push. Motion that grows or dies more slowly than the transient
     lasts is judged by how far it goes at its end; small pushes of an unstable pendulum need
     ``ln(sustained_angle/push)/growth_rate`` seconds. Lift-off alone is not lasting motion: visible
     motion from rest needs ``drive_acceleration_ratio`` of about 1.04 (e = 1) to 1.9 (e = 0.5).

@@ -39,6 +39,7 @@ class Analyses(Registry[Callable[..., Any]]):
 
 def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function that passes checked arguments on; None stays where it is the default."""
+    called = signature(function)
 
     @cache  # not before the function's module is complete
     def known() -> dict[str, Parameter]:
@@ -48,11 +49,11 @@ def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(function)
     def checked(*args: Any, **options: Any) -> Any:
-        bound = signature(function).bind(*args, **options)
+        bound = called.bind(*args, **options)
         bound.apply_defaults()
         for name, parameter in known().items():
             value = bound.arguments[name]
-            if value is not None or parameter.default is not None:
+            if value is not None or called.parameters[name].default is not None:
                 bound.arguments[name] = _checked(parameter, value)
         return function(*bound.args, **bound.kwargs)
 

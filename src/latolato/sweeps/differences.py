@@ -22,7 +22,7 @@ def differences(there: Any, here: Any, name: str = "") -> list[str]:
             below = f"{name}.{key}" if name else str(key)
             result += differences(there.get(key), here.get(key), below)
         return result
-    return [] if there == here else [f"{name} is {_shown(there, here)}, not {_shown(here, there)}"]
+    return [] if there == here else [f"{name} is {_brief(there, here)}, not {_brief(here, there)}"]
 
 
 def _by_name(entries: list[Any]) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def _by_name(entries: list[Any]) -> dict[str, Any]:
     return {str(entry.get("name") or entry.get("kind")): entry for entry in entries}
 
 
-def _shown(value: Any, other: Any) -> str:
+def _brief(value: Any, other: Any) -> str:
     """Return a value in brief, with the part that differs from another one."""
     text = json.dumps(value)
     if len(text) <= 40:

@@ -179,7 +179,7 @@ def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
 
 
 def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[Any]:
-    """Return the points' cases, whose drives' bounds are to be found."""
+    """Return the points' cases, without the bounds of their drives."""
     cases = cases_of(
         plan.system, plan.contact, count=len(columns["gravity"]), duration=plan.duration,
         tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
