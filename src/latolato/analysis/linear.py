@@ -228,10 +228,11 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
         )
     if system.restitution < 1.0:
         raise InputError(
-            "must be 1, or balls lose energy whenever they meet, and no linear equation holds",
+            "must be 1",
             parameter="restitution",
             value=system.restitution,
-            way_out=way_out,
+            way_out="balls that lose energy whenever they meet follow no linear equation: "
+            f"{way_out}",
         )
     rates = {each.damping / each.mass for each in system.balls}
     if len(rates) > 1:
